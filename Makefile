@@ -1,0 +1,107 @@
+# A fresh machine needs Python 3.11 or later (with its venv, ssl and sqlite3 modules) and make; the rest is done here.
+#
+#   make demo          six simulated robots in the terminal; no account, no ROS
+#   make test          every check and every test
+#   make check         the checks alone: style, types, imports
+#   make campaign      the long runs; hours, not minutes
+#   make requirements  work out the pinned versions anew (UPGRADE=1: the newest that fit)
+#   make clean         remove the environment and whatever was built
+#
+#   PYTHON=/path/to/python     choose the interpreter
+#   TESTS=tests/core           run a part;  PYTEST_ARGS='-x -k stop'  passes anything else on
+#   WORKERS=2                  run tests side by side; tests that share a group stay together
+#   TEST_SECONDS=1800          the run of tests is over by then, whatever happens
+
+VENV := .venv
+BIN := $(VENV)/bin
+PYTHON ?=
+TESTS ?= tests
+WORKERS ?= 0
+PYTEST_ARGS ?=
+TEST_SECONDS ?= 1800
+CAMPAIGN_SECONDS ?= 21600
+UPGRADE ?=
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+# Two pips at work in one environment would spoil it.
+.NOTPARALLEL:
+.PHONY: help demo test check campaign requirements clean
+
+help:
+	@sed -n 's/^#   //p' Makefile
+
+demo: $(VENV)/.core
+	@$(BIN)/rosic demo
+
+test: check
+	$(call bounded,$(TEST_SECONDS)) $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup $(PYTEST_ARGS) $(TESTS)
+
+check: $(VENV)/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+campaign: $(VENV)/.dev
+	$(call bounded,$(CAMPAIGN_SECONDS)) $(BIN)/python -m pytest -m campaign -o faulthandler_timeout=0 $(PYTEST_ARGS) $(TESTS)
+
+# First an interrupt, so that tests put their servers away; then the end, for what does not listen.
+bounded = timeout --foreground --signal=INT --kill-after=60 $(1)
+
+# ---- the environment ----
+
+# One environment, two sizes: core runs ROSIC, dev also tests it. Their pins agree, so the small one grows into the large
+# one in place. A stamp is younger than everything it was installed from.
+$(VENV)/.core: requirements/core.txt pyproject.toml src/rosic/__init__.py
+	@$(environment)
+	@$(call install,core)
+	@touch $@
+
+$(VENV)/.dev: requirements/dev.txt pyproject.toml src/rosic/__init__.py
+	@$(environment)
+	@$(call install,dev)
+	@touch $@ $(VENV)/.core
+
+# A stamp says nothing once the interpreter under it is gone.
+$(VENV)/.core $(VENV)/.dev: $(shell test -x $(BIN)/python || echo anew)
+.PHONY: anew
+anew: ;
+
+# Hashes hold for everything that comes from outside. The project itself is then built with what was just installed.
+define install
+echo "Installing requirements/$(1).txt into $(VENV) (the first time takes a minute or two)"; \
+$(BIN)/python -m pip install --quiet --require-hashes --requirement requirements/$(1).txt </dev/null && \
+$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable . </dev/null
+endef
+
+# Half an environment, one of an older Python, or one whose interpreter has gone is made anew. A name on the path proves
+# nothing (version managers leave names for Pythons that are not installed), so each candidate is asked to run.
+usable = -c 'import ensurepip, sqlite3, ssl, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1
+candidates = $(or $(PYTHON),python3.13 python3.12 python3.11 python3 python python3.14)
+define environment
+if $(BIN)/python $(usable) && $(BIN)/python -m pip --version >/dev/null 2>&1; then exit 0; fi; \
+for candidate in $(candidates); do \
+    if "$$candidate" $(usable); then exec "$$candidate" -m venv --clear $(VENV); fi; \
+done; \
+echo "No Python 3.11 or later with venv, ssl and sqlite3 was found. Install one, or name it with PYTHON=/path/to/python." >&2; \
+exit 1
+endef
+
+# ---- upkeep ----
+
+# Universal (one file for every supported Python), with hashes, without addresses. The smaller set keeps to the larger.
+compile = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+    --custom-compile-command "make requirements" pyproject.toml requirements/build.in
+
+requirements:
+	@test -x $(BIN)/uv || $(MAKE) $(VENV)/.dev
+	$(compile) --extra dev $(if $(UPGRADE),--upgrade) --output-file requirements/dev.txt
+	$(compile) --constraint requirements/dev.txt --no-annotate --output-file requirements/core.txt
+	$(compile) --constraint requirements/dev.txt --no-annotate --extra telegram --output-file requirements/telegram.txt
+
+clean:
+	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	find src tests -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,150 @@
+"""Rules about the shape of the source: functions over texts, so that each can be seen to fail."""
+
+from __future__ import annotations
+
+import ast
+import posixpath
+import re
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+MAX_LINES = 400
+
+VAGUE_NAMES = frozenset({"utils", "util", "helpers", "helper", "common", "manager", "base", "misc"})
+
+# The one sentence in which ROSIC says what its stop is not, and the pages that may say it.
+_DISCLAIMER = re.compile(r"It is not an emergency stop\s+\(IEC 60204-1, ISO 13850\)")
+_DISCLAIMING_PAGES = frozenset({"SECURITY.md", "README.md"})
+_SAFETY_FUNCTION = re.compile(r"emergency[\s_-]*stop|\be-stop\b|\bestop\b", re.IGNORECASE)
+
+# A character class in each pattern keeps this file from finding itself.
+_TRACES = re.compile(
+    r"(?<![\w.])/(?:wor[k]|roo[t]|home/[a-z][\w-]*|Users/[a-z][\w-]*|opt/pyp[i][\w-]*)/"
+    r"|/tm[p]/bash_jobs|\.pyen[v]\b"
+    r"|https?://[^\s\"']+/(?:simpl[e]|package[s])/|(?:files\.pythonhosted|(?<!\.)pyp[i])\.org\b"
+    r"|registry\.npmj[s]\.org|--(?:extra-)?inde[x]-url|--find-link[s]"
+)
+
+_AMERICAN = re.compile(
+    r"(?<![a-z])(?:"
+    r"(?:un)?authoriz\w*|organiz\w*|recogniz\w*|initializ\w*|normaliz\w*|synchroniz\w*|finaliz\w*"
+    r"|minimiz\w*|maximiz\w*|optimiz\w*|summariz\w*|utiliz\w*|customiz\w*|prioritiz\w*|sanitiz\w*"
+    r"|behavior\w*|colors?|colored|favorit\w*|favors?|honor\w*|neighbor\w*|labor|gray"
+    r"|center(?:s|ed|ing)?|canceled|canceling|labeled|labeling|modeled|modeling|signaled|signaling"
+    r"|traveled|traveling|analyz\w*|catalogs?|dialogs?|defense|fulfill?ment|artifacts?"
+    r")(?![a-z])",
+    re.IGNORECASE,
+)
+# The path of a link, without its anchor; links that leave the repository carry a scheme.
+_LINK = re.compile(r"\]\((?![a-z]+:|#)([^)#\s]+)")
+# Names that others chose (an API, a header, a wire format) are taken out before the text is read.
+FOREIGN_NAMES = (
+    re.compile(r"\bunicodedata\.normalize\b"),
+    re.compile(r"\bNO_COLOR\b|--no-color\b|\bcolor_depth\b|\bColorDepth\b|\bpygments\.\w+"),
+    re.compile(
+        r"\bSTATUS_CANCELED\b|\bnum_goals_canceled\b|\bgoals_canceled\b|\bgoals_canceling\b"
+    ),
+    re.compile(r"[\"']Authorization[\"']|\bAuthorization:|[\"']Unauthorized[\"']|</?center>"),
+    re.compile(r"\binitializer="),
+    re.compile(r"\binitialize(?:Operator|Robot)\b"),  # the paper's functions
+    re.compile(r"\bpor favor\b"),  # "please", in Spanish and Portuguese
+    re.compile(r"\b\w*(?:accent|icon|fill|name)_color\w*"),  # Telegram's fields
+)
+
+
+def too_long(texts: Mapping[str, str], limit: int = MAX_LINES) -> list[str]:
+    """Modules that have outgrown one reason to change."""
+    lines = {path: len(text.splitlines()) for path, text in texts.items()}
+    return [f"{path}: {count} lines" for path, count in lines.items() if count > limit]
+
+
+def vaguely_named(paths: Iterable[str]) -> list[str]:
+    """Modules and packages whose name says nothing about what belongs in them."""
+    return [
+        path
+        for path in paths
+        if any(part.removesuffix(".py").strip("_") in VAGUE_NAMES for part in path.split("/"))
+    ]
+
+
+def claims_of_safety(texts: Mapping[str, str]) -> list[str]:
+    """Places that call ROSIC's stop what it is not; the disclaimer on its own pages is left out."""
+    said = {
+        path: _DISCLAIMER.sub("", text) if path in _DISCLAIMING_PAGES else text
+        for path, text in texts.items()
+    }
+    return [found for path, text in said.items() for found in _found(path, text, _SAFETY_FUNCTION)]
+
+
+def traces_of_a_machine(texts: Mapping[str, str]) -> list[str]:
+    """Paths of one machine, and addresses that packages were fetched from."""
+    return [found for path, text in texts.items() for found in _found(path, text, _TRACES)]
+
+
+def american_spellings(texts: Mapping[str, str]) -> list[str]:
+    """Words that ROSIC spells in the British way; names that others chose are let through."""
+    return [
+        found
+        for path, text in texts.items()
+        for found in _found(path, _without_foreign_names(text), _AMERICAN)
+    ]
+
+
+def without_docstring(texts: Mapping[str, str]) -> list[str]:
+    """Packages that do not say what they are for."""
+    return [
+        path
+        for path, text in texts.items()
+        if path.endswith("/__init__.py") and not ast.get_docstring(ast.parse(text))
+    ]
+
+
+def broken_links(texts: Mapping[str, str], paths: Iterable[str]) -> list[str]:
+    """Relative links of Markdown pages that lead to no file and no folder."""
+    known = {
+        "/".join(path.split("/")[:depth]) for path in paths for depth in range(path.count("/") + 2)
+    }
+    return [
+        f"{page}: {target}"
+        for page, text in texts.items()
+        for target in _LINK.findall(text)
+        if posixpath.normpath(posixpath.join(posixpath.dirname(page), target)) not in known | {"."}
+    ]
+
+
+def imported_packages(texts: Iterable[str]) -> set[str]:
+    """Top-level names of everything that the sources import, wherever the import stands."""
+    names: set[str] = set()
+    for node in (node for text in texts for node in ast.walk(ast.parse(text))):
+        if isinstance(node, ast.Import):
+            names.update(alias.name.partition(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names.add(node.module.partition(".")[0])
+    return names
+
+
+def pins(requirements: str) -> dict[str, str]:
+    """Name to version of every pinned line."""
+    return dict(re.findall(r"^([a-z0-9.-]+)(?:\[[\w,]+\])?==([\w.]+)", requirements, re.MULTILINE))
+
+
+def without_hash(requirements: str) -> list[str]:
+    """Requirements that anybody could replace: not pinned, or without a hash."""
+    logical = requirements.replace("\\\n", " ").splitlines()
+    wanted = [line for line in logical if line.strip() and not line.lstrip().startswith("#")]
+    return [line for line in wanted if "==" not in line or "--hash=sha256:" not in line]
+
+
+def _found(path: str, text: str, pattern: re.Pattern[str]) -> list[str]:
+    return [
+        f"{path}:{text.count(chr(10), 0, match.start()) + 1}: {match.group()}"
+        for match in pattern.finditer(text)
+    ]
+
+
+def _without_foreign_names(text: str) -> str:
+    for pattern in FOREIGN_NAMES:
+        text = pattern.sub("", text)
+    return text

@@ -1,0 +1,102 @@
+"""Each rule about shape catches what it is there for, and lets the honest neighbour pass."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.shape import rules
+
+PAIR = ("emergency", "stop")  # never side by side in this file's own words
+
+
+def test_a_module_of_401_lines_is_too_long() -> None:
+    texts = {"src/a.py": "x = 1\n" * 401, "src/b.py": "x = 1\n" * 400}
+
+    assert rules.too_long(texts) == ["src/a.py: 401 lines"]
+
+
+def test_a_vague_name_is_found_as_module_and_as_package() -> None:
+    vague = ["src/rosic/utils.py", "src/rosic/common/units.py", "tests/_helpers.py"]
+
+    assert rules.vaguely_named([*vague, "src/rosic/units.py", "src/rosic/database.py"]) == vague
+
+
+@pytest.mark.parametrize("between", [" ", "-", "_", "\n", "  "])
+def test_the_two_words_are_found_however_they_are_joined(between: str) -> None:
+    said = "# " + between.join(PAIR).upper()
+
+    assert len(rules.claims_of_safety({"src/a.py": said})) == 1
+
+
+def test_the_disclaimer_stands_on_its_own_pages_only() -> None:
+    sentence = f"It is not an {' '.join(PAIR)}\n(IEC 60204-1, ISO 13850), carries no rating."
+
+    assert rules.claims_of_safety({"SECURITY.md": sentence}) == []
+    assert len(rules.claims_of_safety({"docs/linker.md": sentence})) == 1
+    assert len(rules.claims_of_safety({"SECURITY.md": f"An {' '.join(PAIR)} for all."})) == 1
+
+
+@pytest.mark.parametrize(
+    "trace",
+    [
+        "/wor" + "k/main/src",
+        "/hom" + "e/sam/rosic",
+        "/roo" + "t/.cache",
+        "see /opt/pyp" + "i/simple",
+        "~/.pyen" + "v/shims",
+        "https://mirror.example/simpl" + "e/pint",
+        "--extra-inde" + "x-url x",
+        "https://pyp" + "i.org/project/pint",
+    ],
+)
+def test_a_trace_of_a_machine_is_found(trace: str) -> None:
+    assert len(rules.traces_of_a_machine({"requirements/core.txt": f"a\n{trace}\n"})) == 1
+
+
+def test_ordinary_paths_and_addresses_are_no_traces() -> None:
+    text = "/kuka1/cmd_vel docs/work/plan.md https://core.telegram.org/bots/api /usr/bin/env /tmp/x"
+
+    assert rules.traces_of_a_machine({"docs/a.md": text}) == []
+
+
+@pytest.mark.parametrize("word", ["authorize", "Behavior", "color", "canceled", "Organizer"])
+def test_an_american_spelling_is_found_with_its_line(word: str) -> None:
+    assert rules.american_spellings({"docs/a.md": f"\nto_{word} x"}) == [f"docs/a.md:2: {word}"]
+
+
+def test_british_spellings_and_names_of_others_pass() -> None:
+    text = (
+        "authorise organiser colour cancelled behaviour centre dialogue laboratory "
+        "unicodedata.normalize('NFKC', x) NO_COLOR GoalStatus.STATUS_CANCELED"
+    )
+
+    assert rules.american_spellings({"docs/a.md": text}) == []
+
+
+def test_a_package_without_a_docstring_is_found() -> None:
+    texts = {"src/a/__init__.py": "", "src/b/__init__.py": '"""B."""\n', "src/c.py": ""}
+
+    assert rules.without_docstring(texts) == ["src/a/__init__.py"]
+
+
+def test_a_link_that_leads_nowhere_is_found() -> None:
+    page = (
+        "[a](b.md) [b](../LICENSE#top) [c](https://ros.org/x) [d](#here) [e](decisions) [f](no.md)"
+    )
+    paths = ["docs/a.md", "docs/b.md", "docs/decisions/0.md", "LICENSE"]
+
+    assert rules.broken_links({"docs/a.md": page}, paths) == ["docs/a.md: no.md"]
+
+
+def test_every_way_to_import_counts() -> None:
+    source = "import yaml.nodes\ndef f():\n    from nacl.bindings import x\nfrom . import y\n"
+
+    assert rules.imported_packages([source]) == {"yaml", "nacl"}
+
+
+def test_a_requirement_without_hash_or_without_pin_is_found() -> None:
+    good = "# note\npint==0.25 \\\n    --hash=sha256:ab\n    # via x\n"
+    text = f"{good}yarl==1\nmako>=1 --hash=sha256:cd\n"
+
+    assert [line.split()[0] for line in rules.without_hash(text)] == ["yarl==1", "mako>=1"]
+    assert rules.pins(text) == {"pint": "0.25", "yarl": "1"}

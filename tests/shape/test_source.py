@@ -1,0 +1,80 @@
+"""The shape of everything that is, or is about to be, committed."""
+
+from __future__ import annotations
+
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from tests.shape import rules
+
+ROOT = Path(__file__).parents[2]
+# What people read or run; tests may say what the product may not.
+PUBLISHED = ("src/", "docs/", "examples/", "robots/")
+
+
+@cache
+def texts() -> dict[str, str]:
+    """Every text file that git tracks or would track, by its path from the root."""
+    listing = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],  # noqa: S607
+        cwd=ROOT,
+        capture_output=True,
+        check=False,
+    )
+    if listing.returncode:
+        pytest.skip("The shape is checked in a git checkout; this folder is none.")
+    found = {}
+    for name in filter(None, listing.stdout.decode().split("\0")):
+        path = ROOT / name
+        if path.is_file() and b"\0" not in (content := path.read_bytes()):
+            found[name] = content.decode(errors="replace")
+    return found
+
+
+def modules(*folders: str) -> dict[str, str]:
+    return {
+        path: text
+        for path, text in texts().items()
+        if path.startswith(folders) and path.endswith(".py")
+    }
+
+
+def published() -> dict[str, str]:
+    return {
+        path: text
+        for path, text in texts().items()
+        if path.startswith(PUBLISHED) or ("/" not in path and path.endswith(".md"))
+    }
+
+
+def test_no_module_has_outgrown_one_reason_to_change() -> None:
+    assert rules.too_long(modules("src/", "tests/")) == []
+
+
+def test_every_name_says_what_belongs_there() -> None:
+    assert rules.vaguely_named(modules("src/", "tests/")) == []
+
+
+def test_the_stop_is_never_called_what_it_is_not() -> None:
+    assert rules.claims_of_safety(published()) == []
+
+
+def test_nothing_points_at_one_machine_or_one_download_site() -> None:
+    assert rules.traces_of_a_machine(texts()) == []
+
+
+def test_the_spelling_is_british() -> None:
+    assert rules.american_spellings(published()) == []
+
+
+def test_every_link_between_pages_leads_somewhere() -> None:
+    pages = {path: text for path, text in texts().items() if path.endswith(".md")}
+
+    assert rules.broken_links(pages, texts()) == []
+
+
+def test_every_package_says_what_it_is_for() -> None:
+    assert rules.without_docstring(modules("src/")) == []
