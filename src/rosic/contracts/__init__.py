@@ -1,0 +1,1 @@
+"""What rooms and adapters expect of each other, as Protocols with guarantees."""

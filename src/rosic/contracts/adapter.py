@@ -1,0 +1,42 @@
+"""How an adapter is found and made: by entry point, never by an if over names.
+
+Entry point groups: ``rosic.messengers``, ``rosic.robots``. Each entry is a factory below; making
+does no I/O, opening does.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.contracts.robot import Robot
+    from rosic.core.gate import Gate
+    from rosic.core.robot import Profile
+
+
+class MessengerFactory(Protocol):
+    """Makes a messenger of one kind."""
+
+    def __call__(self, name: str, settings: Mapping[str, Any], clock: Clock) -> Messenger:
+        """Make it from its table in the configuration, secrets already resolved.
+
+        Raises:
+            ConfigurationError: A setting is missing, unknown or wrong; the sentence names it.
+        """
+        ...
+
+
+class RobotFactory(Protocol):
+    """Makes a robot of one kind."""
+
+    def __call__(self, profile: Profile, gate: Gate, clock: Clock) -> Robot:
+        """Make it from its profile.
+
+        Raises:
+            ConfigurationError: The profile asks for what this kind cannot do.
+        """
+        ...

@@ -1,0 +1,63 @@
+"""What a messenger owes to ROSIC."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import Protocol, TypeAlias
+
+from rosic.core.message import Inbound, Outbound
+
+Receive: TypeAlias = Callable[[Inbound], Awaitable[None]]
+
+
+class Messenger(Protocol):
+    """One account on one messenger. ``rosic.testing.MessengerConformance`` is this in tests.
+
+    Attributes:
+        platform: The first half of every address it produces: ``telegram``.
+        name: Which of the configured messengers it is.
+        assurance: ``provider-readable``, ``e2ee-verified`` or ``local``; shown to people.
+        edits: Whether a message can be changed after it was sent.
+    """
+
+    platform: str
+    name: str
+    assurance: str
+    edits: bool
+
+    async def run(self, receive: Receive) -> None:
+        """Listen until cancelled; leave nothing running behind.
+
+        Every message is handed to ``receive`` at least once. It is confirmed to the platform
+        only after ``receive`` has returned: by then it is settled or on disk. Messages of one
+        chat are handed over in the order in which they were sent; a stop overtakes them, also
+        those that are being received. ``receive`` raises nothing that is the messenger's business.
+
+        Raises:
+            ConfigurationError: The account cannot be used (a wrong token); nothing was received.
+            MessengerFault: The account can be used no longer; what was received is settled.
+        """
+        ...
+
+    async def send(self, outbound: Outbound) -> str:
+        """Send, waiting for the platform's limits, and return the platform's message id.
+
+        The text arrives exactly as given, never read as markup.
+
+        Raises:
+            MessengerFault: Not sent; trying again may succeed.
+        """
+        ...
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Make the message look like ``outbound``. Editing to the same content succeeds.
+
+        Raises:
+            MessageGone: There is no such message any more; say it in a new one.
+            MessengerFault: Not changed, or it cannot be known whether it was.
+        """
+        ...
+
+    async def answer_tap(self, inbound: Inbound, text: str) -> None:
+        """Answer a tap at once; an empty text only ends the waiting. Never raises."""
+        ...

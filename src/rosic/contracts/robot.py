@@ -1,0 +1,84 @@
+"""What a robot owes to ROSIC."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol, TypeAlias
+
+from rosic.core.order import Order, Outcome, Report, Rest, Stop
+
+if TYPE_CHECKING:
+    from rosic.core.gate import Gate
+    from rosic.core.robot import Presence, Profile
+
+Tell: TypeAlias = Callable[[Report], None]
+Say: TypeAlias = Callable[[str], None]
+
+
+class Robot(Protocol):
+    """One robot, or one simulated robot. ``rosic.testing.RobotConformance`` is this in tests.
+
+    Attributes:
+        profile: What it is.
+        gate: What its side has seen; the adapter asks it immediately before acting.
+    """
+
+    profile: Profile
+    gate: Gate
+
+    async def open(self, say: Say) -> None:
+        """Connect.
+
+        Args:
+            say: Takes a text the robot says of its own accord; called on the event loop.
+
+        Raises:
+            ConfigurationError: It can never work like this (a type that does not exist).
+        """
+        ...
+
+    async def close(self) -> None:
+        """Bring motion under this process's control to rest, then disconnect. Never raises."""
+        ...
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Carry out one order and return what was really done.
+
+        Passes the gate first, acts at most once, and never after a stop of a later generation.
+
+        Args:
+            order: Belongs to this robot. One at a time.
+            tell: Called on the event loop with ``SENT``, then, only because the robot's side
+                said so, ``RECEIVED`` and ``RUNNING`` with a fraction that never falls.
+
+        Returns:
+            ``SENT`` for a robot that does not acknowledge. ``CANCELLED`` after a stop.
+
+        Raises:
+            OrderVoid: The gate declined. The robot has not moved.
+            RobotOffline: Not there; nothing was sent.
+            RobotUnreachable: Sent, and no answer in time. It may or may not have moved.
+
+        Cancelling the call brings the robot to rest before the cancellation leaves this method.
+        """
+        ...
+
+    async def stop(self, stop: Stop) -> Rest:
+        """Latch the gate before the first suspension, then bring the robot to rest.
+
+        Cancels what is under way, sends zero, calls the robot's own stop, together, and repeats
+        until rest is measured or the profile's ``rest_timeout_s`` is over. Never raises.
+        """
+        ...
+
+    async def resume(self, generation: int) -> None:
+        """Undo the latch of ``generation``. The robot does not move because of it.
+
+        Raises:
+            RobotUnreachable: Its side did not answer; the latch stays.
+        """
+        ...
+
+    def presence(self) -> Presence:
+        """Return what its side last said; no I/O."""
+        ...

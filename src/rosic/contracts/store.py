@@ -1,0 +1,60 @@
+"""What the record owes to ROSIC."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from rosic.core.record import Memory, Record
+    from rosic.core.robot import RobotId
+
+
+class Store(Protocol):
+    """The record. ``rosic.testing.StoreConformance`` is this in tests."""
+
+    async def open(self) -> Memory:
+        """Open, migrate, check that what is written survives power loss, and return what was.
+
+        Raises:
+            ConfigurationError: It cannot be used: read-only, in use by another gateway, newer
+                than this ROSIC, not durable. Nothing was changed.
+        """
+        ...
+
+    async def close(self) -> None:
+        """Write what is waiting, then close. Never raises."""
+        ...
+
+    async def write(self, *records: Record) -> None:
+        """Write all or none, in the order of the calls. On return they survive power loss.
+
+        Raises:
+            Repeated: A ``Claimed``, ``Refused`` or ``Resumed`` with this id exists. None of these
+                records was written; others written at the same time are not affected.
+            StoreFault: Not written, and never will be by itself. Writing works again as soon
+                as the cause is gone.
+        """
+        ...
+
+    def note(self, *records: Record) -> None:
+        """Write soon, in order, without waiting; lost if the process dies before. Never raises."""
+        ...
+
+
+class Latch(Protocol):
+    """Where stops survive everything else (I10): needs no free space and no database."""
+
+    def read(self) -> dict[RobotId, tuple[int, bool]]:
+        """Return per robot its stop generation and whether it is stopped.
+
+        A damaged entry reads as stopped: the safe side.
+        """
+        ...
+
+    async def write(self, robot: RobotId, generation: int, *, latched: bool) -> None:
+        """Write one robot's state. On return it survives power loss.
+
+        Raises:
+            StoreFault: Not written; the state in memory holds all the same.
+        """
+        ...

@@ -1,0 +1,83 @@
+"""The last check before a robot acts: expiry, order number, fence, stop generation (I2-I5).
+
+Every robot adapter owns one gate per robot and asks it immediately before acting. It is a value
+machine, so that the simulation of histories in the tests drives the very same code.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.errors import OrderVoid
+
+if TYPE_CHECKING:
+    from rosic.core.order import Order, Stop
+    from rosic.core.robot import RobotId
+
+
+class Gate:
+    """What one robot's side has seen. Its numbers never decrease (I13).
+
+    Attributes:
+        n: Highest order number that acted.
+        fence: Highest fence seen.
+        generation: Stop generation applied.
+        latched: Stopped, until resumed.
+    """
+
+    __slots__ = ("fence", "generation", "latched", "n", "robot")
+
+    def __init__(
+        self,
+        robot: RobotId,
+        *,
+        n: int = 0,
+        fence: int = 0,
+        generation: int = 0,
+        latched: bool = False,
+    ) -> None:
+        self.robot = robot
+        self.n = n
+        self.fence = fence
+        self.generation = generation
+        self.latched = latched
+
+    def pass_order(self, order: Order, now_ns: int) -> None:
+        """Let one order through, once, and remember its numbers.
+
+        Args:
+            order: Any order; one for another robot is void here.
+            now_ns: Monotonic clock, the one ``order.deadline_ns`` was taken from.
+
+        Raises:
+            OrderVoid: The robot must not act on it; nothing was remembered but a higher fence.
+        """
+        if order.robot != self.robot:
+            raise OrderVoid(f"This order is for {order.robot}. Nothing was done.")
+        permit = order.permit
+        self.fence = max(self.fence, permit.fence)
+        if self.latched or permit.stop_generation < self.generation:
+            raise OrderVoid(f"{order.robot} was stopped before this could begin.")
+        if order.skill.actuates and permit.fence < self.fence:
+            raise OrderVoid(f"Somebody else has {order.robot} now. Nothing was done.")
+        if order.n <= self.n:
+            raise OrderVoid(f"{order.robot} has already acted on a later command.")
+        if now_ns > order.deadline_ns:
+            raise OrderVoid(f"This reached {order.robot} too late. Nothing was done.")
+        self.n = order.n
+
+    def still_allows(self, order: Order) -> bool:
+        """Whether an order that passed may go on: no stop has come, no later lease (I4, I5)."""
+        permit = order.permit
+        return not self.latched and permit.stop_generation >= self.generation
+
+    def apply_stop(self, stop: Stop) -> None:
+        """Latch. Applying the same stop again, or an older one, changes nothing."""
+        if stop.generation >= self.generation:
+            self.generation = stop.generation
+            self.latched = True
+
+    def resume(self, generation: int) -> None:
+        """Unlatch, if no later stop has come meanwhile."""
+        if generation >= self.generation:
+            self.latched = False

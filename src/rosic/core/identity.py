@@ -1,0 +1,95 @@
+"""Who: principals, their addresses, their keys, and the identity of a command.
+
+Identity is the platform's immutable id. A username or a display name is never compared.
+"""
+
+from __future__ import annotations
+
+from hashlib import blake2b
+from typing import TypeAlias
+
+import msgspec
+
+PrincipalId: TypeAlias = str
+KeyId: TypeAlias = str
+CommandId: TypeAlias = bytes
+
+COMMAND_ID_BYTES = 16
+
+
+class Address(msgspec.Struct, frozen=True):
+    """A principal's account on a messenger.
+
+    Attributes:
+        platform: ``telegram``, ``terminal``, ...
+        account: The platform's immutable id, as text.
+    """
+
+    platform: str
+    account: str
+
+    def __str__(self) -> str:
+        return f"{self.platform}:{self.account}"
+
+
+class AuthorisationKey(msgspec.Struct, frozen=True, kw_only=True):
+    """The paper's authorisation key: a record, never something typed into a chat.
+
+    Attributes:
+        id: Appears on every request and in every decision.
+        scopes: Narrow the principal's roles to these scopes; empty means no narrowing.
+        expires_ns: Wall clock; None means until revoked.
+        issuer: Who gave it.
+    """
+
+    id: KeyId
+    principal: PrincipalId
+    issuer: PrincipalId
+    issued_ns: int
+    scopes: tuple[str, ...] = ()
+    expires_ns: int | None = None
+    revoked_ns: int | None = None
+
+
+class Principal(msgspec.Struct, frozen=True, kw_only=True):
+    """A person or a robot that ROSIC knows; one id for ever.
+
+    Attributes:
+        name: For showing only.
+        roles: Names of roles; unknown ones give nothing.
+    """
+
+    id: PrincipalId
+    name: str
+    roles: tuple[str, ...] = ()
+    addresses: tuple[Address, ...] = ()
+
+
+class Caller(msgspec.Struct, frozen=True):
+    """Somebody the authoriser recognised, in one conversation.
+
+    Attributes:
+        key: Id of the authorisation key under which they act.
+        session: Id of the session key of this conversation (Algorithm 1, GENERATEKEY).
+    """
+
+    principal: PrincipalId
+    name: str
+    address: Address
+    key: KeyId
+    session: str
+
+
+def command_id(*parts: str) -> CommandId:
+    """Return the identity of a command: the same message gives the same id, for ever.
+
+    For a text: platform, account, chat, message id, line number. For a button: its nonce.
+    The length of each part goes in, so that no two lists of parts collide by joining.
+    """
+    joined = "".join([f"{len(part)}:{part}" for part in parts])
+    return blake2b(joined.encode("utf-8", "surrogatepass"), digest_size=COMMAND_ID_BYTES).digest()
+
+
+def robot_command_id(cid: CommandId, robot: str) -> CommandId:
+    """Return the identity of one robot's share in a command given to a group."""
+    return blake2b(cid + robot.encode(), digest_size=COMMAND_ID_BYTES).digest()

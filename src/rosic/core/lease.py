@@ -1,0 +1,55 @@
+"""Exclusive control of one robot, and its number, which only grows (I4, I12)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+
+
+class Lease:
+    """Who has a robot. Held while orders are under way and ``idle_ns`` after the last.
+
+    Attributes:
+        fence: Grows by one whenever the holder changes.
+        active: Orders under way.
+        idle_since_ns: Monotonic clock of the last end; meaningful when ``active`` is 0.
+    """
+
+    __slots__ = ("active", "fence", "holder", "idle_since_ns")
+
+    def __init__(self, fence: int = 0) -> None:
+        self.fence = fence
+        self.holder: PrincipalId | None = None
+        self.active = 0
+        self.idle_since_ns = 0
+
+    def holder_at(self, now_ns: int, idle_ns: int) -> PrincipalId | None:
+        """Return who holds the robot at a time; an idle lease lapses by itself."""
+        if self.holder is None or self.active:
+            return self.holder
+        return self.holder if now_ns - self.idle_since_ns < idle_ns else None
+
+    def take(self, principal: PrincipalId, now_ns: int, idle_ns: int) -> bool:
+        """Take or keep the robot for one more order. Return whether the fence grew.
+
+        The caller has checked that nobody else holds it.
+        """
+        grew = self.holder_at(now_ns, idle_ns) != principal
+        if grew:
+            self.fence += 1
+            self.holder = principal
+        self.active += 1
+        return grew
+
+    def settle(self, fence: int, now_ns: int) -> None:
+        """One order under ``fence`` has ended."""
+        if fence == self.fence and self.active:
+            self.active -= 1
+            self.idle_since_ns = now_ns
+
+    def release(self) -> None:
+        """Give the robot back. Orders still under way keep their fence and become void."""
+        self.holder = None
+        self.active = 0

@@ -1,0 +1,98 @@
+"""What comes from a messenger and what goes back to it, whatever the messenger is."""
+
+from __future__ import annotations
+
+import enum
+
+import msgspec
+
+from rosic.core.identity import Address
+
+
+class ChatKind(enum.Enum):
+    """How many can read along."""
+
+    PRIVATE = "private"
+    GROUP = "group"
+    CHANNEL = "channel"
+
+
+class Standing(enum.Enum):
+    """Whether a message may change anything (I17). Only a fresh one may; any of them may stop."""
+
+    FRESH = "fresh"
+    EDITED = "edited"
+    FORWARDED = "forwarded"
+    VIA_BOT = "via-bot"
+    CHANNEL = "channel"
+    ANONYMOUS = "anonymous"
+
+
+class Chat(msgspec.Struct, frozen=True):
+    """Where a conversation takes place.
+
+    Attributes:
+        id: The platform's immutable id, as text.
+    """
+
+    platform: str
+    id: str
+    kind: ChatKind = ChatKind.PRIVATE
+
+
+class Inbound(msgspec.Struct, frozen=True, kw_only=True):
+    """One message or one tap on a button, as an adapter received it.
+
+    Attributes:
+        message: The platform's immutable id of the message, unique in its chat.
+        text: What was written; empty for a tap.
+        nonce: What the tapped button carried; None for a text.
+        sent_ns: The platform's send time, wall clock. A tap carries none: the receive time then.
+        received_ns: Our wall clock.
+        listening_since_ns: The adapter has listened without a gap since this wall time. What was
+            sent earlier is backlog: motion in it is not carried out, buttons shown before are dead.
+        tap: The platform's handle for answering a tap; empty for a text.
+        under: Id of the message whose button was tapped; empty for a text.
+    """
+
+    sender: Address
+    chat: Chat
+    message: str
+    text: str
+    sent_ns: int
+    received_ns: int
+    listening_since_ns: int = 0
+    standing: Standing = Standing.FRESH
+    nonce: str | None = None
+    tap: str = ""
+    under: str = ""
+
+
+class Button(msgspec.Struct, frozen=True):
+    """A button under a message.
+
+    Attributes:
+        label: What the person reads.
+        command: What a tap says, as if typed.
+        nonce: What travels through the messenger instead of the command; empty until issued.
+    """
+
+    label: str
+    command: str
+    nonce: str = ""
+
+
+class Outbound(msgspec.Struct, frozen=True, kw_only=True):
+    """A message to a chat. The text is plain: an adapter never reads markup out of it.
+
+    Attributes:
+        reply_to: Id of the message it answers; empty for none.
+        buttons: Rows of buttons.
+        urgent: Overtakes everything that is not (a stop's answer, an alarm).
+    """
+
+    chat: Chat
+    text: str
+    reply_to: str = ""
+    buttons: tuple[tuple[Button, ...], ...] = ()
+    urgent: bool = False

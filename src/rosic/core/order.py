@@ -1,0 +1,176 @@
+"""From what a person asked to what a robot did: request, permit, order, report, outcome."""
+
+from __future__ import annotations
+
+import enum
+
+import msgspec
+
+from rosic.core.identity import CommandId, KeyId, PrincipalId
+from rosic.core.robot import RobotId
+from rosic.core.skill import Argument, Skill
+
+
+class Spoken(msgspec.Struct, frozen=True):
+    """One value as it was said: ``50 cm``, ``force=20``, ``left``.
+
+    Attributes:
+        name: The parameter's name if it was said, else empty.
+        number: None for a word.
+        word: The unit of a number (empty when none was said), or the word itself.
+    """
+
+    name: str
+    number: float | None
+    word: str
+
+
+class Request(msgspec.Struct, frozen=True, kw_only=True):
+    """What a person asked of one robot.
+
+    Attributes:
+        group: The name under which several robots were asked together; empty for one robot.
+        spoken: Values as said, not yet converted or bounded.
+        text: The line as typed, or as the button says it.
+        sent_ns: Wall clock of the platform, never later than our receive time.
+        age_ns: How old it was when we received it.
+        received_ns: Our monotonic clock.
+        sequel: An earlier line of the same message asked the same robot; wait for that one.
+    """
+
+    cid: CommandId
+    robot: RobotId
+    skill: Skill
+    spoken: tuple[Spoken, ...]
+    text: str
+    sent_ns: int
+    age_ns: int
+    received_ns: int
+    group: str = ""
+    sequel: bool = False
+
+    @property
+    def deadline_ns(self) -> int:
+        """Monotonic clock after which no robot may act on it."""
+        return self.received_ns - self.age_ns + int(self.skill.order_lifetime_s * 1e9)
+
+
+class Permit(msgspec.Struct, frozen=True):
+    """The organiser's decision that a principal may do this now. It travels with the order.
+
+    Attributes:
+        fence: Number of the lease under which the robot is commanded; 0 for a skill that only
+            observes.
+        new_fence: This permit raised the fence; the record must hold it before the robot moves.
+        stop_generation: The robot's stop generation when admitted.
+        epoch: Number of the policy under which it was admitted.
+    """
+
+    principal: PrincipalId
+    key: KeyId
+    robot: RobotId
+    skill: str
+    fence: int
+    new_fence: bool
+    stop_generation: int
+    epoch: int
+
+
+class Order(msgspec.Struct, frozen=True):
+    """What ROSIC decided: typed, bounded, numbered, expiring. Arguments are SI.
+
+    Attributes:
+        n: The robot's order number; only grows.
+        deadline_ns: Monotonic clock; not acted on later.
+        start_ns: Monotonic clock of a common start for several robots; None starts at once.
+    """
+
+    cid: CommandId
+    robot: RobotId
+    skill: Skill
+    arguments: dict[str, Argument]
+    n: int
+    deadline_ns: int
+    permit: Permit
+    start_ns: int | None = None
+    sequel: bool = False
+
+
+class Stage(enum.Enum):
+    """Where an order is in its life. ``RECEIVED`` and later are said by the robot side only."""
+
+    ACCEPTED = "accepted"
+    QUEUED = "queued"
+    SENT = "sent"
+    RECEIVED = "received"
+    RUNNING = "running"
+
+
+class Report(msgspec.Struct, frozen=True):
+    """A step in the life of an order.
+
+    Attributes:
+        fraction: In [0, 1], never falling; None when unknown.
+        note: The robot's words; inert, may be empty.
+    """
+
+    stage: Stage
+    fraction: float | None = None
+    note: str = ""
+
+
+class Ending(enum.Enum):
+    """How a life ends (I7).
+
+    ``DONE`` and ``FAILED``, ``CANCELLED`` come from the robot side. ``SENT`` is all that can be
+    said of a robot that does not acknowledge: at most one actuation, like ``UNKNOWN``.
+    ``REFUSED`` means that the robot has not moved.
+    """
+
+    DONE = "done"
+    FAILED = "failed"
+    CANCELLED = "cancelled"
+    SENT = "sent"
+    UNKNOWN = "unknown"
+    REFUSED = "refused"
+
+
+class Outcome(msgspec.Struct, frozen=True):
+    """What was really done.
+
+    Attributes:
+        note: The robot's words; inert, may be empty.
+        facts: Measured by the robot side, SI, unit in the name: ``distance_m``.
+        code: For a refusal, the error's stable code.
+    """
+
+    ending: Ending
+    note: str = ""
+    facts: dict[str, float] = {}
+    code: str = ""
+
+
+class Stop(msgspec.Struct, frozen=True):
+    """A stop of one robot. Never queued, limited, expired or void.
+
+    Attributes:
+        generation: Every order admitted under an earlier one is void from now on.
+    """
+
+    robot: RobotId
+    generation: int
+
+
+class Rest(msgspec.Struct, frozen=True):
+    """The robot side's answer to a stop.
+
+    Attributes:
+        confirmed: It was measured at rest. False: it did not confirm; it may still move.
+        seconds: From the stop reaching the adapter to rest, or to giving up.
+        note: How it rests when it is not simply standing: ``landed``.
+    """
+
+    robot: RobotId
+    confirmed: bool
+    seconds: float
+    note: str = ""

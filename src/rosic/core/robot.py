@@ -1,0 +1,160 @@
+"""A robot is one file: what it is, how it is reached, what it can do, how it stops."""
+
+from __future__ import annotations
+
+import enum
+import re
+from typing import TypeAlias
+
+import msgspec
+
+from rosic.core.skill import Skill
+
+RobotId: TypeAlias = str
+
+QUEUE_AT_MOST = 10_000
+ROBOT_ID = re.compile(r"[a-z][a-z0-9_]{0,31}\Z")
+
+
+class Busy(enum.Enum):
+    """What happens to an order for a robot that is at work."""
+
+    REFUSE = "refuse"
+    QUEUE = "queue"
+    REPLACE = "replace"
+
+
+class LinkLoss(enum.Enum):
+    """What the robot itself does when it hears nothing more; ROSIC only says so."""
+
+    HOLD = "hold"
+    LAND = "land"
+    RETURN = "return"
+    CONTINUE = "continue"
+
+
+class Link(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the robot is reached.
+
+    Attributes:
+        kind: Name of a robot adapter: ``ros2``, ``simulated``, ``memory``.
+        namespace: ROS namespace, for presence: ``/kuka1``.
+        model: For ``simulated``: which machine.
+        dialogue: The paper's text link over ``to_robot_topic`` and ``from_robot_topic``.
+        heartbeat_s: A robot whose telemetry is older than this is offline.
+    """
+
+    kind: str
+    namespace: str = ""
+    model: str = ""
+    dialogue: bool = False
+    heartbeat_s: float = 3.0
+
+
+class StopBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the robot is stopped besides cancelling its goals.
+
+    Attributes:
+        service, type: A service without arguments, ``std_srvs/srv/Trigger`` for one.
+        zero: A velocity topic that is sent zero, and its type.
+    """
+
+    service: str = ""
+    type: str = "std_srvs/srv/Trigger"
+    zero: str = ""
+    zero_type: str = "geometry_msgs/msg/Twist"
+
+
+class AtRest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How rest is measured: every number in ``field`` is at most ``below`` in magnitude.
+
+    ``field`` is a dotted path; several, separated by commas, must all hold.
+    """
+
+    topic: str
+    type: str
+    field: str
+    below: float
+
+
+class Telemetry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One value the robot reports; only the newest is kept."""
+
+    topic: str = ""
+    type: str = ""
+    field: str = ""
+    unit: str = ""
+    alert_below: float | None = None
+
+
+class Camera(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where pictures come from."""
+
+    topic: str
+    type: str
+
+
+class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything ROSIC knows about one robot.
+
+    Attributes:
+        id: Lower case, as people type it.
+        groups: Plain names under which several robots are commanded together.
+        watchdog_s: The robot's own time-out for a velocity topic; without it no skill may stream.
+        rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
+    """
+
+    id: RobotId
+    link: Link
+    title: str = ""
+    words: tuple[str, ...] = ()
+    groups: tuple[str, ...] = ()
+    stop: StopBinding | None = None
+    link_loss: LinkLoss = LinkLoss.HOLD
+    busy: Busy = Busy.REFUSE
+    queue_length: int = 16
+    watchdog_s: float | None = None
+    at_rest: AtRest | None = None
+    rest_timeout_s: float = 5.0
+    skills: dict[str, Skill] = {}
+    telemetry: dict[str, Telemetry] = {}
+    camera: Camera | None = None
+
+    def __post_init__(self) -> None:
+        for name in (self.id, *self.groups):
+            if not ROBOT_ID.match(name):
+                raise ValueError(
+                    f"{name!r} is not a name: small letters, digits and _, first a letter, "
+                    "at most 32"
+                )
+        if not 1 <= self.queue_length <= QUEUE_AT_MOST:
+            raise ValueError(f"queue_length must be between 1 and {QUEUE_AT_MOST}")
+        for name, skill in self.skills.items():
+            if skill.topic is not None and skill.topic.stream_hz > 0 and self.watchdog_s is None:
+                raise ValueError(
+                    f"skill {name!r} streams a velocity, but the profile states no watchdog_s: "
+                    "a robot that does not stop by itself may not be streamed to"
+                )
+
+    @property
+    def shown(self) -> str:
+        """What people read."""
+        return self.title or self.id
+
+
+class Presence(msgspec.Struct, frozen=True, kw_only=True):
+    """What the robot side last said of itself.
+
+    Attributes:
+        online: None when the link cannot tell.
+        age_s: Since the robot was last heard; None if never.
+        doing: Skill it is carrying out; empty when none.
+        at_rest: None when not measured.
+        values: Newest telemetry in the profile's units.
+    """
+
+    online: bool | None = None
+    age_s: float | None = None
+    doing: str = ""
+    at_rest: bool | None = None
+    values: dict[str, float | str] = {}

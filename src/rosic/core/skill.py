@@ -1,0 +1,164 @@
+"""Skills: a robot's predefined movement functions, with typed and bounded parameters."""
+
+from __future__ import annotations
+
+import enum
+from math import isfinite
+from typing import TypeAlias
+
+import msgspec
+
+Argument: TypeAlias = float | int | str
+
+
+class SkillClass(enum.Enum):
+    """Decides lifetime, lease and limits."""
+
+    OBSERVE = "observe"
+    TASK = "task"
+    MOTION = "motion"
+    CONFIG = "config"
+    ADMIN = "admin"
+    STOP = "stop"
+
+
+# How long an order of a class may wait between being sent by the person and reaching the robot.
+# docs/safety.md gives the reasons; a skill may set its own.
+MOTION_LIFETIME_S = 5.0
+LIFETIME_S = 30.0
+LIFETIME_MAX_S = 3600.0
+
+
+class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One parameter of a skill: a bounded number, a choice, or (dialogue only) a text.
+
+    Attributes:
+        unit: How people give it when they name no unit, and how it is shown; any unit the units
+            table knows. The value itself travels in SI. Empty for a plain number.
+        min, max: Bounds in ``unit``, inclusive.
+        integer: Only whole numbers.
+        choices: Word to its other spellings. A parameter with choices is not a number.
+        text: Takes the rest of the line as it is.
+        default: In ``unit``, or one of the choices; None means it must be given.
+    """
+
+    title: str = ""
+    unit: str = ""
+    min: float | None = None
+    max: float | None = None
+    integer: bool = False
+    choices: dict[str, tuple[str, ...]] | None = None
+    text: bool = False
+    default: float | str | None = None
+
+    def __post_init__(self) -> None:
+        if self.choices is not None or self.text:
+            if self.min is not None or self.max is not None or self.unit:
+                raise ValueError("a choice or a text has no unit and no bounds")
+            if self.choices is not None and self.default not in (None, *self.choices):
+                raise ValueError("the default is not one of the choices")
+            return
+        if self.min is None or self.max is None:
+            raise ValueError("a number needs min and max")
+        if not (isfinite(self.min) and isfinite(self.max) and self.min <= self.max):
+            raise ValueError("min and max must be finite, and min not above max")
+        if self.default is not None and (
+            isinstance(self.default, str) or not self.min <= self.default <= self.max
+        ):
+            raise ValueError("the default is not a number between min and max")
+
+
+class TopicBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Publish a message. Nothing acknowledges a topic.
+
+    Attributes:
+        message: Dotted field to a value; ``$name`` takes a parameter (SI), else it is literal.
+        stream_hz: Greater than 0 sends a bounded stream for ``$duration`` seconds that ends in
+            zero; allowed only when the profile states the robot's own ``watchdog_s``.
+    """
+
+    name: str
+    type: str
+    message: dict[str, float | int | str | bool] = {}
+    stream_hz: float = 0.0
+
+
+class ServiceBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Call a service; its answer is the robot's receipt."""
+
+    name: str
+    type: str
+    request: dict[str, float | int | str | bool] = {}
+    timeout_s: float = 5.0
+
+
+class ActionBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Send an action goal. Acceptance is the receipt, feedback the progress, the result the end.
+
+    Attributes:
+        timeout_s: Longest time between acceptance and result; then the goal is cancelled.
+        start: Goal field of type ``builtin_interfaces/Time`` that takes a common start, or empty.
+        success, message: Result fields that say whether, and what.
+    """
+
+    name: str
+    type: str
+    goal: dict[str, float | int | str | bool] = {}
+    timeout_s: float = 120.0
+    start: str = ""
+    fraction: str = "fraction"
+    stage: str = "stage"
+    success: str = "success"
+    message: str = "message"
+
+
+class ParametersBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Set ROS parameters of a node; the node's answer is the receipt, and they are read back."""
+
+    node: str
+    values: dict[str, float | int | str | bool]
+    timeout_s: float = 5.0
+
+
+class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One thing a robot can do, as its profile says. At most one binding.
+
+    Attributes:
+        id: Filled from the key in the profile.
+        kind: The class, ``class`` in the file.
+        words: Other names people use for it.
+        lifetime_s: Instead of the class's.
+    """
+
+    id: str = ""
+    title: str = ""
+    kind: SkillClass = msgspec.field(name="class", default=SkillClass.MOTION)
+    words: tuple[str, ...] = ()
+    parameters: dict[str, Parameter] = {}
+    lifetime_s: float | None = None
+    topic: TopicBinding | None = None
+    service: ServiceBinding | None = None
+    action: ActionBinding | None = None
+    set_parameters: ParametersBinding | None = None
+
+    def __post_init__(self) -> None:
+        bindings = (self.topic, self.service, self.action, self.set_parameters)
+        if sum(binding is not None for binding in bindings) > 1:
+            raise ValueError("a skill has at most one of topic, service, action, set_parameters")
+        if self.lifetime_s is not None and not 0 < self.lifetime_s <= LIFETIME_MAX_S:
+            raise ValueError(f"lifetime_s must be above 0 and at most {LIFETIME_MAX_S:.0f}")
+        if self.kind is SkillClass.STOP:
+            raise ValueError("stop is not a skill: every robot has one")
+
+    @property
+    def order_lifetime_s(self) -> float:
+        """Seconds from the person's sending to the robot's receiving."""
+        if self.lifetime_s is not None:
+            return self.lifetime_s
+        return MOTION_LIFETIME_S if self.kind is SkillClass.MOTION else LIFETIME_S
+
+    @property
+    def actuates(self) -> bool:
+        """Whether it can change the world, so that it needs the robot for oneself."""
+        kind = self.kind
+        return kind is SkillClass.MOTION or kind is SkillClass.TASK or kind is SkillClass.CONFIG

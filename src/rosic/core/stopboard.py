@@ -1,0 +1,61 @@
+"""Which robots are stopped, by whom, since when: one board, written by the stop lane alone.
+
+The linker writes it; admission reads it. It holds what people are told; the gate at each robot
+holds what is enforced.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+
+
+class Stopped:
+    """One robot's entry. ``generation`` never decreases (I13)."""
+
+    __slots__ = ("at_ns", "by", "generation", "latched")
+
+    def __init__(self, generation: int, *, latched: bool) -> None:
+        self.generation = generation
+        self.latched = latched
+        self.by: PrincipalId = ""
+        self.at_ns = 0
+
+
+class StopBoard:
+    """Every robot's entry."""
+
+    def __init__(self, robots: Iterable[RobotId], found: dict[RobotId, tuple[int, bool]]) -> None:
+        self._entries = {
+            robot: Stopped(found[robot][0], latched=found[robot][1])
+            if robot in found
+            else Stopped(0, latched=False)
+            for robot in robots
+        }
+
+    def __getitem__(self, robot: RobotId) -> Stopped:
+        return self._entries[robot]
+
+    def stop(self, robot: RobotId, by: PrincipalId, at_ns: int) -> int:
+        """Latch and return the new generation."""
+        entry = self._entries[robot]
+        entry.generation += 1
+        entry.latched = True
+        entry.by = by
+        entry.at_ns = at_ns
+        return entry.generation
+
+    def resume(self, robot: RobotId, generation: int) -> None:
+        """Unlatch, if no later stop has come meanwhile."""
+        entry = self._entries[robot]
+        if entry.generation == generation:
+            entry.latched = False
+
+    def latched(self) -> tuple[RobotId, ...]:
+        """Return the robots that are stopped."""
+        return tuple(robot for robot, entry in self._entries.items() if entry.latched)

@@ -1,0 +1,201 @@
+"""Every error ROSIC raises, sorted by who has to act.
+
+RosicError
+|-- Refusal                the person: may not, or not now. Expected; no traceback; never retried
+|   |-- Unrecognised       authoriser: a stranger, or a key that is revoked or expired
+|   |-- NotUnderstood      container: the words do not say what to do
+|   |-- OutOfBounds        container: understood, but outside what the robot allows
+|   |-- NotPermitted       organiser: no role gives this right
+|   |-- TooManyRequests    organiser: wait, then ask again
+|   |-- RobotTaken         organiser: somebody else has this robot now
+|   |-- RobotBusy          linker: the robot is doing something else
+|   |-- RobotStopped       linker: stopped, until somebody who may resumes it
+|   |-- RobotOffline       linker: the robot is not there
+|   |-- Expired            anywhere: too old to act on
+|   |-- Inert              pipeline: edited, forwarded or not from a person; nothing is said
+|   |-- Repeated           store: this very message was settled before; nothing is said
+|   |-- RecordUnavailable  store: what cannot be written down does not move a robot
+|   `-- OrderVoid          robot: too late, out of order, or given under an old lease or stop
+|-- Fault                  the operator: something broke. Logged with its cause
+|   |-- RobotUnreachable   robot adapter: no answer in time; it may or may not have moved
+|   |-- MessengerFault     messenger adapter: the platform did not take the message
+|   |   `-- MessageGone    messenger adapter: there is no such message to change any more
+|   `-- StoreFault         store: the record could not be written
+`-- ConfigurationError     the operator, before anything starts
+
+``str(error)`` is the sentence a person may read in a chat: no identifiers they did not type,
+no host names, no traces. ``code`` never changes; tests, logs and docs use it.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+
+class RosicError(Exception):
+    """The root. Never raised itself.
+
+    Attributes:
+        code: Stable, for logs and tests.
+    """
+
+    code: ClassVar[str] = "rosic"
+
+
+class Refusal(RosicError):
+    """The person may not, or not now. No robot has moved because of this request.
+
+    Attributes:
+        offers: Commands, written as the person would type them, that would be accepted instead.
+        silent: True when the right answer is none.
+    """
+
+    code: ClassVar[str] = "refused"
+    silent: bool = False
+
+    def __init__(self, sentence: str, *, offers: tuple[str, ...] = ()) -> None:
+        super().__init__(sentence)
+        self.offers = offers
+
+
+class Unrecognised(Refusal):
+    """A stranger, or a key that is revoked or has expired. Nothing about robots is disclosed."""
+
+    code = "unrecognised"
+
+
+class NotUnderstood(Refusal):
+    """The words do not say what to do. ``offers`` holds what may have been meant."""
+
+    code = "not-understood"
+
+
+class OutOfBounds(Refusal):
+    """Understood, but outside the bounds of the skill. ``offers`` holds the bound."""
+
+    code = "out-of-bounds"
+
+
+class NotPermitted(Refusal):
+    """No role of this person gives the right."""
+
+    code = "not-permitted"
+
+
+class TooManyRequests(Refusal):
+    """The bucket is empty.
+
+    Attributes:
+        retry_after_s: Seconds until one request would be admitted.
+    """
+
+    code = "too-many-requests"
+
+    def __init__(self, sentence: str, *, retry_after_s: float) -> None:
+        super().__init__(sentence)
+        self.retry_after_s = retry_after_s
+
+
+class RobotTaken(Refusal):
+    """Somebody else holds the robot."""
+
+    code = "robot-taken"
+
+
+class RobotBusy(Refusal):
+    """The robot is doing something else, and its profile does not queue."""
+
+    code = "robot-busy"
+
+
+class RobotStopped(Refusal):
+    """The robot is stopped and stays so until an explicit, permitted resume."""
+
+    code = "robot-stopped"
+
+
+class RobotOffline(Refusal):
+    """The robot is not there; nothing was sent to it."""
+
+    code = "robot-offline"
+
+
+class Expired(Refusal):
+    """Too old to act on. Nothing was done."""
+
+    code = "expired"
+
+
+class Inert(Refusal):
+    """Edited, forwarded, via a bot, from a channel or an anonymous admin: changes nothing (I17)."""
+
+    code = "inert"
+    silent = True
+
+
+class Repeated(Refusal):
+    """This very message was settled before (I1). Saying so again would be a second answer."""
+
+    code = "repeated"
+    silent = True
+
+
+class RecordUnavailable(Refusal):
+    """The decision could not be written down, so nothing moved (I9). A stop still works."""
+
+    code = "record-unavailable"
+
+
+class OrderVoid(Refusal):
+    """The robot side declined: expired, stale, fenced or stopped. The robot has not moved."""
+
+    code = "order-void"
+
+
+class Fault(RosicError):
+    """Something broke. The operator acts; the cause is chained and logged."""
+
+    code: ClassVar[str] = "fault"
+
+
+class RobotUnreachable(Fault):
+    """No answer in time. The robot may or may not have moved."""
+
+    code = "robot-unreachable"
+
+
+class MessengerFault(Fault):
+    """The platform did not take the message. What was to be told is still in the record."""
+
+    code = "messenger-fault"
+
+
+class MessageGone(MessengerFault):
+    """The message to change does not exist any more, or is too old to change. Nothing changed."""
+
+    code = "message-gone"
+
+
+class StoreFault(Fault):
+    """The record could not be written. Nothing that depended on it has been done."""
+
+    code = "store-fault"
+
+
+class ConfigurationError(RosicError):
+    """A file or a setting is wrong. Nothing has been started.
+
+    Attributes:
+        where: File and line, when known: ``robots/omni.yaml:12``.
+        hint: What to do about it.
+    """
+
+    code: ClassVar[str] = "configuration"
+
+    def __init__(self, sentence: str, *, where: str = "", hint: str = "") -> None:
+        parts = [f"{where}: {sentence}" if where else sentence]
+        if hint:
+            parts.append(hint)
+        super().__init__(" ".join(parts))
+        self.where = where
+        self.hint = hint

@@ -1,0 +1,89 @@
+"""I2, I3, I4, I5 and I13 on whole histories of what can reach one robot's side."""
+
+from __future__ import annotations
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rosic.core.gate import Gate
+from rosic.core.identity import command_id
+from rosic.core.order import Order, Permit, Stop
+from rosic.core.skill import Skill, SkillClass
+from rosic.errors import OrderVoid
+
+MOVE = Skill(id="move")
+LOOK = Skill(id="look", kind=SkillClass.OBSERVE)
+NOW_NS = 1_000
+
+events = st.lists(
+    st.one_of(
+        st.tuples(
+            st.just("order"),
+            st.integers(1, 8),  # n
+            st.integers(0, 4),  # fence
+            st.integers(0, 4),  # stop generation when admitted
+            st.sampled_from([NOW_NS - 1, NOW_NS, NOW_NS + 1]),  # deadline
+        ),
+        st.tuples(st.just("stop"), st.integers(1, 4)),
+        st.tuples(st.just("resume"), st.integers(1, 4)),
+    ),
+    max_size=25,
+)
+
+
+def order(n: int, fence: int, generation: int, deadline_ns: int, skill: Skill = MOVE) -> Order:
+    permit = Permit("p", "k", "r", skill.id, fence, False, generation, 1)
+    return Order(command_id(str(n)), "r", skill, {}, n, deadline_ns, permit)
+
+
+def passes(gate: Gate, given_order: Order) -> bool:
+    try:
+        gate.pass_order(given_order, NOW_NS)
+    except OrderVoid:
+        return False
+    return True
+
+
+@settings(max_examples=1_000, deadline=None)
+@given(events)
+def test_no_history_lets_a_wrong_order_act(history: list[tuple[object, ...]]) -> None:
+    gate = Gate("r")
+    acted: list[int] = []
+    fences, stops, latched = [0], [0], False
+    for event in history:
+        before = (gate.n, gate.fence, gate.generation)
+        match event:
+            case ("order", int(n), int(fence), int(generation), int(deadline_ns)):
+                fences.append(fence)
+                if passes(gate, order(n, fence, generation, deadline_ns)):
+                    assert not latched, "I5: acted while stopped"
+                    assert generation >= max(stops), "I5: acted though ordered before a stop"
+                    assert fence == max(fences), "I4: acted under an old lease"
+                    assert all(n > earlier for earlier in acted), "I3: acted out of order"
+                    assert deadline_ns >= NOW_NS, "I2: acted too late"
+                    acted.append(n)
+            case ("stop", int(generation)):
+                gate.apply_stop(Stop("r", generation))
+                latched = latched or generation >= max(stops)
+                stops.append(generation)
+            case ("resume", int(generation)):
+                gate.resume(generation)
+                latched = latched and generation < max(stops)
+        after = (gate.n, gate.fence, gate.generation)
+        assert all(a >= b for a, b in zip(after, before, strict=True)), "I13: a number fell"
+
+
+def test_a_good_order_passes() -> None:
+    assert passes(Gate("r"), order(1, 1, 0, NOW_NS))
+
+
+def test_looking_needs_no_lease_but_obeys_stop_and_time() -> None:
+    gate = Gate("r", fence=5)
+    assert passes(gate, order(1, 0, 0, NOW_NS, LOOK))
+    assert not passes(gate, order(2, 0, 0, NOW_NS - 1, LOOK))
+    gate.apply_stop(Stop("r", 1))
+    assert not passes(gate, order(3, 0, 1, NOW_NS, LOOK))
+
+
+def test_an_order_for_another_robot_is_void() -> None:
+    assert not passes(Gate("q"), order(1, 1, 0, NOW_NS))
