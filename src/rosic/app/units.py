@@ -1,0 +1,196 @@
+"""The units people may use, compiled by pint to factors once, at start.
+
+Converting with pint takes about 80 microseconds a value; looking a factor up takes a fraction of
+one. Only this module imports pint. What people may say is listed here, spelling by spelling, so
+that no abbreviation out of thousands can be taken for something that nobody meant.
+"""
+
+from __future__ import annotations
+
+import pint
+
+from rosic.core.language.units import Unit, UnitTable
+
+# What pint has to know for it, in pint's language. Reading its own list of everything would take a
+# sixth of a second at every start; the tests compare each factor with that list instead.
+_DEFINITIONS = """
+milli- = 1e-3
+centi- = 1e-2
+deci- = 1e-1
+kilo- = 1e3
+mega- = 1e6
+meter = [length]
+second = [time]
+gram = [mass]
+ampere = [current]
+kelvin = [temperature]; offset: 0
+radian = []
+turn = 6.283185307179586476925287 * radian = _ = revolution
+degree = turn / 360
+percent = 0.01
+minute = 60 * second
+hour = 60 * minute
+inch = 2.54 * centimeter
+foot = 12 * inch
+yard = 3 * foot
+mile = 1760 * yard
+liter = decimeter ** 3
+metric_ton = 1000 * kilogram
+pound = 453.59237 * gram
+ounce = pound / 16
+newton = kilogram * meter / second ** 2
+kilogram_force = 9.80665 * newton
+pound_force = 0.45359237 * kilogram_force
+hertz = 1 / second
+joule = newton * meter
+watt = joule / second
+volt = watt / ampere
+watt_hour = watt * hour
+pascal = newton / meter ** 2
+bar = 1e5 * pascal
+degree_Celsius = kelvin; offset: 273.15
+degree_Fahrenheit = 5 / 9 * kelvin; offset: 233.15 + 200 / 9
+"""
+
+# Dimension, in a word people read, to units: pint's name, then how people write it. The first unit
+# of a dimension is the SI one; the first spelling of a unit is the one shown.
+_UNITS: dict[str, dict[str, str]] = {
+    "length": {
+        "meter": "m metre metres meter meters mtr",
+        "millimeter": "mm millimetre millimetres millimeter millimeters",
+        "centimeter": "cm centimetre centimetres centimeter centimeters",
+        "decimeter": "dm decimetre decimetres decimeter decimeters",
+        "kilometer": "km kilometre kilometres kilometer kilometers",
+        "inch": "in inch inches",
+        "foot": "ft foot feet",
+        "yard": "yd yard yards",
+        "mile": "mi mile miles",
+    },
+    "angle": {
+        "radian": "rad radian radians",
+        "degree": "deg degree degrees °",
+        "milliradian": "mrad milliradian milliradians",
+        "turn": "turn turns revolution revolutions rev revs",
+    },
+    "time": {
+        "second": "s sec secs second seconds",
+        "millisecond": "ms msec millisecond milliseconds",
+        "minute": "min mins minute minutes",
+        "hour": "h hr hrs hour hours",
+    },
+    "speed": {
+        "meter/second": "m/s mps|metre per second|metres per second|meter per second"
+        "|meters per second",
+        "millimeter/second": "mm/s|millimetres per second|millimeters per second",
+        "centimeter/second": "cm/s|centimetres per second|centimeters per second",
+        "kilometer/hour": "km/h kmh kph|kilometres per hour|kilometers per hour",
+        "mile/hour": "mph|miles per hour",
+        "foot/second": "ft/s|feet per second",
+        "inch/second": "in/s|inches per second",
+    },
+    "turning speed": {
+        "radian/second": "rad/s|radians per second",
+        "degree/second": "deg/s °/s|degrees per second",
+        "revolution/minute": "rpm|turns per minute|revolutions per minute",
+        "turn/second": "turn/s turns/s|turns per second|revolutions per second",
+    },
+    "acceleration": {
+        "meter/second**2": "m/s² m/s2 m/s^2",
+        "centimeter/second**2": "cm/s² cm/s2 cm/s^2",
+    },
+    "turning acceleration": {
+        "radian/second**2": "rad/s² rad/s2 rad/s^2",
+        "degree/second**2": "deg/s² deg/s2 deg/s^2",
+    },
+    "force": {
+        "newton": "N newton newtons",
+        "millinewton": "mN millinewton millinewtons",
+        "kilonewton": "kN kilonewton kilonewtons",
+        "kilogram_force": "kgf kp",
+        "pound_force": "lbf",
+    },
+    "torque": {
+        "newton*meter": "Nm N·m N*m|newton metre|newton metres|newton meters",
+        "newton*centimeter": "Ncm N·cm",
+    },
+    "mass": {
+        "kilogram": "kg kilo kilos kilogram kilograms",
+        "gram": "g gram grams gramme grammes",
+        "milligram": "mg milligram milligrams",
+        "metric_ton": "t tonne tonnes",
+        "pound": "lb lbs pound pounds",
+        "ounce": "oz ounce ounces",
+    },
+    "share": {"dimensionless": "", "percent": "% percent pct|per cent"},
+    "frequency": {
+        "hertz": "Hz hertz",
+        "kilohertz": "kHz kilohertz",
+        "megahertz": "MHz megahertz",
+    },
+    "voltage": {"volt": "V volt volts", "millivolt": "mV millivolt millivolts"},
+    "current": {"ampere": "A amp amps ampere amperes", "milliampere": "mA milliamp milliamps"},
+    "power": {"watt": "W watt watts", "kilowatt": "kW kilowatt kilowatts"},
+    "energy": {"joule": "J joule joules", "watt_hour": "Wh", "kilowatt_hour": "kWh"},
+    "pressure": {
+        "pascal": "Pa pascal pascals",
+        "kilopascal": "kPa kilopascal kilopascals",
+        "bar": "bar bars",
+    },
+    "volume": {
+        "meter**3": "m³ m3 m^3",
+        "liter": "l L litre litres liter liters",
+        "milliliter": "ml mL millilitre millilitres milliliter milliliters",
+    },
+    "area": {"meter**2": "m² m2 m^2", "centimeter**2": "cm² cm2 cm^2"},
+    "temperature": {
+        "kelvin": "K kelvin kelvins",
+        "degree_Celsius": "°C degC celsius C ℃",
+        "degree_Fahrenheit": "°F degF fahrenheit F ℉",
+    },
+}
+
+# In these spellings the case decides: milli or mega, newton or nano, kelvin or thousand.
+_CASE_DECIDES = frozenset({"mm", "ms", "mN", "mV", "mA", "mg", "mrad", "Nm", "Ncm", "MHz", "K"})
+
+
+def compile_units() -> UnitTable:
+    """Ask pint for the factor of every unit, and return them as a table.
+
+    Raises:
+        pint.PintError: A list above is wrong; a mistake of ours, as it depends on nothing else.
+    """
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(None)
+    registry.load_definitions(_DEFINITIONS.split("\n"))
+    exact: dict[str, Unit] = {}
+    for dimension, units in _UNITS.items():
+        si = next(iter(units))
+        for name, spelled in units.items():
+            spellings = _spellings(spelled)
+            offset = registry.Quantity(0.0, name).to(si).magnitude
+            step = f"delta_{name}" if offset else name
+            factor = registry.Quantity(1.0, step).to(si).magnitude
+            unit = Unit(spellings[0], dimension, _tidy(factor), offset) if spellings else None
+            exact.update({spelling: unit for spelling in spellings if unit is not None})
+    return UnitTable(exact, _forgiving(exact))
+
+
+def _spellings(spelled: str) -> list[str]:
+    """Split ``a b|c d e`` into ``a``, ``b`` and the phrase ``c d e``."""
+    words, *phrases = spelled.split("|")
+    return [*words.split(), *phrases]
+
+
+def _tidy(factor: float) -> float:
+    """Undo what pint's arithmetic added in the last place: a foot is 0.3048 m."""
+    short = float(f"{factor:.12g}")
+    return short if abs(short - factor) <= 4e-16 * abs(factor) else factor
+
+
+def _forgiving(exact: dict[str, Unit]) -> dict[str, Unit]:
+    forgiving: dict[str, Unit] = {}
+    doubtful = {spelling.casefold() for spelling in _CASE_DECIDES}
+    for spelling, unit in exact.items():
+        folded = spelling.casefold()
+        if forgiving.setdefault(folded, unit) != unit:
+            doubtful.add(folded)
+    return {spelling: unit for spelling, unit in forgiving.items() if spelling not in doubtful}

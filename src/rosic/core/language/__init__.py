@@ -1,0 +1,58 @@
+"""Understanding what people write: a total, linear-time grammar, units and bounds.
+
+Pure. In the order of a message: `hears_stop`, `understand`, `bind`, `show`. All of them look things
+up in a `Vocabulary`, which is compiled from the profiles once and replaced when they change.
+"""
+
+from __future__ import annotations
+
+from rosic.core.language.binding import bind
+from rosic.core.language.cleaning import clean, clean_name
+from rosic.core.language.compiled import SAY, skills_of
+from rosic.core.language.grammar import LONGEST_TEXT, MOST_LINES, understand
+from rosic.core.language.lines import (
+    Context,
+    Do,
+    Halt,
+    Help,
+    Line,
+    Misunderstood,
+    Resume,
+    Robots,
+    Start,
+    Status,
+    Use,
+)
+from rosic.core.language.reading import MOST_WORDS
+from rosic.core.language.showing import show
+from rosic.core.language.stopping import hears_stop
+from rosic.core.language.units import Unit, UnitTable
+from rosic.core.language.vocabulary import Vocabulary
+
+__all__ = [
+    "LONGEST_TEXT",
+    "MOST_LINES",
+    "MOST_WORDS",
+    "SAY",
+    "Context",
+    "Do",
+    "Halt",
+    "Help",
+    "Line",
+    "Misunderstood",
+    "Resume",
+    "Robots",
+    "Start",
+    "Status",
+    "Unit",
+    "UnitTable",
+    "Use",
+    "Vocabulary",
+    "bind",
+    "clean",
+    "clean_name",
+    "hears_stop",
+    "show",
+    "skills_of",
+    "understand",
+]

@@ -1,0 +1,68 @@
+"""Text from outside, made harmless: for showing (`clean`), for naming, and for reading.
+
+Everything here is total and linear: any ``str`` in, control characters, marks that reorder text
+and lone surrogates included.
+"""
+
+from __future__ import annotations
+
+import unicodedata
+
+LONGEST_NAME = 64
+LONGEST_QUOTE = 32
+
+# Explicit embeddings, overrides and isolates: with them a person can be shown another order of
+# words than the one that is read here.
+REORDERING = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+
+# What stands for a sign that people also type in ASCII.
+_SIGNS = str.maketrans(
+    {"\u2212": "-", "\u2013": "-", "\u2215": "/", "\u2044": "/", "\u066b": ".", "º": "°", "˚": "°"}
+)
+
+
+def is_plain(text: str) -> bool:
+    """Whether the text is one line of printable ASCII, which needs no cleaning at all."""
+    return text.isascii() and text.isprintable()
+
+
+def _is_kept(character: str) -> bool:
+    return character == "\n" or unicodedata.category(character) not in {"Cc", "Cf", "Cs"}
+
+
+def clean(text: str) -> str:
+    r"""Return the text without what cannot be seen: for everything of a person or robot shown.
+
+    Control and format characters (bidi and zero-width ones among them) and lone surrogates go;
+    line breaks of every kind become ``\n``, tabs become spaces.
+    """
+    if is_plain(text):
+        return text
+    lines = "\n".join(text.splitlines()).replace("\t", " ")
+    return "".join([character for character in lines if _is_kept(character)])
+
+
+def clean_name(text: str) -> str:
+    """Return a name as it is shown: NFKC, one line, single spaces, at most 64 characters."""
+    return " ".join(unicodedata.normalize("NFKC", clean(text)).split())[:LONGEST_NAME]
+
+
+def quote(text: str) -> str:
+    """Return somebody's words inside a sentence: cleaned, in one line, cut at 32 characters."""
+    words = " ".join(clean(text).split())
+    return f'"{words[:LONGEST_QUOTE]}…"' if len(words) > LONGEST_QUOTE else f'"{words}"'
+
+
+def fold_word(word: str) -> str:
+    """Return a word in the characters that the grammar reads; case is kept for units.
+
+    Full-width and mathematical forms become plain, every script's digits become ASCII digits. A
+    word with a superscript, a circled digit or a fraction is left alone: NFKC would turn 10² into
+    102, which is not what was said.
+    """
+    if word.isascii():
+        return word
+    if any(character.isnumeric() and not character.isdecimal() for character in word):
+        return word
+    word = unicodedata.normalize("NFKC", word.translate(_SIGNS)).translate(_SIGNS)
+    return "".join([str(unicodedata.decimal(c)) if c.isdecimal() else c for c in word])

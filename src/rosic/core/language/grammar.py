@@ -1,0 +1,88 @@
+"""What does a message ask? One line, one meaning; look-ups only, each word looked at once.
+
+    line    = [name] verb [names] | [name] skill values | skill [name] values | name
+    values  = { [parameter ["="]] number [unit] | [parameter ["="]] word }
+
+A leading slash changes nothing. Total: any ``str`` gives lines, and nothing is raised.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language.cleaning import REORDERING, clean, fold_word, is_plain
+from rosic.core.language.lines import Context, Line, Misunderstood
+from rosic.core.language.reading import LineReader
+
+if TYPE_CHECKING:
+    from rosic.core.language.vocabulary import Vocabulary
+
+LONGEST_TEXT = 4096
+MOST_LINES = 20
+
+_ENDS = ".,;:!?"
+
+
+def understand(text: str, vocabulary: Vocabulary, context: Context) -> tuple[Line, ...]:
+    """Return what each line of a message means, in order; at least one.
+
+    Takes time linear in the text, whatever the number of robots, skills and people: only for what
+    is not understood, and for what is asked of several robots, more is looked at.
+
+    Args:
+        text: As received; any ``str``. A stop was looked for before, by `hears_stop`.
+        vocabulary: What can be said.
+        context: Whom this person may see, and chose.
+    """
+    if len(text) > LONGEST_TEXT:
+        return (Misunderstood(_too_long(len(text))),)
+    if is_plain(text):
+        return (_line(text.strip(), vocabulary, context),)
+    lines = [line for line in text.splitlines() if clean(line).strip()]
+    if len(lines) > MOST_LINES:
+        return (
+            Misunderstood(
+                f"That message has {len(lines)} lines; I read at most {MOST_LINES}. "
+                "Nothing was done."
+            ),
+        )
+    return tuple([_cleaned(line, vocabulary, context) for line in lines]) or (_EMPTY,)
+
+
+_EMPTY = Misunderstood("There was nothing to read. Say help for what can be said.", ("help",))
+_REORDERED = Misunderstood(
+    "That line has invisible marks that show its words in another order. Please type it anew. "
+    "Nothing was done."
+)
+
+
+def _too_long(length: int) -> str:
+    return (
+        f"That message has {length:,} characters; I read at most {LONGEST_TEXT:,}. "
+        "Nothing was done."
+    )
+
+
+def _cleaned(line: str, vocabulary: Vocabulary, context: Context) -> Line:
+    if not REORDERING.isdisjoint(line):
+        return _REORDERED
+    return _line(clean(line).strip(), vocabulary, context)
+
+
+def _line(line: str, vocabulary: Vocabulary, context: Context) -> Line:
+    if not line:
+        return _EMPTY
+    words = line
+    if "=" in words:
+        words = words.replace("=", " = ")
+    raw = words.split()
+    if line[-1] in _ENDS or ", " in line or ": " in line or "; " in line:
+        raw = [word.rstrip(_ENDS) or word for word in raw]
+    if not line.isascii():
+        raw = [fold_word(word) for word in raw]
+    low = [word.casefold() for word in raw]
+    slash = low[0][0] == "/"
+    if slash:
+        raw[0] = raw[0].partition("@")[0].lstrip("/") or "/"
+        low[0] = low[0].partition("@")[0].lstrip("/") or "/"
+    return LineReader(line, raw, low, vocabulary, context).read(slash=slash)

@@ -1,0 +1,184 @@
+"""Is this a stop? Asked of every message before anything else, and of its raw text.
+
+A false stop is cheap, a missed one is not: whatever is a stop at second glance is one. It needs no
+vocabulary, no grammar and no cap of theirs; what the names in it mean is settled afterwards, by
+`Vocabulary.to_stop`.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from string import punctuation
+from typing import TYPE_CHECKING
+
+from rosic.core.language.cleaning import is_plain
+from rosic.core.language.stop_words import (
+    ALONG,
+    EVERYTHING,
+    MISSPELT,
+    MISSPELT_OF,
+    SHORTENED,
+    STOPPING,
+    STRONG,
+    UNSAID,
+    fold_stop,
+    shorten,
+)
+from rosic.core.language.suggestions import distance
+
+if TYPE_CHECKING:
+    from collections.abc import Container
+
+# So much of a text is looked at, whatever its length.
+LOOKED_AT = 4096
+# A longer line talks about something, unless it begins with a stop or consists of nothing else.
+LONGEST_LINE = 64
+LONGEST_SHOUT = 256
+
+_BLANKED = str.maketrans({mark: " " for mark in punctuation if mark not in "_@"})
+_MENTION = re.compile(r"@(\w*)\S*")
+_TRIPLE = re.compile(r"(\w)\1\1")
+_SIGNS = re.compile("([🛑✋⛔⏹🤚🖐🚫])")
+# Scripts without spaces, where they meet a robot's name.
+_SEAM = re.compile(
+    "(?<=[\u2e80-\u9fff\uac00-\ud7af])(?=[a-z0-9_])|(?<=[a-z0-9_])(?=[\u2e80-\u9fff\uac00-\ud7af])"
+)
+
+
+def is_stop_word(word: str) -> bool:
+    """Whether a word means stop, so that nothing else may be called so."""
+    return fold_stop(word) in STOPPING
+
+
+def hears_stop(text: str, known: Container[str] = ()) -> tuple[str, ...] | None:
+    """Return whom a text stops, or None if it is no stop.
+
+    One line that is a stop makes the whole text one. Takes time linear in the first 4,096
+    characters and none for the rest.
+
+    Args:
+        text: Raw, as received; any ``str``.
+        known: Names of robots, groups, skills, verbs and choices in small letters
+            (`Vocabulary.known`). None of them is taken for a misspelt stop.
+
+    Returns:
+        The words said beside the stop, in small letters; ``()`` stops everything.
+    """
+    head = text[:LOOKED_AT]
+    if is_plain(head):
+        return _heard_ascii(head.lower(), known)
+    heard = [_heard(line, known) for line in head.splitlines()]
+    stops = [names for names in heard if names is not None]
+    if not stops:
+        return None
+    return () if () in stops else tuple(dict.fromkeys([name for names in stops for name in names]))
+
+
+def _heard_ascii(line: str, known: Container[str]) -> tuple[str, ...] | None:
+    """Answer for a line in small ASCII letters; almost every message ends at the first return."""
+    if "stop" not in line and "halt" not in line:
+        words = line.translate(_BLANKED).split()
+        if (
+            STOPPING.isdisjoint(words)
+            and MISSPELT.isdisjoint(words)
+            and not _TRIPLE.search(line)
+            and (len(words) > len("stop") or "".join(words) not in STRONG)
+        ):
+            return None
+    return _heard(line, known)
+
+
+def _heard(line: str, known: Container[str]) -> tuple[str, ...] | None:
+    words = _words(line, known)
+    if not words:
+        return None
+    folded = [fold_stop(word) for word in words]
+    folded = [w if w in STOPPING or not _TRIPLE.search(w) else _unstretched(w) for w in folded]
+    if "".join(folded) in STRONG:  # s t o p
+        return ()
+    stops = [at for at, word in enumerate(folded) if word in STOPPING]
+    if len(line.strip()) > LONGEST_LINE and not _is_shout(line, folded):
+        return None
+    if not stops:
+        return _heard_misspelt(words, folded, known)
+    return _heard_exact(words, folded, stops, known)
+
+
+def _words(line: str, known: Container[str]) -> list[str]:
+    """Split a line into words in small letters, each sign a word of its own."""
+    if "@" in line:  # /stop@lab_robots_bot, or a mention of the bot in a group
+        line = _MENTION.sub(lambda m: f" {m[1]}" if m[1].lower() in known else " ", line)
+    if is_plain(line):
+        return line.lower().translate(_BLANKED).split()
+    line = _SIGNS.sub(r" \1 ", unicodedata.normalize("NFKC", line).casefold())
+    kept = "".join([_kept(character) for character in line])
+    return _SEAM.sub(" ", kept).split()
+
+
+def _kept(character: str) -> str:
+    kind = unicodedata.category(character)
+    if kind[0] in "LNM" or character == "_" or _SIGNS.match(character):
+        return character
+    return "" if kind in {"Cc", "Cf", "Cs", "Sk"} and not character.isspace() else " "
+
+
+def _unstretched(word: str) -> str:
+    short = shorten(word)
+    return "stop" if short in SHORTENED else word
+
+
+def _is_shout(line: str, folded: list[str]) -> bool:
+    """Whether a long line is a stop all the same."""
+    meaning = [word for word in folded if word not in ALONG]
+    if not meaning:
+        return False
+    if meaning[0] in STRONG and len(line) <= LONGEST_SHOUT:
+        return True
+    return all(word in STOPPING or word in EVERYTHING for word in meaning)
+
+
+def _is_aside(word: str) -> bool:
+    return word in ALONG or word in EVERYTHING or word in STOPPING
+
+
+def _heard_exact(
+    words: list[str], folded: list[str], stops: list[int], known: Container[str]
+) -> tuple[str, ...] | None:
+    """Decide about a line that has a stop word at the places ``stops``."""
+    first = stops[0]
+    if first > 0 and folded[first - 1] in UNSAID:
+        return None
+    others = tuple([w for w, f in zip(words, folded, strict=True) if not _is_aside(f)])
+    leads = folded[first] in STRONG and all(word in ALONG for word in folded[:first])
+    if not others or (leads and not EVERYTHING.isdisjoint(folded)):
+        return ()
+    if leads or len(others) == 1 or _all_known(others, known):
+        return others
+    return None
+
+
+def _heard_misspelt(
+    words: list[str], folded: list[str], known: Container[str]
+) -> tuple[str, ...] | None:
+    """Decide about a line without any stop word, where one may be misspelt."""
+    meaning = [(w, f) for w, f in zip(words, folded, strict=True) if not _is_aside(f)]
+    slips = [w for w, f in meaning if _is_slip(f) and w not in known]
+    others = tuple([w for w, _ in meaning if w not in slips])
+    if slips and (not others or _all_known(others, known)):
+        return others
+    if len(meaning) == 1:  # stopomni
+        word = meaning[0][1]
+        rest = next((word[len(stop) :] for stop in MISSPELT_OF if word.startswith(stop)), "")
+        return (rest,) if rest and rest in known and word not in known else None
+    return None
+
+
+def _is_slip(word: str) -> bool:
+    if word.isascii():
+        return word in MISSPELT
+    return len(word) <= 5 and any(distance(word, stop, 1) <= 1 for stop in MISSPELT_OF)  # noqa: PLR2004
+
+
+def _all_known(words: tuple[str, ...], known: Container[str]) -> bool:
+    return " ".join(words) in known or all(word in known for word in words)

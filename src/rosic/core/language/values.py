@@ -1,0 +1,153 @@
+"""The values in a command: ``50 cm``, ``force = 20``, ``left``, ``half a metre``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language.numerals import read_numeral
+from rosic.core.language.words import FILLERS, NOT_FINITE, NUMBERS
+from rosic.core.order import Spoken
+
+if TYPE_CHECKING:
+    from rosic.core.language.compiled import CompiledSkill
+    from rosic.core.language.units import UnitTable
+
+_NONE = Spoken("", None, "")
+
+
+class Doubt(Exception):  # never leaves this package
+    """A number may mean two numbers.
+
+    Attributes:
+        at: Place of the word.
+        readings: What to put there instead.
+    """
+
+    def __init__(self, at: int, readings: tuple[str, ...]) -> None:
+        super().__init__()
+        self.at = at
+        self.readings = readings
+
+
+class ValueReader:
+    """Reads values from words, each word once.
+
+    Nothing is refused here: a word that means nothing stays a word, and binding says so.
+    """
+
+    __slots__ = ("_at", "_low", "_raw", "_skill", "_units")
+
+    def __init__(
+        self, raw: list[str], low: list[str], at: int, skill: CompiledSkill, units: UnitTable
+    ) -> None:
+        self._raw = raw
+        self._low = low
+        self._at = at
+        self._skill = skill
+        self._units = units
+
+    def read(self) -> tuple[Spoken, ...]:
+        """Return the values from here to the end of the line.
+
+        Raises:
+            Doubt: A number may mean two numbers.
+        """
+        low = self._low
+        words = self._skill.words
+        end = len(low)
+        spoken: list[Spoken] = []
+        while self._at < end:
+            word = low[self._at]
+            if word in words and not self._has_equals():
+                self._at += 1
+                spoken.append(Spoken("", None, word))
+            elif word.replace(".", "", 1).isdecimal():
+                spoken.append(self._value(""))
+            elif word in FILLERS and not self._is_one(word):
+                self._at += 1
+            else:
+                spoken.append(self._named_or_value(word))
+        return tuple(spoken)
+
+    def _has_equals(self) -> bool:
+        after = self._at + 1
+        return after < len(self._low) and self._low[after] == "="
+
+    def _is_one(self, word: str) -> bool:
+        """Whether ``a`` or ``an`` stands for 1: ``a metre``."""
+        after = self._at + 1
+        return (
+            word in {"a", "an"}
+            and after < len(self._low)
+            and self._low[after] not in self._skill.plain_words
+            and self._units.find(self._raw[after]) is not None
+        )
+
+    def _named_or_value(self, word: str) -> Spoken:
+        if self._has_equals():
+            self._at += 2
+            return self._value(word)
+        if word in self._skill.by_name:
+            self._at += 1
+            while self._at < len(self._low) and self._low[self._at] in FILLERS:
+                self._at += 1
+            return self._value(word)
+        return self._value("")
+
+    def _value(self, name: str) -> Spoken:
+        """Read one value here; at the end of the line there is none."""
+        at = self._at
+        if at >= len(self._low):
+            return Spoken(name, None, "")
+        word = self._low[at]
+        self._at = at + 1
+        if word.replace(".", "", 1).isdecimal():
+            return Spoken(name, float(word), self._unit())
+        numeral = read_numeral(self._raw[at])
+        if numeral is not None:
+            if numeral.readings:
+                raise Doubt(at, tuple(r + numeral.rest for r in numeral.readings))
+            return Spoken(name, numeral.value, numeral.rest or self._unit())
+        return self._word(name, word)
+
+    def _word(self, name: str, word: str) -> Spoken:
+        for count in range(self._skill.longest_word.get(word, 0), 1, -1):
+            phrase = " ".join(self._low[self._at - 1 : self._at - 1 + count])
+            if phrase in self._skill.words:
+                self._at += count - 1
+                return Spoken(name, None, phrase)
+        if word in self._skill.words:
+            return Spoken(name, None, word)
+        number = 1.0 if word in {"a", "an"} else NUMBERS.get(word, NOT_FINITE.get(word))
+        if number is None:
+            return Spoken(name, None, word)
+        while self._at < len(self._low) and self._low[self._at] in {"a", "an", "of"}:
+            self._at += 1
+        return Spoken(name, number, self._unit())
+
+    def _unit(self) -> str:
+        """Read the unit of the number before, if one follows; else return an empty text."""
+        at = self._at
+        if at >= len(self._low):
+            return ""
+        raw, low = self._raw[at], self._low[at]
+        skill = self._skill
+        if low in skill.plain_words or self._has_equals():
+            return ""
+        if raw not in self._units.exact:
+            if low in FILLERS or low in skill.words or low in skill.by_name or low in NUMBERS:
+                return ""
+            if low in skill.longest_word or read_numeral(raw) is not None or low == "=":
+                return ""
+        self._at = at + 1
+        return self._per(raw)
+
+    def _per(self, raw: str) -> str:
+        """Read on where a unit has several words: ``metres per second``."""
+        at = self._at
+        if at + 1 < len(self._low) and self._low[at] == "per":
+            phrase = f"{raw} per {self._raw[at + 1]}"
+            if self._units.find(phrase) is not None:
+                self._at = at + 2
+                return phrase
+        return raw

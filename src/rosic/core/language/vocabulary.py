@@ -1,0 +1,270 @@
+"""Everything that can be said, compiled once from the profiles and never changed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.language.cleaning import clean_name, quote
+from rosic.core.language.compiled import (
+    CompiledRobot,
+    CompiledSkill,
+    compile_skill,
+    fold,
+    longest_by_first_word,
+    skills_of,
+    spellings,
+)
+from rosic.core.language.numerals import read_numeral
+from rosic.core.language.stopping import is_stop_word
+from rosic.core.language.units import UnitTable
+from rosic.core.language.words import EVERYTHING, FILLERS, NOT_FINITE, NOTHING, NUMBERS, VERBS
+from rosic.core.robot import Profile, RobotId
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rosic.core.skill import Skill
+
+_RESERVED = VERBS | FILLERS | EVERYTHING | NOTHING | frozenset(NUMBERS) | frozenset(NOT_FINITE)
+
+
+class Callee(msgspec.Struct, frozen=True):
+    """Whom a name calls.
+
+    Attributes:
+        name: A robot's id or a group's name.
+        robots: One, or the members of the group.
+        group: Whether it is a group, be it of one.
+    """
+
+    name: str
+    robots: tuple[CompiledRobot, ...]
+    group: bool = False
+
+
+class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
+    """A snapshot of robots, groups, skills and units. Replaced when profiles change.
+
+    Attributes:
+        profiles: By robot id, in the order in which they were given.
+        callees: Every name, title and other word for a robot or a group.
+        longest_callee: First word of a name to the number of words in the longest such name.
+        having: What people say for a skill to the robots that have it.
+        longest_skill: As ``longest_callee``, for skills.
+        known: Every name, verb, skill, parameter and choice: none of them is a misspelt word,
+            whatever it resembles.
+    """
+
+    units: UnitTable
+    profiles: dict[RobotId, Profile]
+    robots: dict[RobotId, CompiledRobot]
+    callees: dict[str, Callee]
+    longest_callee: dict[str, int]
+    having: dict[str, frozenset[RobotId]]
+    longest_skill: dict[str, int]
+    known: frozenset[str]
+
+    @classmethod
+    def build(cls, profiles: Iterable[Profile], units: UnitTable) -> Vocabulary:
+        """Compile profiles.
+
+        Raises:
+            ValueError: Two things would have one name, or a unit is unknown. The sentence names
+                the robot, and what is wrong.
+        """
+        by_id: dict[RobotId, Profile] = {}
+        for profile in profiles:
+            if by_id.setdefault(profile.id, profile) is not profile:
+                raise ValueError(f"two robots are called {quote(profile.id)}")
+        shared: dict[str, CompiledSkill] = {}
+        robots = {n: _compile_robot(profile, units, shared) for n, profile in by_id.items()}
+        callees = _callees(robots)
+        having = _having(robots)
+        for phrase in having:
+            if phrase in callees:
+                raise ValueError(
+                    f"{quote(phrase)} is both a skill of {min(having[phrase])} and a name "
+                    f"for {callees[phrase].name}"
+                )
+        _add_loose_names(robots, callees, frozenset(having))
+        skills = [c for robot in robots.values() for c in robot.skills.values()]
+        said = [*(c.words for c in skills), *(c.by_name for c in skills)]
+        return cls(
+            units=units,
+            profiles=by_id,
+            robots=robots,
+            callees=callees,
+            longest_callee=longest_by_first_word(iter(callees)),
+            having=having,
+            longest_skill=longest_by_first_word(iter(having)),
+            known=frozenset(VERBS).union(NUMBERS, callees, having, *said),
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The ids of robots, then the names of groups."""
+        groups = dict.fromkeys(c.name for c in self.callees.values() if c.group)
+        return (*self.profiles, *groups)
+
+    def robot(self, name: str) -> Profile | None:
+        """Return the robot that a name, a title or another word calls."""
+        callee = self.callees.get(fold(name))
+        return callee.robots[0].profile if callee is not None and not callee.group else None
+
+    def members(self, group: str) -> tuple[RobotId, ...]:
+        """Return the robots of a group; none for an unknown one."""
+        callee = self.callees.get(fold(group))
+        return tuple(r.id for r in callee.robots) if callee is not None and callee.group else ()
+
+    def skill(self, robot: RobotId, spoken: str) -> Skill | None:
+        """Return the skill of a robot that a person calls so."""
+        compiled = self.compiled_skill(robot, fold(spoken))
+        return compiled.skill if compiled is not None else None
+
+    def compiled_skill(self, robot: RobotId, name: str) -> CompiledSkill | None:
+        """Return a skill by its id, or by what is said for it."""
+        known = self.robots.get(robot)
+        if known is None:
+            return None
+        return known.skills.get(name) or known.phrases.get(name)
+
+    def to_stop(
+        self, names: tuple[str, ...], visible: frozenset[RobotId]
+    ) -> tuple[tuple[RobotId, ...], tuple[str, ...]]:
+        """Return whom a stop means, and which of its words say nothing to this person.
+
+        Whatever is not understood in a stop makes it a stop of everything visible.
+
+        Args:
+            names: As `hears_stop` returned them.
+            visible: The robots this person may see.
+        """
+        meant: dict[RobotId, None] = {}
+        unknown: list[str] = []
+        at = 0
+        while at < len(names):
+            found, at = self._visible_from(names, at, visible)
+            if not found:
+                unknown.append(names[at - 1])
+            meant.update(dict.fromkeys(found))
+        if unknown or not meant:
+            return tuple(r for r in self.profiles if r in visible), tuple(unknown)
+        return tuple(meant), ()
+
+    def _visible_from(
+        self, names: tuple[str, ...], at: int, visible: frozenset[RobotId]
+    ) -> tuple[tuple[RobotId, ...], int]:
+        for count in range(self.longest_callee.get(names[at], 0), 0, -1):
+            callee = self.callees.get(" ".join(names[at : at + count]))
+            if callee is not None:
+                found = tuple(r.id for r in callee.robots if r.id in visible)
+                if found:
+                    return found, at + count
+        return (), at + 1
+
+
+def _refuse_reserved(name: str, what: str) -> None:
+    words = name.split()
+    if not words:
+        raise ValueError(f"{what} has an empty name")
+    if name in _RESERVED or is_stop_word(words[0]) or read_numeral(name) is not None:
+        raise ValueError(f"{what} cannot be called {quote(name)}: that word means something else")
+
+
+def _compile_robot(
+    profile: Profile, units: UnitTable, shared: dict[str, CompiledSkill]
+) -> CompiledRobot:
+    skills: dict[str, CompiledSkill] = {}
+    for name, skill in skills_of(profile).items():
+        same = repr(skill)
+        try:
+            skills[name] = shared.get(same) or compile_skill(skill, units)
+        except ValueError as error:
+            raise ValueError(f"robot {profile.id}, skill {name!r}: {error}") from error
+        shared[same] = skills[name]
+    phrases = _phrases(profile.id, skills)
+    return CompiledRobot(
+        id=profile.id,
+        profile=profile,
+        shown=clean_name(profile.shown) or profile.id,
+        names=tuple(
+            dict.fromkeys((profile.id, *map(fold, profile.words), *profile.groups)),
+        ),
+        skills=skills,
+        phrases=phrases,
+        longest=longest_by_first_word(phrases),
+    )
+
+
+def _phrases(robot: RobotId, skills: dict[str, CompiledSkill]) -> dict[str, CompiledSkill]:
+    """Return what can be said for each skill. A clash of chosen names is refused, of titles not."""
+    phrases: dict[str, CompiledSkill] = {}
+    for compiled in skills.values():
+        skill = compiled.skill
+        for phrase in (fold(skill.id), compiled.spoken, *map(fold, skill.words)):
+            _refuse_reserved(phrase, f"robot {robot}: skill {skill.id!r}")
+            other = phrases.setdefault(phrase, compiled)
+            if other is not compiled:
+                raise ValueError(
+                    f"robot {robot}: {quote(phrase)} means both {other.skill.id} and {skill.id}"
+                )
+    for compiled in skills.values():
+        skill = compiled.skill
+        for phrase in (*spellings(skill.id), fold(clean_name(skill.title))):
+            if phrase and phrase not in _RESERVED and not is_stop_word(phrase.split()[0]):
+                phrases.setdefault(phrase, compiled)
+    return phrases
+
+
+def _callees(robots: dict[RobotId, CompiledRobot]) -> dict[str, Callee]:
+    callees: dict[str, Callee] = {}
+    for robot in robots.values():
+        callee = Callee(robot.id, (robot,))
+        for name in dict.fromkeys((robot.id, *map(fold, robot.profile.words))):
+            _refuse_reserved(name, f"robot {robot.id}")
+            if name in callees:
+                raise ValueError(f"{quote(name)} means both {callees[name].name} and {robot.id}")
+            callees[name] = callee
+    groups: dict[str, list[CompiledRobot]] = {}
+    for robot in robots.values():
+        for group in dict.fromkeys(robot.profile.groups):
+            groups.setdefault(group, []).append(robot)
+    for group, members in groups.items():
+        _refuse_reserved(group, f"a group of {members[0].id}")
+        if group in callees:
+            raise ValueError(f"{quote(group)} is both a group and a name for {callees[group].name}")
+        callees[group] = Callee(group, tuple(members), group=True)
+    return callees
+
+
+def _add_loose_names(
+    robots: dict[RobotId, CompiledRobot], callees: dict[str, Callee], taken: frozenset[str]
+) -> None:
+    """Let titles and looser spellings be said too, where they leave no doubt."""
+    loose: dict[str, list[Callee]] = {}
+    for callee in _distinct(callees):
+        titles = () if callee.group else (fold(robots[callee.name].shown),)
+        for name in dict.fromkeys((*titles, *spellings(callee.name))):
+            loose.setdefault(name, []).append(callee)
+    for name, meant in loose.items():
+        reserved = name in _RESERVED or name in taken or is_stop_word(name.split()[0])
+        if len(meant) == 1 and not reserved:
+            callees.setdefault(name, meant[0])
+
+
+def _distinct(callees: dict[str, Callee]) -> Iterator[Callee]:
+    seen: set[str] = set()
+    for callee in tuple(callees.values()):
+        if callee.name not in seen:
+            seen.add(callee.name)
+            yield callee
+
+
+def _having(robots: dict[RobotId, CompiledRobot]) -> dict[str, frozenset[RobotId]]:
+    having: dict[str, list[RobotId]] = {}
+    for robot in robots.values():
+        for phrase in robot.phrases:
+            having.setdefault(phrase, []).append(robot.id)
+    return {phrase: frozenset(ids) for phrase, ids in having.items()}

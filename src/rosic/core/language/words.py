@@ -1,0 +1,46 @@
+"""The words that belong to the language itself, so that no robot and no skill may have them."""
+
+from __future__ import annotations
+
+VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
+
+# What people say instead, and what is offered to them.
+HINTS: dict[str, str] = {
+    "?": "help",
+    "commands": "help",
+    "continue": "resume",
+    "fleet": "robots",
+    "go-on": "resume",
+    "list": "robots",
+    "menu": "help",
+    "select": "use",
+    "state": "status",
+    "unstop": "resume",
+}
+
+# Words that carry no meaning here. A phrase may contain them ("go to"), a name may not be one.
+FILLERS = frozenset({"a", "an", "and", "at", "by", "for", "of", "please", "the", "to", "with", "&"})
+
+EVERYTHING = frozenset({"all", "everybody", "everyone", "everything"})
+NOTHING = frozenset({"nobody", "none", "nothing"})
+
+NUMBERS: dict[str, float] = {
+    "half": 0.5,
+    "one": 1.0,
+    "two": 2.0,
+    "three": 3.0,
+    "four": 4.0,
+    "five": 5.0,
+    "six": 6.0,
+    "seven": 7.0,
+    "eight": 8.0,
+    "nine": 9.0,
+    "ten": 10.0,
+}
+
+# Said, they are numbers, so that the answer can be that they are not finite.
+NOT_FINITE: dict[str, float] = {
+    sign + word: float(sign + "inf") if word != "nan" else float("nan")
+    for sign in ("", "+", "-")
+    for word in ("inf", "infinity", "infinite", "∞", "nan")
+}

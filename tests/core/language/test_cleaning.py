@@ -1,0 +1,36 @@
+# ruff: noqa: RUF001 - people type what is ambiguous
+from __future__ import annotations
+
+from rosic.core.language import clean, clean_name
+from rosic.core.language.cleaning import fold_word, quote
+
+
+def test_what_cannot_be_seen_goes() -> None:
+    assert clean("a\x00b\u200bc\u202ed\ufeffe\ud800f\x7fg") == "abcdefg"
+    assert clean("one\r\ntwo\u2028three\tfour") == "one\ntwo\nthree four"
+
+
+def test_what_people_write_stays() -> None:
+    for text in ("omni move 1 m", "Grüße, 世界! 🦾", "रुको", "قف", "a\nb", "x ≤ 5"):
+        assert clean(text) == text
+
+
+def test_a_name_is_one_short_line_of_plain_forms() -> None:
+    assert clean_name(" ＫＵＫＡ\u202e\n iiwa ") == "KUKA iiwa"
+    assert len(clean_name("n" * 1000)) == 64
+
+
+def test_a_quotation_is_short() -> None:
+    assert quote("mv\x00oe\n") == '"mvoe"'
+    assert len(quote("x" * 10_000)) == 35
+
+
+def test_a_word_is_folded_without_changing_its_number() -> None:
+    assert fold_word("５０ｃｍ") == "50cm"
+    assert fold_word("٢٫٥") == "2.5"
+    assert fold_word("\u22125") == "-5"
+    assert fold_word("㎝") == "cm"
+    # NFKC alone would make 102 of it, and 112 of the next.
+    assert fold_word("10²") == "10²"
+    assert fold_word("1½") == "1½"
+    assert fold_word("①") == "①"

@@ -1,0 +1,205 @@
+# ruff: noqa: RUF001 - people type what is ambiguous
+from __future__ import annotations
+
+import pytest
+
+from rosic.core.language import Vocabulary, hears_stop
+from rosic.core.language.stopping import is_stop_word
+
+EVERYTHING = """
+stop Stop STOP STOP!!! stop. "stop" **stop** /stop /stop@lab_robots_bot stop! STOOOOOOP sstop
+halt HALT! stopp stop-stop freeze st0p
+"""
+
+LANGUAGES = {
+    "German": "halt stopp anhalten",
+    "French": "arrête arrete ARRÊTEZ arrêtes halte",
+    "Spanish": "alto para pare parar detente ¡ALTO!",
+    "Portuguese": "para pare parar pará",
+    "Italian": "fermo ferma fermati alt basta",
+    "Dutch": "stop stoppen",
+    "Swedish": "stopp stanna",
+    "Finnish": "pysähdy pysahdy",
+    "Polish": "stój stoj zatrzymaj",
+    "Czech": "stůj zastav",
+    "Croatian": "stoj stani",
+    "Serbian": "стој стани",
+    "Russian": "стоп СТОП стой остановись",
+    "Ukrainian": "стоп стій",
+    "Bulgarian": "спри",
+    "Turkish": "dur DUR durun",
+    "Greek": "σταμάτα ΣΤΑΜΆΤΑ στοπ",
+    "Hungarian": "állj",
+    "Romanian": "oprește opreste",
+    "Arabic": "قف توقف أوقف اوقف قف!",
+    "Persian": "ایست بایست",
+    "Urdu": "رکو",
+    "Hebrew": "עצור עצרי",
+    "Hindi": "रुको रुकें रोको",
+    "Bengali": "থামো থামুন",
+    "Tamil": "நிறுத்து",
+    "Telugu": "ఆపు",
+    "Chinese": "停 停止 停下 停！ 停止！！",
+    "Japanese": "止まれ とまれ ストップ 停止 ｽﾄｯﾌﾟ",
+    "Korean": "멈춰 정지 멈추세요 멈춰!",
+    "Vietnamese": "dừng",
+    "Thai": "หยุด",
+    "Indonesian": "berhenti",
+    "Swahili": "simama",
+}
+SIGNS = ["🛑", "✋", "⛔", "⏹", "⏹️", "✋🏽", "🛑🛑🛑", "🛑!", "🚫"]
+DISGUISED = [
+    "s\u200bt\u200bop", "\ufeffstop", "stop\x00", "\u202estop", "\ud800stop", "ＳＴＯＰ", "𝗦𝗧𝗢𝗣",
+    "st\u0336op", "stоp", "s t o p", "st op", "  stop  ", "\tstop", "stop\r\n", "...stop...",
+    "ⓢⓣⓞⓟ", "停停停", "stop" + "!" * 5000,
+]  # fmt: skip
+SAID_KINDLY = [
+    "stop now", "please stop", "stop please", "stop, please!", "stop everything", "stop all",
+    "STOP ALL ROBOTS", "stop it", "stop moving", "stop right now", "no stop", "ok, stop",
+    "could you please stop", "everybody stop", "please, all robots stop now", "stop them all",
+    "stop immediately", "stop stop stop", "halt sofort", "стоп пожалуйста", "stop " * 200,
+    "stop omni and everything", "@lab_robots_bot stop", "stop @lab_robots_bot", "stop omni, all!",
+]  # fmt: skip
+SLIPS = """
+sotp stpo tsop sto stp top sop stoop stopo sstop atop shop step slop stip stol srop dtop halr hlat
+hlt hakt haltt /sotp /stpo STPO! stop1
+"""
+
+
+@pytest.mark.parametrize(
+    "text", [*EVERYTHING.split(), *SIGNS, *DISGUISED, *SAID_KINDLY, *SLIPS.split()]
+)
+def test_these_stop_everything(text: str, vocabulary: Vocabulary) -> None:
+    assert hears_stop(text, vocabulary.known) == ()
+    assert hears_stop(text) == ()
+
+
+@pytest.mark.parametrize(("language", "words"), LANGUAGES.items())
+def test_a_stop_is_understood_in(language: str, words: str) -> None:
+    missed = [word for word in words.split() if hears_stop(word) != ()]
+
+    assert missed == [], language
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        ("stop omni", ("omni",)),
+        ("STOP omni!", ("omni",)),
+        ("/stop@lab_robots_bot omni", ("omni",)),
+        ("stop omni and kuka1", ("omni", "kuka1")),
+        ("stop omni, kuka1 & yumi please", ("omni", "kuka1", "yumi")),
+        ("stop the crazyflies now", ("crazyflies",)),
+        ("stop KUKA iiwa", ("kuka", "iiwa")),
+        ("stop it omni it is going to hit the wall", ("omni", "going", "hit", "wall")),
+        ("omni stop", ("omni",)),
+        ("omni, stop!", ("omni",)),
+        ("omni please stop now", ("omni",)),
+        ("kuka1 and omni stop", ("kuka1", "omni")),
+        ("kuka iiwa stop", ("kuka", "iiwa")),
+        ("omni halt", ("omni",)),
+        ("стоп omni", ("omni",)),
+        ("para omni", ("omni",)),
+        ("停止omni", ("omni",)),
+        ("omni停止", ("omni",)),
+        ("omni 정지", ("omni",)),
+        ("🛑 omni", ("omni",)),
+        ("🛑omni", ("omni",)),
+        ("sotp omni", ("omni",)),
+        ("omni sotp", ("omni",)),
+        ("stpo omni and kuka1", ("omni", "kuka1")),
+        ("stopomni", ("omni",)),
+        ("stop omin", ("omin",)),
+        ("stop @omni", ("omni",)),
+    ],
+)
+def test_names_beside_a_stop_are_kept(
+    text: str, names: tuple[str, ...], vocabulary: Vocabulary
+) -> None:
+    assert hears_stop(text, vocabulary.known) == names
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "", " ", "\n\n", "bus stop", "the bus stop", "full stop", "pit stop", "don't stop",
+        "never stop", "dont stop omni", "non stop", "omni move 1 m then stop", "omni move 1 m",
+        "we should not stop", "let us talk about the next stop on the way", "status", "start",
+        "omni move forward 0.5", "unstoppable", "halting problem", "nonstop", "stopwatch", "salty",
+        "不要停止", "nicht stoppen", "omni turn left", "hold", "help", "home", "shops", "50",
+        "half a m",
+        "It was a long day and in the evening we came to a stop and had a rest, all of us together",
+        "stop" * 30, "?", "👋", "👍", "قفز", "停车场",
+    ],
+)  # fmt: skip
+def test_these_are_no_stops(text: str, vocabulary: Vocabulary) -> None:
+    assert hears_stop(text, vocabulary.known) is None
+
+
+@pytest.mark.parametrize("word", ["shop", "stow", "step", "sto", "halo"])
+def test_a_known_word_is_no_misspelt_stop(word: str) -> None:
+    assert hears_stop(word) == ()
+    assert hears_stop(word, {word}) is None
+    assert hears_stop(f"{word} omni", {word, "omni"}) is None
+    assert hears_stop(f"{word} omni", {"omni"}) == ("omni",)
+
+
+def test_a_stop_is_a_stop_even_if_something_is_called_so() -> None:
+    assert hears_stop("stop", {"stop"}) == ()
+
+
+def test_one_line_of_many_stops() -> None:
+    assert hears_stop("omni move 1 m\nstop") == ()
+    assert hears_stop("omni move 1 m\r\nstop omni\nkuka1 grasp") == ("omni",)
+    assert hears_stop("stop omni\nstop kuka1") == ("omni", "kuka1")
+    assert hears_stop("stop omni\nstop") == ()
+    assert hears_stop("hello\u2028stop") == ()
+    assert hears_stop("\n" * 3000 + "stop") == ()
+
+
+def test_only_the_first_4096_characters_count() -> None:
+    assert hears_stop("x" * 4000 + "\nstop\n" + "y" * 100_000) == ()
+    assert hears_stop("stop\n" + "y" * 100_000) == ()
+    assert hears_stop("x" * 4096 + "\nstop") is None
+
+
+def test_a_long_line_stops_only_if_it_begins_so_or_says_nothing_else() -> None:
+    beginning = "stop omni it is going to hit the wall and then the table and then me"
+    assert len(beginning) > 64
+    names = hears_stop(beginning)
+    assert names is not None
+    assert names[0] == "omni"
+    assert hears_stop("omni " + "and kuka1 " * 8 + "stop", {"omni", "kuka1"}) is None
+    assert hears_stop("stop, said the man to the robot, " + "and so on " * 30) is None
+
+
+@pytest.mark.parametrize("words", [*LANGUAGES.values(), "stop halt 🛑"])
+def test_nothing_else_may_be_called_like_a_stop(words: str) -> None:
+    bare = [word for word in words.split() if word.isalpha()]
+    assert all(map(is_stop_word, bare))
+
+
+def test_who_is_meant(vocabulary: Vocabulary, everyone: frozenset[str]) -> None:
+    def whom(text: str, visible: frozenset[str] = everyone) -> tuple[str, ...]:
+        names = hears_stop(text, vocabulary.known)
+        assert names is not None
+        return vocabulary.to_stop(names, visible)[0]
+
+    everybody = tuple(vocabulary.profiles)
+    assert whom("stop") == everybody
+    assert whom("stop omni") == ("omni",)
+    assert whom("stop rover and kuka iiwa") == ("omni", "kuka1")
+    assert whom("crazyflies stop") == ("cf1", "cf2", "cf3")
+    assert whom("stop crazyflies", frozenset({"cf2", "omni"})) == ("cf2",)
+    assert whom("stop", frozenset({"cf2", "omni"})) == ("omni", "cf2")
+
+
+def test_what_is_not_understood_in_a_stop_stops_everything_visible(
+    vocabulary: Vocabulary, everyone: frozenset[str]
+) -> None:
+    assert vocabulary.to_stop(("omin",), everyone) == (tuple(vocabulary.profiles), ("omin",))
+    assert vocabulary.to_stop(("omni", "quick"), everyone)[0] == tuple(vocabulary.profiles)
+    # A robot that the person may not see is as unknown as one that does not exist.
+    few = frozenset({"omni", "yumi"})
+    assert vocabulary.to_stop(("kuka1",), few) == (("omni", "yumi"), ("kuka1",))
+    assert vocabulary.to_stop(("zork1",), few) == (("omni", "yumi"), ("zork1",))

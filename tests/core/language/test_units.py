@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING
+
+import pint
+import pytest
+
+from rosic.app import units as table_of_names
+
+if TYPE_CHECKING:
+    from rosic.core.language import UnitTable
+
+
+@pytest.mark.parametrize(
+    ("spelled", "dimension", "si"),
+    [
+        ("m", "length", 1),
+        ("metres", "length", 1),
+        ("meter", "length", 1),
+        ("cm", "length", 0.01),
+        ("mm", "length", 0.001),
+        ("km", "length", 1000),
+        ("in", "length", 0.0254),
+        ("inch", "length", 0.0254),
+        ("ft", "length", 0.3048),
+        ("deg", "angle", pi / 180),
+        ("degrees", "angle", pi / 180),
+        ("°", "angle", pi / 180),
+        ("rad", "angle", 1),
+        ("turn", "angle", 2 * pi),
+        ("s", "time", 1),
+        ("sec", "time", 1),
+        ("min", "time", 60),
+        ("h", "time", 3600),
+        ("ms", "time", 0.001),
+        ("m/s", "speed", 1),
+        ("km/h", "speed", 1 / 3.6),
+        ("cm/s", "speed", 0.01),
+        ("mph", "speed", 0.44704),
+        ("metres per second", "speed", 1),
+        ("rad/s", "turning speed", 1),
+        ("deg/s", "turning speed", pi / 180),
+        ("rpm", "turning speed", 2 * pi / 60),
+        ("N", "force", 1),
+        ("mN", "force", 0.001),
+        ("kgf", "force", 9.80665),
+        ("lbf", "force", 4.4482216152605),
+        ("kg", "mass", 1),
+        ("g", "mass", 0.001),
+        ("%", "share", 0.01),
+        ("percent", "share", 0.01),
+        ("Hz", "frequency", 1),
+        ("V", "voltage", 1),
+        ("Nm", "torque", 1),
+    ],
+)
+def test_a_spelling_has_its_unit(units: UnitTable, spelled: str, dimension: str, si: float) -> None:
+    unit = units.find(spelled)
+
+    assert unit is not None
+    assert unit.dimension == dimension
+    assert unit.factor == pytest.approx(si, rel=1e-12)
+    assert unit.offset == 0
+
+
+@pytest.mark.parametrize(
+    ("spelled", "value", "kelvin"),
+    [
+        ("degC", 0, 273.15),
+        ("°C", 100, 373.15),
+        ("°F", 32, 273.15),
+        ("°F", 212, 373.15),
+        ("K", 5, 5),
+    ],
+)
+def test_temperatures_have_a_zero_of_their_own(
+    units: UnitTable, spelled: str, value: float, kelvin: float
+) -> None:
+    unit = units.find(spelled)
+
+    assert unit is not None
+    assert value * unit.factor + unit.offset == pytest.approx(kelvin)
+
+
+def test_every_factor_is_what_the_whole_of_pint_says(units: UnitTable) -> None:
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+    checked = 0
+    for named in table_of_names._UNITS.values():
+        kinds = {str(registry.Quantity(1.0, name).to_base_units().units) for name in named}
+        assert len(kinds) == 1
+        for name, spelled in named.items():
+            if not spelled:
+                continue
+            unit = units.exact[spelled.split("|")[0].split()[0]]
+            for value in (1.0, 17.5):
+                there = registry.Quantity(value, name).to_base_units().magnitude
+                assert value * unit.factor + unit.offset == pytest.approx(there, rel=1e-12)
+            checked += 1
+    assert checked > 60
+
+
+def test_case_is_forgiven_where_it_decides_nothing(units: UnitTable) -> None:
+    for said, meant in [
+        ("CM", "cm"),
+        ("Km", "km"),
+        ("DEG", "deg"),
+        ("hz", "Hz"),
+        ("n", "N"),
+        ("M", "m"),
+    ]:
+        assert units.find(said) == units.exact[meant]
+
+
+@pytest.mark.parametrize("spelled", ["Mm", "MM", "MN", "Ms", "nm", "NM", "k", "mhz", "furlong", ""])
+def test_case_is_not_forgiven_where_it_decides(units: UnitTable, spelled: str) -> None:
+    assert units.find(spelled) is None
