@@ -1,0 +1,1 @@
+"""Where the record is kept: in a database on disk, or in memory."""

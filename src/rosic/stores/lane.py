@@ -1,0 +1,225 @@
+"""One thread that does what an event loop hands to it, in order and in groups.
+
+An event loop that waits for a disk serves nobody. What is asked for in one turn of the loop goes
+over together, and comes back together: one wake-up each way, however many calls there were.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from contextlib import suppress
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from rosic.errors import StoreFault
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+RETRY_S = 0.25
+
+
+class Job(Generic[T]):
+    """One thing to be done.
+
+    Attributes:
+        content: What; for ``call`` a function.
+        future: Who waits; None for a note.
+        error: Set by the thread when it was not done.
+    """
+
+    __slots__ = ("content", "error", "future", "result")
+
+    def __init__(self, content: T, future: asyncio.Future[Any] | None) -> None:
+        self.content = content
+        self.future = future
+        self.error: Exception | None = None
+        self.result: object = None
+
+
+class Call(Job[Any]):
+    """A function to be run between two groups."""
+
+    __slots__ = ()
+
+
+class Lane(Generic[T]):
+    """The queue and its thread.
+
+    Args:
+        name: Of the thread.
+        settle: Runs in the thread. Does a group and sets ``error`` on the jobs it could not do.
+            Returns whether it wants to be called again soon without new jobs.
+        finish: Runs in the thread, last.
+        group_max: Jobs in one group.
+        queue_max: Jobs that may wait; notes may be twice as many, for they cannot be refused.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        settle: Callable[[list[Job[T]]], bool],
+        *,
+        finish: Callable[[], None],
+        group_max: int,
+        queue_max: int,
+    ) -> None:
+        self._name = name
+        self._settle = settle
+        self._finish = finish
+        self._group_max = group_max
+        self._queue_max = queue_max
+        self._queue: SimpleQueue[list[Job[T]] | None] = SimpleQueue()
+        self._turn: list[Job[T]] = []
+        self._waiting = 0
+        self._running = False
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def start(self) -> None:
+        """Start the thread; belongs to the running event loop from now on."""
+        self._loop = asyncio.get_running_loop()
+        self._running = True
+        self._stopped = self._loop.create_future()
+        threading.Thread(target=self._run, name=self._name, daemon=True).start()
+
+    async def put(self, content: T) -> None:
+        """Have something done and wait until it is.
+
+        Raises:
+            StoreFault: Too much is waiting, or the lane is closed. It was not done.
+            Exception: Whatever ``settle`` left in ``error``.
+        """
+        future = self._admit()
+        self._append(Job(content, future))
+        await future
+
+    async def call(self, function: Callable[[], R]) -> R:
+        """Run a function in the thread, after everything that was asked for before."""
+        future = self._admit()
+        self._append(Call(function, future))
+        result: R = await future
+        return result
+
+    def drop(self, content: T) -> bool:
+        """Have something done without waiting. Return whether it was taken."""
+        if not self._running or self._waiting >= 2 * self._queue_max:
+            return False
+        self._append(Job(content, None))
+        return True
+
+    async def stop(self) -> None:
+        """Finish what is waiting, then end the thread. Doing it twice is harmless."""
+        if self._loop is None:
+            return
+        if self._running:
+            self._running = False
+            self._hand_over()
+            self._queue.put(None)
+        await asyncio.shield(self._stopped)
+
+    def _admit(self) -> asyncio.Future[Any]:
+        if not self._running or self._loop is None:
+            raise StoreFault("The record is closed. Nothing was written.")
+        if self._waiting >= self._queue_max:
+            raise StoreFault("The record cannot keep up. Nothing was written.")
+        return self._loop.create_future()
+
+    def _append(self, job: Job[T]) -> None:
+        self._waiting += 1
+        self._turn.append(job)
+        if len(self._turn) == 1 and self._loop is not None:
+            self._loop.call_soon(self._hand_over)
+
+    def _hand_over(self) -> None:
+        if self._turn:
+            self._queue.put(self._turn)
+            self._turn = []
+
+    # ---- in the thread ----
+
+    def _run(self) -> None:
+        again = False
+        going = True
+        while going:
+            jobs, going = self._next(again)
+            again = self._do(jobs)
+        self._finish()
+        self._report(self._end)
+
+    def _next(self, again: bool) -> tuple[list[Job[T]], bool]:
+        """Wait for work, and take all there is up to about one group."""
+        jobs: list[Job[T]] = []
+        try:
+            turn = self._queue.get(timeout=RETRY_S if again else None)
+            while turn is not None:
+                jobs += turn
+                if len(jobs) >= self._group_max:
+                    return jobs, True
+                turn = self._queue.get_nowait()
+        except Empty:
+            return jobs, True
+        return jobs, False
+
+    def _do(self, jobs: list[Job[T]]) -> bool:
+        """Do jobs in groups; a call stands between two groups."""
+        if not jobs:
+            return self._do_group([])
+        again, start = False, 0
+        while start < len(jobs):
+            if isinstance(jobs[start], Call):
+                self._do_call(jobs[start])
+                end = start + 1
+            else:
+                end = self._end_of_group(jobs, start)
+                again = self._do_group(jobs[start:end])
+            self._report(self._resolve, jobs[start:end])
+            start = end
+        return again
+
+    def _do_group(self, jobs: list[Job[T]]) -> bool:
+        try:
+            return self._settle(jobs)
+        except Exception as error:  # noqa: BLE001  the thread outlives whatever happens in it
+            for job in jobs:
+                job.error = job.error or error
+            return False
+
+    def _end_of_group(self, jobs: list[Job[T]], start: int) -> int:
+        end = min(start + self._group_max, len(jobs))
+        for index in range(start, end):
+            if isinstance(jobs[index], Call):
+                return index
+        return end
+
+    def _do_call(self, job: Job[Any]) -> None:
+        try:
+            job.result = job.content()
+        except Exception as error:  # noqa: BLE001  whoever waits for the call gets it
+            job.error = error
+
+    def _report(self, function: Callable[..., None], *arguments: object) -> None:
+        loop = self._loop
+        if loop is not None:
+            with suppress(RuntimeError):  # the loop has gone, and with it everybody who waited
+                loop.call_soon_threadsafe(function, *arguments)
+
+    # ---- in the event loop ----
+
+    def _resolve(self, jobs: list[Job[T]]) -> None:
+        self._waiting -= len(jobs)
+        for job in jobs:
+            future = job.future
+            if future is None or future.done():
+                continue
+            if job.error is None:
+                future.set_result(job.result)
+            else:
+                future.set_exception(job.error)
+
+    def _end(self) -> None:
+        if not self._stopped.done():
+            self._stopped.set_result(None)

@@ -1,0 +1,192 @@
+"""Where stops survive everything else: a small file that needs no free space and no database."""
+
+from __future__ import annotations
+
+import os
+import threading
+from typing import TYPE_CHECKING
+
+from rosic.errors import ConfigurationError, StoreFault
+from rosic.stores import slots
+from rosic.stores.folder import create
+from rosic.stores.lane import Job, Lane
+from rosic.stores.slots import Damaged, State
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rosic.core.robot import RobotId
+
+GROUP_MAX = 256
+QUEUE_MAX = 10_000
+
+
+class MemoryLatch:
+    """Stops that last as long as this object: for tests and ``rosic demo``."""
+
+    def __init__(self) -> None:
+        self._states: dict[RobotId, tuple[int, bool]] = {}
+
+    def read(self) -> dict[RobotId, tuple[int, bool]]:
+        """Return per robot its stop generation and whether it is stopped."""
+        return dict(self._states)
+
+    async def write(self, robot: RobotId, generation: int, *, latched: bool) -> None:
+        """Remember a state, unless a later generation is known."""
+        if generation >= self._states.get(robot, (0, False))[0]:
+            self._states[robot] = (generation, latched)
+
+
+class FileLatch:
+    """One file, made whole at first use and only overwritten in place from then on.
+
+    Writing has a thread of its own: a database that is stuck delays no stop.
+
+    Args:
+        path: Made, for its owner only, by the first ``read`` or ``write``.
+        robots_max: Room in a new file; an existing one keeps the room it was made with.
+    """
+
+    def __init__(self, path: Path, *, robots_max: int = 4096) -> None:
+        self._path = path
+        self._robots_max = robots_max
+        self._file: int | None = None
+        self._opening = threading.Lock()
+        self._places: dict[RobotId, int] = {}
+        self._states: dict[RobotId, State] = {}
+        self._unsure: set[RobotId] = set()
+        self._lane: Lane[State] | None = None
+
+    def read(self) -> dict[RobotId, tuple[int, bool]]:
+        """Return per robot its stop generation and whether it is stopped; meant for the start.
+
+        A damaged entry reads as stopped.
+
+        Raises:
+            ConfigurationError: The file cannot be used, or is so damaged that it cannot be said
+                which robot is stopped.
+        """
+        try:
+            self._open()
+        except Damaged as error:
+            raise ConfigurationError(
+                f"The stop file {self._path} is damaged.",
+                hint="Make sure that every robot is at rest, then remove the file.",
+            ) from error
+        except OSError as error:
+            raise ConfigurationError(
+                f"The stop file {self._path} cannot be used ({error.strerror}).",
+                hint="Stops would not outlive a restart, so nothing was started.",
+            ) from error
+        states = list(self._states.values())
+        return {state.robot: (state.generation, state.latched) for state in states}
+
+    async def write(self, robot: RobotId, generation: int, *, latched: bool) -> None:
+        """Overwrite one robot's slot; see ``contracts.store``.
+
+        A generation lower than the one that is known changes nothing.
+        """
+        if self._lane is None:
+            self._lane = Lane(
+                "rosic-latch",
+                self._settle,
+                finish=self._let_go,
+                group_max=GROUP_MAX,
+                queue_max=QUEUE_MAX,
+            )
+            self._lane.start()
+        await self._lane.put(State(robot, generation, latched))
+
+    async def close(self) -> None:
+        """Write what is waiting and close the file. Never raises."""
+        if self._lane is None:
+            self._let_go()
+        else:
+            await self._lane.stop()
+            self._lane = None
+
+    def _let_go(self) -> None:
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
+
+    # ---- the file ----
+
+    def _open(self) -> int:
+        """Open the file once, and learn what it says.
+
+        Raises:
+            Damaged: It cannot be said which robot is stopped.
+            OSError: It cannot be opened or made.
+        """
+        with self._opening:
+            if self._file is None:
+                self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                if not self._path.exists():
+                    create(self._path, slots.empty_file(self._robots_max))
+                descriptor = os.open(self._path, os.O_RDWR | os.O_CLOEXEC)
+                try:
+                    self._learn(descriptor)
+                except BaseException:
+                    os.close(descriptor)
+                    raise
+                self._file = descriptor
+            return self._file
+
+    def _learn(self, descriptor: int) -> None:
+        content = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
+        room = self._robots_max = slots.robots_max_of(content)
+        for index in range(room):
+            name, state = slots.name_offset(index), slots.state_offset(index, room)
+            place = slots.read_place(
+                content[name : name + slots.SLOT_BYTES], content[state : state + slots.SLOT_BYTES]
+            )
+            if place is not None:
+                self._places[place.robot] = index
+                known = self._states.get(place.robot)
+                if known is None or known.generation <= place.generation:
+                    self._states[place.robot] = place
+
+    # ---- in the thread ----
+
+    def _settle(self, jobs: list[Job[State]]) -> bool:
+        """Write the newest state of each robot in place, then wait once for the disk."""
+        try:
+            descriptor = self._open()
+            for job in jobs:
+                self._accept(job)
+            for robot in list(self._unsure):
+                self._overwrite(descriptor, self._states[robot])
+            os.fdatasync(descriptor)
+        except (OSError, Damaged) as error:
+            for job in jobs:
+                if job.error is None:
+                    job.error = StoreFault("The stop holds, but could not be kept on disk.")
+                    job.error.__cause__ = error
+            return False
+        self._unsure.clear()
+        return False
+
+    def _accept(self, job: Job[State]) -> None:
+        state = job.content
+        known = self._states.get(state.robot)
+        if known is None:
+            if not slots.is_robot(state.robot) or len(self._places) >= self._robots_max:
+                job.error = StoreFault("The stop holds, but the stop file has no room for it.")
+                return
+            self._places[state.robot] = self._free_place()
+        elif state.generation < known.generation:
+            return
+        self._states[state.robot] = state
+        # Stays here until the disk has confirmed it: what failed is written again with the next.
+        self._unsure.add(state.robot)
+
+    def _free_place(self) -> int:
+        taken = set(self._places.values())
+        return next(index for index in range(self._robots_max) if index not in taken)
+
+    def _overwrite(self, descriptor: int, state: State) -> None:
+        index = self._places[state.robot]
+        where = slots.state_offset(index, self._robots_max)
+        os.pwrite(descriptor, slots.pack_state(state), where)
+        os.pwrite(descriptor, slots.pack_name(state.robot), slots.name_offset(index))

@@ -1,0 +1,271 @@
+"""The record without a disk: for tests and ``rosic demo``. Forgotten when the process ends."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from rosic.core.order import Ending
+from rosic.core.record import (
+    Claimed,
+    Concluded,
+    Enrolled,
+    KeyIssued,
+    KeyRevoked,
+    Letter,
+    Memory,
+    Placed,
+    Record,
+    Refused,
+    Resumed,
+    Seeded,
+    Selected,
+    Stopped,
+    Told,
+    Unfinished,
+)
+from rosic.errors import Repeated, StoreFault
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.core.identity import AuthorisationKey, CommandId, KeyId, PrincipalId
+    from rosic.core.robot import RobotId
+
+IDS_MAX = 200_000
+LIVES_MAX = 100_000
+NO_NUMBERS = (0, 0)
+
+
+class MemoryStore:
+    """The same rules as the record on disk. Opening again gives what was written before.
+
+    Writing never suspends, so a caller in a hot loop loses no turn.
+
+    Args:
+        ids_max: A duplicate is recognised while at most this many commands came after it, and
+            forgotten after at most twice as many.
+        lives_max: Commands whose end was not told, before further ones are refused.
+    """
+
+    def __init__(self, *, ids_max: int = IDS_MAX, lives_max: int = LIVES_MAX) -> None:
+        self._ids_max = ids_max
+        self._lives_max = lives_max
+        self._open = False
+        # Two generations of ids: the older one is dropped whole, so no id costs a search.
+        self._ids: set[CommandId] = set()
+        self._older: set[CommandId] = set()
+        # What a life still lacks when its end is not told: three tables,
+        # so that a claim costs one entry.
+        self._lives: dict[CommandId, Claimed | Refused] = {}
+        self._endings: dict[CommandId, Concluded] = {}
+        self._places: dict[CommandId, Letter] = {}
+        self._enrolled: dict[PrincipalId, Enrolled] = {}
+        self._keys: dict[KeyId, AuthorisationKey] = {}
+        self._revoked: dict[KeyId, int] = {}
+        self._seeded: dict[bytes, Seeded] = {}
+        self._selected: dict[tuple[PrincipalId, bytes], Selected] = {}
+        self._numbers: dict[RobotId, tuple[int, int]] = {}
+        self._generations: dict[RobotId, int] = {}
+        self._take: dict[type, Callable[[Any], None]] = {
+            Claimed: self._claimed,
+            Refused: self._refused,
+            Concluded: self._concluded,
+            Placed: self._placed,
+            Told: self._told,
+            Stopped: self._stopped,
+            Resumed: self._resumed,
+            Enrolled: self._enrol,
+            KeyIssued: self._key_issued,
+            KeyRevoked: self._key_revoked,
+            Selected: self._select,
+            Seeded: self._seed,
+        }
+
+    async def open(self) -> Memory:
+        """Return what was written before, by this very object."""
+        self._open = True
+        return Memory(
+            enrolled=tuple(self._enrolled.values()),
+            keys=tuple(self._with_revocation(key) for key in self._keys.values()),
+            seeded=tuple(self._seeded.values()),
+            selected=tuple(self._selected.values()),
+            numbers=dict(self._numbers),
+            generations=dict(self._generations),
+            unfinished=tuple(self._unfinished(life) for life in self._lives.values()),
+        )
+
+    async def close(self) -> None:
+        """Take no more writes until opened again."""
+        self._open = False
+
+    async def write(self, *records: Record) -> None:
+        """Write all or none, at once.
+
+        Raises:
+            Repeated: As in ``contracts.store``.
+            StoreFault: Closed, or too many commands whose end was never told.
+        """
+        if not self._open:
+            raise StoreFault("The record is closed.")
+        self._refuse_repeated(records)
+        take = self._take
+        for record in records:
+            take[type(record)](record)
+
+    def note(self, *records: Record) -> None:
+        """Write at once; what cannot be written is dropped."""
+        try:
+            self._refuse_repeated(records)
+        except (Repeated, StoreFault):
+            return
+        if self._open:
+            for record in records:
+                self._take[type(record)](record)
+
+    async def shred(self, container: str) -> None:
+        """Forget the personal content of one container for good."""
+        self._enrolled = {
+            principal: record
+            for principal, record in self._enrolled.items()
+            if record.letter.container != container
+        }
+        without_letters(self._lives, container)
+        without_letters(self._endings, container)
+        self._places = {
+            cid: letter for cid, letter in self._places.items() if letter.container != container
+        }
+
+    def _refuse_repeated(self, records: tuple[Record, ...]) -> None:
+        """Look before anything is changed, so that a call is written whole or not at all."""
+        young, older = self._ids, self._older
+        fresh: set[CommandId] | None = None
+        for record in records:
+            kind = type(record)
+            if kind is Claimed or kind is Refused or kind is Resumed:
+                cid = record.cid  # type: ignore[union-attr]  # the three kinds that have one
+                if cid in young or cid in older or (fresh is not None and cid in fresh):
+                    raise Repeated("This was already settled.")
+                if len(self._lives) >= self._lives_max:
+                    raise StoreFault("The record is full. Nothing was written.")
+                if len(records) > 1:
+                    fresh = fresh or set()
+                    fresh.add(cid)
+
+    def _remember(self, cid: CommandId) -> None:
+        if len(self._ids) >= self._ids_max:
+            self._older = self._ids
+            self._ids = set()
+        self._ids.add(cid)
+
+    def _claimed(self, record: Claimed) -> None:
+        cid = record.cid
+        self._remember(cid)
+        self._lives[cid] = record
+        robot = record.robot
+        n, fence = self._numbers.get(robot, NO_NUMBERS)
+        self._numbers[robot] = (
+            max(n, record.n),
+            max(fence, record.fence),
+        )
+        if record.stop_generation > self._generations.get(robot, 0):
+            self._generations[robot] = record.stop_generation
+
+    def _refused(self, record: Refused) -> None:
+        self._remember(record.cid)
+        if record.letter is not None:
+            self._lives[record.cid] = record
+
+    def _concluded(self, record: Concluded) -> None:
+        cid = record.cid
+        if record.letter is None:
+            self._finish(cid)
+        elif cid in self._lives:
+            self._endings.setdefault(cid, record)
+
+    def _placed(self, record: Placed) -> None:
+        if record.cid in self._lives:
+            self._places[record.cid] = record.letter
+
+    def _told(self, record: Told) -> None:
+        self._finish(record.cid)
+
+    def _finish(self, cid: CommandId) -> None:
+        self._lives.pop(cid, None)
+        self._endings.pop(cid, None)
+        self._places.pop(cid, None)
+
+    def _stopped(self, record: Stopped) -> None:
+        self._raise_generation(record.robot, record.generation)
+
+    def _resumed(self, record: Resumed) -> None:
+        self._remember(record.cid)
+        self._raise_generation(record.robot, record.generation)
+
+    def _raise_generation(self, robot: RobotId, generation: int) -> None:
+        if generation > self._generations.get(robot, 0):
+            self._generations[robot] = generation
+
+    def _enrol(self, record: Enrolled) -> None:
+        self._enrolled[record.principal] = record
+
+    def _key_issued(self, record: KeyIssued) -> None:
+        self._keys.setdefault(record.key.id, record.key)
+
+    def _key_revoked(self, record: KeyRevoked) -> None:
+        self._revoked.setdefault(record.key, record.at_ns)
+
+    def _with_revocation(self, key: AuthorisationKey) -> AuthorisationKey:
+        at_ns = self._revoked.get(key.id)
+        if at_ns is None or key.revoked_ns is not None:
+            return key
+        return msgspec.structs.replace(key, revoked_ns=at_ns)
+
+    def _select(self, record: Selected) -> None:
+        place = (record.principal, record.chat)
+        if record.robot:
+            self._selected[place] = record
+        else:
+            self._selected.pop(place, None)
+
+    def _seed(self, record: Seeded) -> None:
+        self._seeded.setdefault(record.name_digest, record)
+
+    def _unfinished(self, life: Claimed | Refused) -> Unfinished:
+        """Say what a life still lacks; a refusal names no robot and no skill."""
+        claim, placed = content(life.letter), content(self._places.get(life.cid))
+        if isinstance(life, Refused):
+            return Unfinished(
+                cid=life.cid,
+                principal=life.principal,
+                robot="",
+                skill="",
+                ending=Ending.REFUSED.value,
+                claim=claim,
+                words=None,
+                placed=placed,
+            )
+        ending = self._endings.get(life.cid)
+        return Unfinished(
+            cid=life.cid,
+            principal=life.principal,
+            robot=life.robot,
+            skill=life.skill,
+            ending=None if ending is None else ending.ending,
+            claim=claim,
+            words=None if ending is None else content(ending.letter),
+            placed=placed,
+        )
+
+
+def content(letter: Letter | None) -> bytes | None:
+    """Return what a letter says, if there is one."""
+    return None if letter is None else letter.content
+
+
+def without_letters(table: dict[CommandId, Any], container: str) -> None:
+    """Take the letters of one container out of records that stay."""
+    for cid, record in table.items():
+        if record.letter is not None and record.letter.container == container:
+            table[cid] = msgspec.structs.replace(record, letter=None)

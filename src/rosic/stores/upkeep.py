@@ -1,0 +1,63 @@
+"""What is forgotten: old commands that are settled, and the key of a container that is erased."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sqlalchemy import Connection, Dialect, delete, select, update
+
+from rosic.stores import tables
+from rosic.stores.statements import Take
+
+if TYPE_CHECKING:
+    from rosic.stores.settings import Settings
+
+AT_ONCE = 1_000  # in one transaction, so that writes never wait long
+DAY_NS = 86_400 * 10**9
+
+
+def horizon(connection: Connection, now_ns: int, settings: Settings) -> int:
+    """Return the time before which settled commands may be forgotten.
+
+    Counted back from the newest command too: a clock that jumps ahead erases nothing.
+    """
+    commands = tables.commands
+    newest: int | None = connection.scalar(
+        select(commands.c.at_ns).order_by(commands.c.seq.desc()).limit(1)
+    )
+    return min(now_ns, newest or 0) - settings.kept_days * DAY_NS
+
+
+class Erasure:
+    """The statements that forget."""
+
+    def __init__(self, dialect: Dialect) -> None:
+        parts = (tables.letters, tables.endings, tables.tellings, tables.commands)
+        self._takes = [Take(dialect, table.c.seq) for table in parts]
+        self._take_stops = Take(dialect, tables.stops.c.id)
+
+    def prune(self, connection: Connection, before_ns: int) -> int:
+        """Forget the oldest commands that are settled, and old stops; some, not all at once."""
+        commands, lives, stops = tables.commands, tables.open_lives, tables.stops
+        oldest = (
+            select(commands.c.seq, commands.c.at_ns)
+            .where(~select(lives.c.seq).where(lives.c.seq == commands.c.seq).exists())
+            .order_by(commands.c.seq)
+            .limit(AT_ONCE)
+        )
+        old = [row.seq for row in connection.execute(oldest) if row.at_ns < before_ns]
+        cursor = connection.connection.cursor()
+        for take in self._takes:
+            take.run(cursor, old)
+        oldest_stops = select(stops.c.id, stops.c.at_ns).order_by(stops.c.id).limit(AT_ONCE)
+        old_stops = [row.id for row in connection.execute(oldest_stops) if row.at_ns < before_ns]
+        self._take_stops.run(cursor, old_stops)
+        return len(old)
+
+    def shred(self, connection: Connection, container: str) -> None:
+        """Erase the key of a container, and with it every letter sealed with it."""
+        containers, cards = tables.containers, tables.cards
+        connection.execute(delete(cards).where(cards.c.container == container))
+        connection.execute(
+            update(containers).where(containers.c.container == container).values(wrapped=None)
+        )

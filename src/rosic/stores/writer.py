@@ -1,0 +1,312 @@
+"""The one writer: groups of calls in, one transaction each. Everything here runs in its thread."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from functools import partial
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.record import Claimed, Memory, Record, Refused, Resumed, Stopped
+from rosic.errors import ConfigurationError, Repeated, RosicError, StoreFault
+from rosic.stores import reading, schema, sqlite, upkeep
+from rosic.stores.insertion import Insertion
+from rosic.stores.lane import Job
+from rosic.stores.scribe import Scribe
+from rosic.stores.sealing import Root, Unreadable
+
+if TYPE_CHECKING:
+    from sqlalchemy import Connection
+    from sqlalchemy.engine.interfaces import DBAPICursor
+
+    from rosic.contracts.clock import Clock
+    from rosic.stores.folder import Folder
+    from rosic.stores.settings import Settings
+
+log = logging.getLogger("rosic.stores")
+
+Calls = list[Job[tuple[Record, ...]]]
+
+OWN = ""  # the container whose key shows that the root key belongs to this record
+
+
+class Writer:
+    """Owns the connection, from opening to closing.
+
+    Attributes:
+        lost: Notes that could not be kept, since this writer was made.
+    """
+
+    def __init__(self, folder: Folder, settings: Settings, clock: Clock) -> None:
+        self.lost = 0
+        self._folder = folder
+        self._settings = settings
+        self._clock = clock
+        self._engine = sqlite.engine_for(folder.database, settings)
+        self._insertion = Insertion(self._engine.dialect)
+        self._erasure = upkeep.Erasure(self._engine.dialect)
+        self._connection: Connection | None = None
+        self._root: Root | None = None
+        self._scribe: Scribe | None = None
+        self._failing = False
+        self._late: Calls = []
+        self._unrecorded = 0
+        self._counting = threading.Lock()
+
+    # ---- opening and closing ----
+
+    def open(self) -> Memory:
+        """Take the folder, check everything, migrate, and read what was.
+
+        Raises:
+            ConfigurationError: As in ``contracts.store``; the folder is free again.
+        """
+        self._folder.take()
+        try:
+            return self._open()
+        except BaseException as error:
+            self.close()
+            if isinstance(error, sqlite.FAILURES):
+                raise unusable(error, self._folder) from error
+            raise
+
+    def _open(self) -> Memory:
+        root = self._root = self._folder.root()
+        sqlite.make_file(self._folder.database)
+        connection = self._engine.connect()
+        self._connection = connection
+        if self._folder.database.stat().st_size <= self._settings.checked_bytes:
+            sqlite.check_whole(connection)
+        with connection.begin():
+            schema.check(connection)
+        sqlite.make_durable(connection, self._settings)
+        with connection.begin():
+            schema.upgrade(connection)
+            self._check_root(connection, root)
+        with connection.begin():
+            self._scribe = self._new_scribe(connection, root)
+            memory = reading.Reader(connection, root).memory()
+        self.prune()
+        return memory
+
+    def _check_root(self, connection: Connection, root: Root) -> None:
+        wrapped = reading.wrapped_key(connection, OWN)
+        if wrapped is None:
+            key = root.new_key(OWN)
+            self._insertion.containers.run(cursor_of(connection), [key.container, key.wrapped])
+            return
+        try:
+            root.unwrap(OWN, wrapped)
+        except Unreadable as error:
+            raise ConfigurationError(
+                "The file root.key does not belong to this record.",
+                hint="Put back the one that was made with it.",
+            ) from error
+
+    def _new_scribe(self, connection: Connection, root: Root) -> Scribe:
+        return Scribe(
+            root,
+            reading.lives(connection),
+            reading.next_seq(connection),
+            partial(reading.seq_of, connection),
+            partial(reading.wrapped_key, connection),
+            lives_max=self._settings.lives_max,
+        )
+
+    def close(self) -> None:
+        """Try once more what could not be written, then let everything go. Never raises."""
+        if self._late:
+            self.settle([])
+        self._disconnect()
+        self._folder.give_back()
+
+    def _disconnect(self) -> None:
+        if self._connection is not None:
+            sqlite.close(self._connection)
+        self._connection = self._scribe = None
+
+    def _connected(self) -> tuple[Connection, Scribe]:
+        """Return the connection and a scribe; after a failure, one who asks the database anew."""
+        if self._root is None:
+            raise StoreFault("The record is closed. Nothing was written.")
+        if self._connection is None:
+            connection = self._engine.connect()
+            try:
+                sqlite.make_durable(connection, self._settings)
+            except BaseException:
+                sqlite.close(connection)
+                raise
+            self._connection = connection
+        if self._scribe is None:
+            with self._connection.begin():
+                self._scribe = self._new_scribe(self._connection, self._root)
+        return self._connection, self._scribe
+
+    # ---- writing ----
+
+    def settle(self, jobs: Calls) -> bool:
+        """Write a group. Return whether notes are left that are to be tried again soon."""
+        group, self._late = [*self._late, *jobs], []
+        if group:
+            try:
+                self._commit(group)
+            except (*sqlite.FAILURES, RosicError) as error:
+                self._fail(group, error)
+        return bool(self._late)
+
+    def _commit(self, group: Calls) -> None:
+        """Write a group in one transaction; if it does not fit, all of it that does."""
+        connection, scribe = self._connected()
+        missed = self._unrecorded
+        try:
+            with connection.begin():
+                batch = scribe.rows([job.content for job in group])
+                self._insertion.run(cursor_of(connection), batch)
+                self._record_gap(connection, missed)
+            scribe.remember(batch)
+        except Exception as error:
+            if not is_unfit(error):
+                raise
+            with connection.begin():
+                self._divide(connection, scribe, group)
+                self._record_gap(connection, missed)
+        self._failing = False
+        if missed:
+            self.miss(0, recorded=missed)
+
+    def _divide(self, connection: Connection, scribe: Scribe, group: Calls) -> None:
+        """Write what fits of a group, in order, by halves: a few bad ones cost a few tries.
+
+        What the scribe remembers here dies with the scribe if the commit fails.
+        """
+        try:
+            with connection.begin_nested():
+                batch = scribe.rows([job.content for job in group])
+                self._insertion.run(cursor_of(connection), batch)
+            scribe.remember(batch)
+        except Exception as error:
+            if not is_unfit(error):
+                raise
+            if len(group) == 1:
+                self._reject(connection, group[0], error)
+                return
+            middle = len(group) // 2
+            self._divide(connection, scribe, group[:middle])
+            self._divide(connection, scribe, group[middle:])
+
+    def _reject(
+        self, connection: Connection, job: Job[tuple[Record, ...]], error: Exception
+    ) -> None:
+        if job.future is None:
+            self.miss(1)
+        elif isinstance(error, StoreFault):
+            job.error = error
+        elif is_repeated(connection, job.content):
+            job.error = Repeated("This was already settled.")
+        else:
+            job.error = fault("This cannot be written down. Nothing was written.", error)
+
+    def _record_gap(self, connection: Connection, missed: int) -> None:
+        if missed:
+            self._insertion.gaps.run(cursor_of(connection), [self._clock.wall_ns(), missed])
+
+    def _fail(self, group: Calls, error: Exception) -> None:
+        """Nothing of a group was written. Notes wait; whoever waits for a write is told."""
+        if not sqlite.is_busy(error):
+            self._scribe = None
+            if self._failing:  # a connection gets one chance to recover by itself
+                self._disconnect()
+            self._failing = True
+        sentence = f"{sqlite.reason(error)}. Nothing was written."
+        for job in group:
+            if job.future is None:
+                job.content = tuple(map(late, job.content))
+                self._late.append(job)
+            else:
+                job.error = fault(sentence, error)
+        surplus = len(self._late) - self._settings.notes_max
+        if surplus > 0:
+            del self._late[:surplus]
+            self.miss(surplus)
+
+    def miss(self, count: int, *, recorded: int = 0) -> None:
+        """Count lost notes, and those whose loss is in the record by now; from any thread."""
+        with self._counting:
+            self.lost += count
+            self._unrecorded += count - recorded
+
+    # ---- upkeep ----
+
+    def prune(self) -> int:
+        """Forget some commands that are settled and old. Return how many.
+
+        Raises:
+            StoreFault: Nothing was forgotten.
+        """
+        connection, _ = self._connected()
+        try:
+            with connection.begin():
+                before_ns = upkeep.horizon(connection, self._clock.wall_ns(), self._settings)
+                return self._erasure.prune(connection, before_ns)
+        except sqlite.FAILURES as error:
+            raise fault(f"{sqlite.reason(error)}. Nothing was forgotten.", error) from error
+
+    def shred(self, container: str) -> None:
+        """Erase a container's key from the database and from the log file.
+
+        Raises:
+            StoreFault: Not erased, or still in the log file; doing it again is safe.
+        """
+        connection, scribe = self._connected()
+        try:
+            scribe.forget_key(container)
+            with connection.begin():
+                self._erasure.shred(connection, container)
+            sqlite.forget_erased(connection)
+        except sqlite.FAILURES as error:
+            self._disconnect()
+            raise fault(f"{sqlite.reason(error)}. Try again.", error) from error
+
+
+def cursor_of(connection: Connection) -> DBAPICursor:
+    """Return a cursor of the driver, in the same transaction."""
+    return connection.connection.cursor()
+
+
+def is_unfit(error: Exception) -> bool:
+    """Whether it is what was to be written that failed, not the database."""
+    return isinstance(error, sqlite.UNFIT) or not isinstance(error, sqlite.FAILURES)
+
+
+def is_repeated(connection: Connection, records: tuple[Record, ...]) -> bool:
+    """Whether a call would settle something a second time."""
+    cids = [record.cid for record in records if isinstance(record, Claimed | Refused | Resumed)]
+    return len(set(cids)) < len(cids) or any(
+        reading.seq_of(connection, cid) is not None for cid in cids
+    )
+
+
+def late(record: Record) -> Record:
+    """Return a record as it is written when the database did not work in time."""
+    if isinstance(record, Stopped):
+        return msgspec.structs.replace(record, gap=True)
+    return record
+
+
+def fault(sentence: str, cause: BaseException) -> StoreFault:
+    """Return a fault with its cause: each waiting call has one of its own."""
+    error = StoreFault(sentence)
+    error.__cause__ = cause
+    return error
+
+
+def unusable(error: BaseException, folder: Folder) -> ConfigurationError:
+    """Say why a record cannot be opened."""
+    if sqlite.is_damage(error):
+        return sqlite.damaged()
+    return ConfigurationError(
+        f"The record in {folder.path} cannot be opened: {sqlite.reason(error).lower()}.",
+        hint="Close the other program." if sqlite.is_busy(error) else "Look at the disk.",
+    )

@@ -1,0 +1,132 @@
+"""Every store and every latch here keeps every rule, and every rule catches its sinner."""
+
+from __future__ import annotations
+
+import copy
+import shutil
+from itertools import count
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.errors import RosicError
+from rosic.stores.database import DatabaseStore
+from rosic.stores.folder import LOCK
+from rosic.stores.latch import FileLatch, MemoryLatch
+from rosic.stores.memory import MemoryStore
+from rosic.testing.clock import ManualClock
+from rosic.testing.latches import LATCH_SINNERS, LatchConformance, WickedLatchPremises
+from rosic.testing.stores import StoreConformance
+from rosic.testing.wicked_stores import SINNERS, WickedPremises
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rosic.contracts.store import Latch, Store
+
+CAUGHT = (AssertionError, RosicError, KeyError, pytest.fail.Exception)
+
+
+class MemoryPremises:
+    def make(self) -> MemoryStore:
+        return MemoryStore()
+
+    def survivor(self, store: Store) -> MemoryStore:
+        assert isinstance(store, MemoryStore)
+        return copy.deepcopy(store)
+
+
+class DatabasePremises:
+    """What survives is what is in the folder, not what is in the process."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._names = count()
+        self._folders: dict[Store, Path] = {}
+
+    def make(self) -> DatabaseStore:
+        folder = self._root / str(next(self._names))
+        store = DatabaseStore(folder, clock=ManualClock())
+        self._folders[store] = folder
+        return store
+
+    def survivor(self, store: Store) -> DatabaseStore:
+        made = self.make()
+        shutil.copytree(
+            self._folders[store], self._folders[made], ignore=shutil.ignore_patterns(LOCK)
+        )
+        return made
+
+
+class TestMemoryStore(StoreConformance):
+    @pytest.fixture
+    def premises(self) -> MemoryPremises:
+        return MemoryPremises()
+
+
+class TestDatabaseStore(StoreConformance):
+    @pytest.fixture
+    def premises(self, tmp_path: Path) -> DatabasePremises:
+        return DatabasePremises(tmp_path)
+
+
+class MemoryLatchPremises:
+    def make(self) -> MemoryLatch:
+        return MemoryLatch()
+
+    def survivor(self, latch: Latch) -> MemoryLatch:
+        assert isinstance(latch, MemoryLatch)
+        return copy.deepcopy(latch)
+
+
+class FileLatchPremises:
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._names = count()
+        self._files: dict[Latch, Path] = {}
+
+    def make(self) -> FileLatch:
+        path = self._root / str(next(self._names))
+        latch = FileLatch(path)
+        self._files[latch] = path
+        return latch
+
+    def survivor(self, latch: Latch) -> FileLatch:
+        made = self.make()
+        shutil.copy(self._files[latch], self._files[made])
+        return made
+
+
+class TestMemoryLatch(LatchConformance):
+    @pytest.fixture
+    def premises(self) -> MemoryLatchPremises:
+        return MemoryLatchPremises()
+
+
+class TestFileLatch(LatchConformance):
+    @pytest.fixture
+    def premises(self, tmp_path: Path) -> FileLatchPremises:
+        return FileLatchPremises(tmp_path)
+
+
+def rules(suite: type) -> set[str]:
+    return {name for name in vars(suite) if name.startswith("test_")}
+
+
+def test_no_rule_lacks_its_sinner() -> None:
+    assert rules(StoreConformance) == set(SINNERS)
+    assert rules(LatchConformance) == set(LATCH_SINNERS)
+
+
+@pytest.mark.parametrize("rule", sorted(SINNERS))
+async def test_the_sinner_is_caught(rule: str) -> None:
+    premises = WickedPremises(MemoryPremises(), SINNERS[rule])
+    with pytest.raises(CAUGHT):
+        await getattr(StoreConformance(), rule)(premises)
+
+
+@pytest.mark.parametrize("rule", sorted(LATCH_SINNERS))
+async def test_the_wicked_latch_is_caught(rule: str) -> None:
+    premises = WickedLatchPremises(MemoryLatchPremises(), LATCH_SINNERS[rule])
+    with pytest.raises(CAUGHT):
+        await getattr(LatchConformance(), rule)(premises)

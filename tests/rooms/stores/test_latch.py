@@ -1,0 +1,203 @@
+"""The stop file: what damage does to it."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.errors import ConfigurationError, StoreFault
+from rosic.stores import slots
+from rosic.stores.latch import FileLatch
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+ROOM = 8
+NAME, STATE = slots.name_offset(1), slots.state_offset(1, ROOM)
+
+
+async def a_latch(path: Path) -> FileLatch:
+    """omni resumed after its third stop, kuka1 (in the second place) resumed after its fifth."""
+    latch = FileLatch(path, robots_max=ROOM)
+    latch.read()
+    await latch.write("omni", 3, latched=False)
+    await latch.write("kuka1", 5, latched=False)
+    return latch
+
+
+def damage(path: Path, change: Callable[[bytearray], None]) -> None:
+    content = bytearray(path.read_bytes())
+    change(content)
+    path.write_bytes(content)
+
+
+def test_the_file_is_whole_and_private_from_the_start(tmp_path: Path) -> None:
+    path = tmp_path / "data" / "latch"
+    assert FileLatch(path).read() == {}
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert path.stat().st_size == len(slots.empty_file(4096))
+    assert path.stat().st_blocks * 512 >= path.stat().st_size, "blocks that are really there"
+
+
+async def test_it_never_grows(tmp_path: Path) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    size = (tmp_path / "latch").stat().st_size
+    for generation in range(4, 50):
+        await latch.write("omni", generation, latched=True)
+    assert (tmp_path / "latch").stat().st_size == size
+    await latch.close()
+
+
+@pytest.mark.parametrize("offset", range(64))
+async def test_any_damaged_byte_of_a_state_reads_as_stopped(tmp_path: Path, offset: int) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.close()
+
+    def flip(content: bytearray) -> None:
+        content[STATE + offset] ^= 0x40
+
+    damage(tmp_path / "latch", flip)
+    states = FileLatch(tmp_path / "latch").read()
+    assert states["omni"] == (3, False)
+    assert states["kuka1"][1] is True
+
+
+async def test_a_state_that_was_wiped_reads_as_stopped(tmp_path: Path) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.close()
+
+    def wipe(content: bytearray) -> None:
+        content[STATE : STATE + 64] = bytes(64)
+
+    damage(tmp_path / "latch", wipe)
+    assert FileLatch(tmp_path / "latch").read() == {"omni": (3, False), "kuka1": (0, True)}
+
+
+@pytest.mark.parametrize("torn", [1, 8, 32, 39, 40, 41, 48, 63])
+async def test_a_torn_write_reads_as_stopped(tmp_path: Path, torn: int) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.close()
+    new = slots.pack_state(slots.State("kuka1", 6, latched=True))
+    old = (tmp_path / "latch").read_bytes()[STATE : STATE + 64]
+
+    def tear(content: bytearray) -> None:
+        content[STATE : STATE + torn] = new[:torn]
+
+    damage(tmp_path / "latch", tear)
+    generation, latched = FileLatch(tmp_path / "latch").read()["kuka1"]
+    untouched = new[:torn] == old[:torn]
+    assert latched is not untouched
+    assert generation in (5, 6)
+
+
+@pytest.mark.parametrize("fill", [0, 0xFF])
+async def test_a_damaged_name_costs_nothing(tmp_path: Path, fill: int) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.close()
+
+    def wipe(content: bytearray) -> None:
+        content[NAME : NAME + 64] = bytes([fill]) * 64
+
+    damage(tmp_path / "latch", wipe)
+    latch = FileLatch(tmp_path / "latch")
+    assert latch.read() == {"omni": (3, False), "kuka1": (5, False)}
+    await latch.write("kuka1", 6, latched=True)
+    await latch.close()
+    assert FileLatch(tmp_path / "latch").read()["kuka1"] == (6, True)
+
+
+async def test_a_state_in_another_robots_place_is_not_believed(tmp_path: Path) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.write("omni", 4, latched=True)
+    await latch.close()
+    first = slots.state_offset(0, ROOM)
+
+    def move(content: bytearray) -> None:
+        content[first : first + 64] = content[STATE : STATE + 64]
+
+    damage(tmp_path / "latch", move)
+    states = FileLatch(tmp_path / "latch").read()
+    assert states["omni"][1] is True
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda content: content.__setitem__(slice(0, 64), bytes(64)),
+        lambda content: content.__setitem__(20, content[20] ^ 1),
+        lambda content: content.__delitem__(slice(-64, None)),
+        lambda content: content.clear(),
+        lambda content: (
+            content.__setitem__(slice(NAME, NAME + 64), b"x" * 64),
+            content.__setitem__(slice(STATE, STATE + 64), b"x" * 64),
+        ),
+    ],
+    ids=["no header", "a damaged header", "cut short", "empty", "a robot beyond naming"],
+)
+async def test_a_file_that_cannot_say_who_is_stopped_is_refused(
+    tmp_path: Path, change: Callable[[bytearray], None]
+) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.close()
+    damage(tmp_path / "latch", change)
+    before = (tmp_path / "latch").read_bytes()
+    with pytest.raises(ConfigurationError, match="is damaged"):
+        FileLatch(tmp_path / "latch").read()
+    latch = FileLatch(tmp_path / "latch")
+    with pytest.raises(StoreFault, match="The stop holds"):
+        await latch.write("omni", 9, latched=True)
+    await latch.close()
+    assert (tmp_path / "latch").read_bytes() == before
+
+
+async def test_a_damaged_place_is_mended_by_the_next_stop(tmp_path: Path) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.close()
+
+    def flip(content: bytearray) -> None:
+        content[STATE + 41] ^= 1
+
+    damage(tmp_path / "latch", flip)
+    latch = FileLatch(tmp_path / "latch")
+    assert latch.read()["kuka1"] == (5, True)
+    await latch.write("kuka1", 6, latched=False)
+    await latch.close()
+    assert FileLatch(tmp_path / "latch").read()["kuka1"] == (6, False)
+
+
+async def test_room_is_bounded_and_said(tmp_path: Path) -> None:
+    latch = FileLatch(tmp_path / "latch", robots_max=3)
+    for index in range(3):
+        await latch.write(f"robot{index}", 1, latched=True)
+    with pytest.raises(StoreFault, match="no room"):
+        await latch.write("one_more", 1, latched=True)
+    with pytest.raises(StoreFault, match="no room"):
+        await latch.write("Not a robot's name", 1, latched=True)
+    await latch.write("robot2", 2, latched=True)
+    await latch.close()
+    # An existing file keeps the room it was made with.
+    assert len(FileLatch(tmp_path / "latch", robots_max=100).read()) == 3
+
+
+async def test_a_failed_write_is_said_and_made_good_by_the_next(tmp_path: Path) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    path = tmp_path / "latch"
+    held = os.open(path, os.O_RDONLY)
+    broken, latch._file = latch._file, held  # a file that cannot be written
+    with pytest.raises(StoreFault, match="could not be kept on disk"):
+        await latch.write("omni", 4, latched=True)
+    assert FileLatch(path).read()["omni"] == (3, False)
+    latch._file = broken
+    await latch.write("kuka1", 6, latched=True)
+    assert FileLatch(path).read() == {"omni": (4, True), "kuka1": (6, True)}
+    await latch.close()
+    os.close(held)
+
+
+def test_a_folder_that_cannot_be_written_is_said(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(ConfigurationError, match="cannot be used"):
+        FileLatch(tmp_path / "file" / "latch").read()

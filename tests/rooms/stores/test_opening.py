@@ -1,0 +1,230 @@
+"""What is refused at opening, with which sentence, and that nothing was changed by trying."""
+
+from __future__ import annotations
+
+import shutil
+import sqlite3
+from contextlib import closing
+from typing import TYPE_CHECKING
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.runtime.migration import MigrationContext
+from alembic.script import ScriptDirectory
+
+from rosic.core.record import Memory
+from rosic.errors import ConfigurationError
+from rosic.stores import reading, schema, sqlite, tables
+from rosic.stores.database import DatabaseStore
+from rosic.stores.folder import DATABASE, LOCK, ROOT_KEY
+from rosic.stores.sealing import Root
+from rosic.stores.settings import Settings
+from rosic.testing.clock import ManualClock
+from rosic.testing.records import a_claim
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def a_store(folder: Path, settings: Settings | None = None) -> DatabaseStore:
+    return DatabaseStore(folder, clock=ManualClock(), settings=settings or Settings())
+
+
+TROUBLE = """
+from alembic import op
+revision, down_revision = "0002", "0001"
+def upgrade():
+    op.drop_table("gaps")
+    raise RuntimeError("in the middle")
+"""
+
+
+async def a_used_folder(folder: Path) -> Path:
+    store = a_store(folder)
+    await store.open()
+    await store.write(a_claim(1))
+    await store.close()
+    return folder
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Everything but the lock, which says who tried last."""
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.name != LOCK}
+
+
+async def refused(folder: Path, settings: Settings | None = None) -> str:
+    before = contents(folder)
+    with pytest.raises(ConfigurationError) as caught:
+        await a_store(folder, settings).open()
+    assert contents(folder) == before
+    assert caught.value.hint
+    return str(caught.value)
+
+
+async def test_everything_is_for_the_owner_only(tmp_path: Path) -> None:
+    folder = tmp_path / "deep" / "data"
+    store = a_store(folder)
+    await store.open()
+    await store.write(a_claim(1))
+    assert folder.stat().st_mode & 0o777 == 0o700
+    names = {path.name for path in folder.iterdir()}
+    assert names >= {DATABASE, f"{DATABASE}-wal", LOCK, ROOT_KEY}
+    assert {path.stat().st_mode & 0o777 for path in folder.iterdir()} == {0o600}
+    await store.close()
+
+
+async def test_a_second_gateway_is_refused_until_the_first_has_gone(tmp_path: Path) -> None:
+    first, second = a_store(tmp_path), a_store(tmp_path)
+    await first.open()
+    with pytest.raises(ConfigurationError, match=r"Another gateway is already running.*process \d"):
+        await second.open()
+    await first.write(a_claim(1))
+    await first.close()
+    assert len((await second.open()).unfinished) == 1
+    await second.close()
+
+
+async def test_a_failed_opening_leaves_the_folder_free(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    await refused(folder, Settings(synchronous="NORMAL"))
+    store = a_store(folder)
+    assert len((await store.open()).unfinished) == 1
+    await store.close()
+
+
+@pytest.mark.parametrize("weak", ["NORMAL", "OFF"])
+async def test_what_would_not_survive_a_power_cut_is_refused(tmp_path: Path, weak: str) -> None:
+    folder = await a_used_folder(tmp_path)
+    assert "would not survive a power cut" in await refused(folder, Settings(synchronous=weak))
+
+
+async def test_the_settings_really_hold(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    with sqlite.engine_for(folder / DATABASE, Settings()).connect() as connection:
+        sqlite.make_durable(connection, Settings())
+        assert sqlite.pragma(connection, "synchronous") == 2
+        assert sqlite.pragma(connection, "journal_mode") == "wal"
+        assert sqlite.pragma(connection, "foreign_keys") == 1
+        assert sqlite.pragma(connection, "busy_timeout") == 250
+
+
+async def test_a_newer_record_is_refused(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    with sqlite3.connect(folder / DATABASE) as database:
+        database.execute("UPDATE alembic_version SET version_num = '9999'")
+    database.close()
+    assert "written by a newer ROSIC" in await refused(folder)
+
+
+async def test_somebody_elses_database_is_refused(tmp_path: Path) -> None:
+    (await a_used_folder(tmp_path) / DATABASE).unlink()
+    with sqlite3.connect(tmp_path / DATABASE) as database:
+        database.execute("CREATE TABLE recipes (soup)")
+    database.close()
+    assert "not a record of ROSIC" in await refused(tmp_path)
+
+
+async def test_a_file_that_is_no_database_is_refused(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    (folder / DATABASE).write_bytes(b"not a database" * 1000)
+    assert "damaged" in await refused(folder)
+
+
+async def test_a_damaged_page_is_refused(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    content = bytearray((folder / DATABASE).read_bytes())
+    content[4096:8192] = b"\x5a" * 4096
+    (folder / DATABASE).write_bytes(content)
+    assert "damaged" in await refused(folder)
+
+
+async def test_a_root_key_that_others_can_read_is_refused(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    (folder / ROOT_KEY).chmod(0o640)
+    assert "can be read by others" in await refused(folder)
+
+
+async def test_a_missing_root_key_is_not_made_anew(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    (folder / ROOT_KEY).unlink()
+    assert "is missing" in await refused(folder)
+
+
+async def test_another_root_key_is_refused(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    (folder / ROOT_KEY).write_bytes(bytes(32))
+    assert "does not belong to this record" in await refused(folder)
+
+
+async def test_half_a_root_key_is_refused(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    (folder / ROOT_KEY).write_bytes(bytes(16))
+    assert "damaged" in await refused(folder)
+
+
+async def test_a_folder_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(ConfigurationError, match="cannot be written"):
+        await a_store(tmp_path / "file" / "data").open()
+
+
+async def test_the_migrations_lead_to_the_tables(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    with sqlite.engine_for(folder / DATABASE, Settings()).connect() as connection:
+        context = MigrationContext.configure(connection, opts={"compare_type": True})
+        assert compare_metadata(context, tables.metadata) == []
+        referenced = connection.exec_driver_sql("PRAGMA foreign_key_list(letters)").all()
+        assert {row[2] for row in referenced} == {"commands", "containers"}
+
+
+def test_every_migration_is_known() -> None:
+    steps = ScriptDirectory(str(schema.MIGRATIONS)).walk_revisions()
+    assert tuple(step.revision for step in steps)[::-1] == schema.FORMS
+
+
+def test_a_migration_that_fails_leaves_nothing(tmp_path: Path) -> None:
+    migrations, path = tmp_path / "migrations", tmp_path / DATABASE
+    shutil.copytree(schema.MIGRATIONS, migrations)
+    (migrations / "versions" / "0002_trouble.py").write_text(TROUBLE)
+    sqlite.make_file(path)
+    with (
+        sqlite.engine_for(path, Settings()).connect() as connection,
+        pytest.raises(RuntimeError, match="in the middle"),
+        connection.begin(),
+    ):
+        schema.upgrade(connection, migrations)
+    with closing(sqlite3.connect(path)) as database:
+        assert database.execute("SELECT name FROM sqlite_master").fetchall() == []
+
+
+async def test_opening_looks_at_open_commands_only(tmp_path: Path) -> None:
+    """However long the history is: no statement of opening walks through it."""
+    folder = await a_used_folder(tmp_path)
+    asked: list[str] = []
+    with sqlite.engine_for(folder / DATABASE, Settings()).connect() as connection:
+        driver = connection.connection.driver_connection
+        assert isinstance(driver, sqlite3.Connection)
+        driver.set_trace_callback(asked.append)
+        root = Root((folder / ROOT_KEY).read_bytes())
+        assert len(reading.Reader(connection, root).memory().unfinished) == 1
+        reading.lives(connection)
+        reading.next_seq(connection)
+        driver.set_trace_callback(None)
+        plans = [
+            row[3]
+            for statement in asked
+            if statement.lstrip().startswith("SELECT")
+            for row in driver.execute(f"EXPLAIN QUERY PLAN {statement}")
+        ]
+    walked = {plan.split()[1] for plan in plans if plan.startswith("SCAN")}
+    assert "robots" in walked
+    assert not walked & {"commands", "letters", "endings", "tellings", "stops"}
+
+
+async def test_an_empty_folder_and_an_empty_file_are_new_records(tmp_path: Path) -> None:
+    (tmp_path / ROOT_KEY).write_bytes(bytes(range(32)))
+    (tmp_path / ROOT_KEY).chmod(0o600)
+    (tmp_path / DATABASE).touch(0o600)
+    store = a_store(tmp_path)
+    assert await store.open() == Memory()
+    await store.close()
