@@ -1,0 +1,186 @@
+"""A simulated robot in this process: the same machine that also runs as a ROS 2 node."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
+from rosic.core.robot import Presence, Profile
+from rosic.errors import ConfigurationError
+from rosic.robots.simulated.goals import goal_of, machine_arguments
+from rosic.robots.simulated.machines.activity import Activity, CannotDo, State
+from rosic.robots.simulated.machines.omni import Omni
+from rosic.robots.simulated.theatre import theatre_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import Say, Tell
+    from rosic.core.gate import Gate
+
+REST_EVERY_S = 0.02
+WAITING = "waiting"  # what a machine says until its first step; news only for a common start
+SETPOINT_EVERY_S = 0.1
+ENDING = {
+    State.DONE: Ending.DONE,
+    State.FAILED: Ending.FAILED,
+    State.CANCELLED: Ending.CANCELLED,
+}
+
+
+class SimulatedRobot:
+    """Carries orders to a machine and its answers back. See ``contracts.robot.Robot``.
+
+    Attributes:
+        begun: How many orders passed the gate.
+    """
+
+    def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
+        self.profile = profile
+        self.gate = gate
+        self._clock = clock
+        self._theatre = theatre_of(clock)
+        machine = self._theatre.world.machines.get(profile.id)
+        if machine is None:
+            known = ", ".join(self._theatre.world.machines)
+            raise ConfigurationError(
+                f"There is no simulated machine called {profile.id!r}.", hint=f"There are: {known}."
+            )
+        self._machine = machine
+        self.begun = 0
+        self._doing = ""
+        self._say: Say = _unheard
+        self._noted = machine.note
+
+    async def open(self, say: Say) -> None:
+        """Take part in the world."""
+        self._say = say
+        self._theatre.watch(self._listen)
+
+    async def close(self) -> None:
+        """Bring the machine to rest and leave the world."""
+        if not self._machine.at_rest():
+            await self._rest()
+        self._theatre.forget(self._listen)
+
+    def _listen(self) -> None:
+        """Pass on what the machine did of its own accord: landed because a peer was lost."""
+        if self._machine.note != self._noted:
+            self._noted = self._machine.note
+            if self._noted:
+                self._say(self._noted)
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Carry out one order."""
+        self.gate.pass_order(order, self._clock.monotonic_ns())
+        tell(Report(Stage.SENT))
+        self._doing = order.skill.id
+        self.begun += 1
+        try:
+            if order.skill.topic is not None:
+                return await self._drive(order, tell)
+            return await self._perform(order, tell)
+        except CannotDo as cannot:
+            return Outcome(Ending.REFUSED, str(cannot), code="robot-declined")
+        except asyncio.CancelledError:
+            await self._rest()
+            raise
+        finally:
+            self._doing = ""
+
+    async def _perform(self, order: Order, tell: Tell) -> Outcome:
+        goal = goal_of(order.skill, order.arguments)
+        start_s = None if order.start_ns is None else order.start_ns / 1e9
+        activity = self._machine.begin(
+            order.skill.id,
+            machine_arguments(self.profile.link.model, order.skill.id, goal),
+            self._theatre.now_s(),
+            start_s,
+        )
+        tell(Report(Stage.RECEIVED))
+        self._theatre.wake()
+        while activity.running:
+            if start_s is not None or activity.stage != WAITING:
+                tell(Report(Stage.RUNNING, activity.fraction, activity.stage))
+            await self._clock.sleep(REST_EVERY_S)
+        return self._outcome(activity)
+
+    def _outcome(self, activity: Activity) -> Outcome:
+        return Outcome(ENDING[activity.state], activity.detail, dict(activity.facts))
+
+    async def _drive(self, order: Order, tell: Tell) -> Outcome:
+        """Send a bounded stream of velocities that ends in zero."""
+        machine = self._machine
+        if not isinstance(machine, Omni):
+            raise CannotDo(self.profile.id, "cannot be driven by a velocity")
+        given = order.arguments
+        x, y, turn = (float(given.get(name, 0.0)) for name in ("linear", "lateral", "angular"))
+        duration_s = float(given.get("duration", 0.0))
+        begun_s = self._theatre.now_s()
+        machine.set_velocity(x, y, turn, begun_s)
+        tell(Report(Stage.RECEIVED))
+        self._theatre.wake()
+        while (past_s := self._theatre.now_s() - begun_s) < duration_s:
+            if not self.gate.still_allows(order):
+                return Outcome(Ending.CANCELLED)
+            machine.set_velocity(x, y, turn, self._theatre.now_s())
+            tell(Report(Stage.RUNNING, past_s / duration_s))
+            await self._clock.sleep(min(SETPOINT_EVERY_S, duration_s - past_s))
+        if not self.gate.still_allows(order):
+            return Outcome(Ending.CANCELLED)
+        await self._rest()
+        return Outcome(Ending.DONE, f"drove for {duration_s:g} s")
+
+    async def stop(self, stop: Stop) -> Rest:
+        """Latch, halt, and wait until rest is measured."""
+        self.gate.apply_stop(stop)
+        seconds, confirmed = await self._rest()
+        landed = "on the ground" if self.profile.link.model == "crazyflie" else ""
+        return Rest(stop.robot, confirmed, seconds, landed)
+
+    async def _rest(self) -> tuple[float, bool]:
+        """Halt until rest is measured or the time is over; return the seconds and whether."""
+        begun_ns = self._clock.monotonic_ns()
+        limit_ns = int(self.profile.rest_timeout_s * 1e9)
+        while True:
+            self._machine.halt(self._theatre.now_s())
+            past_ns = self._clock.monotonic_ns() - begun_ns
+            if self._machine.at_rest() or past_ns > limit_ns:
+                return past_ns / 1e9, self._machine.at_rest()
+            self._theatre.wake()
+            await self._clock.sleep(REST_EVERY_S)
+
+    async def resume(self, generation: int) -> None:
+        """Undo the latch."""
+        self.gate.resume(generation)
+
+    def presence(self) -> Presence:
+        """Return the machine's measurements, in the profile's units where it names one."""
+        machine = self._machine
+        if not machine.moving:
+            machine.step(self._theatre.now_s())
+        return Presence(
+            online=True,
+            age_s=0.0,
+            doing=self._doing,
+            at_rest=machine.at_rest(),
+            values=_described(machine.telemetry(), self.profile),
+        )
+
+
+def _described(measured: Mapping[str, float | str], profile: Profile) -> dict[str, float | str]:
+    """Return what the profile names, in its units: ``x`` for what the machine calls ``x_m``."""
+    values: dict[str, float | str] = {}
+    for name, described in profile.telemetry.items():
+        for key, value in measured.items():
+            if key == name or key.startswith(f"{name}_"):
+                percent = described.unit == "%" and not isinstance(value, str)
+                values[name] = value * 100 if percent else value
+                break
+    return values
+
+
+def _unheard(_text: str) -> None:
+    """Nobody listens before ``open``."""

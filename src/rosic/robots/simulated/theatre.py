@@ -1,0 +1,70 @@
+"""Where simulated robots live: one world per clock, stepped only while something moves."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+from rosic.robots.simulated.machines.world import World, build_world
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.contracts.clock import Clock
+
+STEP_S = 0.02
+
+
+class Theatre:
+    """A world and the task that steps it.
+
+    At rest nothing runs: a gateway with six simulated robots idles.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self.world: World = build_world()
+        self._clock = clock
+        self._watchers: list[Callable[[], None]] = []
+        self._task: asyncio.Task[None] | None = None
+
+    def now_s(self) -> float:
+        """Return the present on the world's clock."""
+        return self._clock.monotonic_ns() / 1e9
+
+    def watch(self, watcher: Callable[[], None]) -> None:
+        """Call a watcher after every step."""
+        self._watchers.append(watcher)
+
+    def forget(self, watcher: Callable[[], None]) -> None:
+        """Call it no more; without watchers nothing is stepped."""
+        if watcher in self._watchers:
+            self._watchers.remove(watcher)
+        if not self._watchers and self._task is not None:
+            self._task.cancel()
+            self._task = None
+
+    def wake(self) -> None:
+        """Step from now on, until everything rests."""
+        if self._task is None or self._task.done():
+            self._task = asyncio.create_task(self._run())
+
+    async def _run(self) -> None:
+        while True:
+            self.world.step(self.now_s())
+            for watcher in tuple(self._watchers):
+                watcher()
+            if not self.world.moving:
+                return
+            await self._clock.sleep(STEP_S)
+
+
+_theatres: WeakKeyDictionary[Clock, Theatre] = WeakKeyDictionary()
+
+
+def theatre_of(clock: Clock) -> Theatre:
+    """Return the theatre of a clock: robots that share a clock share a world."""
+    theatre = _theatres.get(clock)
+    if theatre is None:
+        theatre = _theatres[clock] = Theatre(clock)
+    return theatre

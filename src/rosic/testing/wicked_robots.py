@@ -1,0 +1,181 @@
+"""Robots that each break one rule of the contract, to show that the suite would notice."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rosic.core.order import Outcome, Report, Rest, Stage
+from rosic.errors import OrderVoid
+
+if TYPE_CHECKING:
+    from rosic.contracts.robot import Robot, Say, Tell
+    from rosic.core.gate import Gate
+    from rosic.core.order import Order, Stop
+    from rosic.core.robot import Presence, Profile
+
+FAR_NS = 10**18
+
+
+class Wicked:
+    """An honest robot inside; each sinner overrides one thing."""
+
+    def __init__(self, honest: Robot) -> None:
+        self.honest = honest
+
+    @property
+    def profile(self) -> Profile:
+        """Return the profile of the honest one."""
+        return self.honest.profile
+
+    @property
+    def gate(self) -> Gate:
+        """Return the gate of the honest one."""
+        return self.honest.gate
+
+    async def open(self, say: Say) -> None:
+        """Open the honest one."""
+        await self.honest.open(say)
+
+    async def close(self) -> None:
+        """Close the honest one."""
+        await self.honest.close()
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Let the honest one do it."""
+        return await self.honest.execute(order, tell)
+
+    async def stop(self, stop: Stop) -> Rest:
+        """Let the honest one stop."""
+        return await self.honest.stop(stop)
+
+    async def resume(self, generation: int) -> None:
+        """Let the honest one resume."""
+        await self.honest.resume(generation)
+
+    def presence(self) -> Presence:
+        """Return what the honest one says."""
+        return self.honest.presence()
+
+
+class ActsTwice(Wicked):
+    """At most once? Twice."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Act, and act again."""
+        await self.honest.execute(order, tell)
+        return await self.honest.execute(replace(order, n=order.n + 1000), tell)
+
+
+class SaysReceivedTooEarly(Wicked):
+    """Claims a receipt before anything was sent."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Report first."""
+        tell(Report(Stage.RECEIVED))
+        return await self.honest.execute(order, tell)
+
+
+class FallsBack(Wicked):
+    """Its progress falls."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Report progress, then less."""
+        outcome = await self.honest.execute(order, tell)
+        tell(Report(Stage.RUNNING, 0.9))
+        tell(Report(Stage.RUNNING, 0.1))
+        return outcome
+
+
+class ForgetsNumbers(Wicked):
+    """Takes every order for a new one."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Give it the next number."""
+        return await self.honest.execute(replace(order, n=self.gate.n + 1), tell)
+
+
+class ForgetsTheFence(Wicked):
+    """Takes every lease for the newest."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Give it a high fence."""
+        permit = replace(order.permit, fence=max(99, order.permit.fence))
+        return await self.honest.execute(replace(order, permit=permit), tell)
+
+
+class ForgetsTheTime(Wicked):
+    """Acts however late it is."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Give it all the time in the world."""
+        return await self.honest.execute(replace(order, deadline_ns=FAR_NS), tell)
+
+
+class StopsOnlyInWords(Wicked):
+    """Confirms a stop and goes on."""
+
+    async def stop(self, stop: Stop) -> Rest:
+        """Say so."""
+        return Rest(stop.robot, confirmed=True, seconds=0.0)
+
+
+class LatchesLate(Wicked):
+    """Thinks before it latches."""
+
+    async def stop(self, stop: Stop) -> Rest:
+        """Wait a while first."""
+        for _ in range(5):
+            await asyncio.sleep(0)
+        return await self.honest.stop(stop)
+
+
+class ResumesAnything(Wicked):
+    """Takes an old resume for a new one."""
+
+    async def resume(self, generation: int) -> None:  # noqa: ARG002 - that is the sin
+        """Unlatch whatever the generation."""
+        await self.honest.resume(self.gate.generation)
+
+
+class ForgetsStops(Wicked):
+    """Acts on what was ordered before the stop."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Give it the newest generation."""
+        permit = replace(order.permit, stop_generation=self.gate.generation)
+        return await self.honest.execute(replace(order, permit=permit), tell)
+
+
+class GoesOnWhenCancelled(Wicked):
+    """Lets nobody cancel it."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Go on behind the caller's back."""
+        return await asyncio.shield(asyncio.ensure_future(self._quietly(order, tell)))
+
+    async def _quietly(self, order: Order, tell: Tell) -> Outcome:
+        try:
+            return await self.honest.execute(order, tell)
+        except OrderVoid:
+            raise
+        except BaseException:  # noqa: BLE001 - so that nobody hears of it
+            return Outcome(ending=None)  # type: ignore[arg-type]
+
+
+SINNERS: dict[str, type[Wicked]] = {
+    "test_an_order_acts_once_and_ends_done": ActsTwice,
+    "test_received_is_said_after_sent_and_before_running": SaysReceivedTooEarly,
+    "test_progress_never_falls": FallsBack,
+    "test_the_same_order_again_does_nothing": ForgetsNumbers,
+    "test_an_order_overtaken_by_a_later_one_does_nothing": ForgetsNumbers,
+    "test_an_order_under_an_old_lease_does_nothing": ForgetsTheFence,
+    "test_an_order_that_is_too_late_does_nothing": ForgetsTheTime,
+    "test_a_stop_ends_what_is_under_way": StopsOnlyInWords,
+    "test_a_stop_is_latched_at_once": LatchesLate,
+    "test_a_stopped_robot_moves_again_only_after_its_resume": ResumesAnything,
+    "test_an_order_from_before_a_stop_never_acts": ForgetsStops,
+    "test_cancelling_brings_the_robot_to_rest": GoesOnWhenCancelled,
+}
