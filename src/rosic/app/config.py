@@ -1,0 +1,219 @@
+"""One TOML file seeds a gateway: its settings, messengers, robots, people and roles.
+
+From the first start on the database is the truth; this file adds, and revives nobody.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import msgspec
+from msgspec import inspect
+
+from rosic.app.config_file import (
+    ConfigFile,
+    LogLevel,
+    PrincipalTable,
+    config_rules,
+    said_addresses,
+    said_roles,
+    scope_findings,
+)
+from rosic.app.people import Seed
+from rosic.app.profiles import find_profile, fleet_findings, known_units, read_profile
+from rosic.app.secret_settings import SecretSettings
+from rosic.app.shape import Finding, Walker
+from rosic.app.toml_file import read_toml
+from rosic.core.rate import RateLimit
+from rosic.core.robot import Profile
+from rosic.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from rosic.app.source import Source
+    from rosic.core.language import UnitTable
+
+
+class MessengerSettings(msgspec.Struct, frozen=True, kw_only=True):
+    """One account on one messenger.
+
+    Attributes:
+        kind: Name of a messenger adapter.
+        name: Unique in the file; the kind when left out.
+        settings: Everything else in its table. Secrets are `Secret`.
+        where: Its line in the file, for what the adapter finds wrong.
+    """
+
+    kind: str
+    name: str
+    settings: dict[str, Any]
+    where: str = ""
+
+
+class Config(msgspec.Struct, frozen=True, kw_only=True):
+    """What a gateway is seeded with.
+
+    Attributes:
+        path: The file.
+        name: Of this place, as people see it.
+        data: Folder of the record, absolute.
+        roles: Name to scopes; they stand beside the default roles, or in their place.
+    """
+
+    path: Path
+    name: str
+    data: Path
+    lease_idle_s: float
+    log_level: LogLevel
+    messengers: tuple[MessengerSettings, ...]
+    robots: tuple[Profile, ...]
+    people: tuple[Seed, ...]
+    roles: dict[str, tuple[str, ...]]
+    limits: RateLimit
+
+
+class ReadConfig(NamedTuple):
+    """A configuration that was read.
+
+    Attributes:
+        config: None when anything is wrong with it or with one of its robots.
+        errors: Everything that is wrong.
+        advice: What is allowed, but worse than it could be.
+    """
+
+    config: Config | None
+    errors: list[ConfigurationError]
+    advice: list[ConfigurationError]
+
+
+def load_config(
+    path: Path | str,
+    units: UnitTable | None = None,
+    environ: Mapping[str, str] | None = None,
+) -> Config:
+    """Read the configuration and the profiles it names.
+
+    Args:
+        path: A TOML file.
+        units: The units that people may use; None takes all that ROSIC knows.
+        environ: Where ``{ env = ... }`` looks; None takes the environment of the process.
+
+    Raises:
+        ConfigurationError: The first thing that is wrong, with its file and line.
+    """
+    read = read_config(path, units, environ)
+    if read.config is None:
+        raise read.errors[0]
+    return read.config
+
+
+def check_config(
+    path: Path | str,
+    units: UnitTable | None = None,
+    environ: Mapping[str, str] | None = None,
+) -> list[ConfigurationError]:
+    """Return everything that is wrong, as far as it can be told; nothing if good."""
+    return read_config(path, units, environ).errors
+
+
+def read_config(
+    path: Path | str,
+    units: UnitTable | None = None,
+    environ: Mapping[str, str] | None = None,
+) -> ReadConfig:
+    """Read the configuration, and collect what is wrong and what could be better. Never raises."""
+    try:
+        source = read_toml(Path(path))
+    except ConfigurationError as error:
+        return ReadConfig(None, [error], [])
+    walker = Walker(source, config_rules())
+    walker.check(source.data, inspect.type_info(ConfigFile), ())
+    if walker.errors:
+        return ReadConfig(None, walker.errors, [])
+    file = msgspec.convert(source.data, ConfigFile)
+    reading = _Reading(source, Path(path), file)
+    messengers = reading.messengers(os.environ if environ is None else environ)
+    robots = reading.robots(units)
+    if reading.errors:
+        return ReadConfig(None, reading.errors, reading.advice)
+    config = Config(
+        path=Path(path),
+        name=file.gateway.name,
+        data=(Path(path).parent / Path(file.gateway.data).expanduser()).absolute(),
+        lease_idle_s=file.gateway.lease_idle_s,
+        log_level=file.gateway.log_level,
+        messengers=messengers,
+        robots=robots,
+        people=tuple(_seed(person) for person in file.principal),
+        roles={name: role.scopes for name, role in file.role.items()},
+        limits=file.limits,
+    )
+    return ReadConfig(config, [], reading.advice)
+
+
+def _seed(person: PrincipalTable) -> Seed:
+    return Seed(
+        name=person.name,
+        addresses=tuple(address for _, address in said_addresses(person)),
+        roles=tuple(role for _, role in said_roles(person)),
+    )
+
+
+class _Reading:
+    """What the file names is looked up: secrets and profiles."""
+
+    def __init__(self, source: Source, path: Path, file: ConfigFile) -> None:
+        self.errors: list[ConfigurationError] = []
+        self.advice: list[ConfigurationError] = []
+        self._source = source
+        self._folder = path.parent
+        self._file = file
+
+    def messengers(self, environ: Mapping[str, str]) -> tuple[MessengerSettings, ...]:
+        secrets = SecretSettings(self._source, self._folder, environ)
+        made: list[MessengerSettings] = []
+        for index, table in enumerate(self._file.messenger):
+            place = ("messenger", index)
+            own = {key: value for key, value in table.items() if key not in {"kind", "name"}}
+            made.append(
+                MessengerSettings(
+                    kind=table["kind"],
+                    name=table.get("name", table["kind"]),
+                    settings=secrets.resolve(own, place),
+                    where=self._source.where(place),
+                )
+            )
+        self.errors += secrets.errors
+        return tuple(made)
+
+    def robots(self, units: UnitTable | None) -> tuple[Profile, ...]:
+        found: list[Profile | None] = [
+            self._robot(index, units) for index in range(len(self._file.robot))
+        ]
+        robots = [profile for profile in found if profile is not None]
+        if len(robots) == len(found):
+            self._note(fleet_findings(robots, known_units() if units is None else units))
+            self._note(scope_findings(self._file.role, robots))
+        return tuple(robots)
+
+    def _note(self, findings: Iterable[Finding]) -> None:
+        self.errors += [self._source.error(*finding) for finding in findings]
+
+    def _robot(self, index: int, units: UnitTable | None) -> Profile | None:
+        table = self._file.robot[index]
+        place = ("robot", index, "profile")
+        try:
+            path = find_profile(table.profile, self._folder)
+        except ConfigurationError as error:
+            self.errors.append(self._source.error(place, str(error)))
+            return None
+        if not path.exists():
+            self._note([Finding(place, f"There is no profile at {table.profile}.")])
+            return None
+        read = read_profile(path, units, link=table.link)
+        self.errors += read.errors
+        self.advice += read.advice
+        return read.profile

@@ -1,0 +1,264 @@
+"""The configuration file as it is written, and what it must keep besides its types."""
+
+from __future__ import annotations
+
+import enum
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from rosic.app.profile_forms import NAMED
+from rosic.app.profile_rules import FLEET
+from rosic.app.shape import Bounds, Field, Finding, Form, Rules
+from rosic.app.source import Place, nearest
+from rosic.core.authority import DEFAULT_ROLES, READ, RESUME, Scope, rights_of
+from rosic.core.identity import Address
+from rosic.core.rate import RateLimit
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from rosic.core.robot import Profile
+
+
+class LogLevel(enum.Enum):
+    """How much the log tells."""
+
+    DEBUG = "debug"
+    INFO = "info"
+    WARNING = "warning"
+    ERROR = "error"
+
+
+class GatewayTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The gateway itself.
+
+    Attributes:
+        name: Of this place, as people see it.
+        data: Folder of the record, relative to the configuration file.
+        lease_idle_s: A robot that its holder has not used for so long is free again.
+        log_level: How much the log tells.
+    """
+
+    name: str = "rosic"
+    data: str = "rosic-data"
+    lease_idle_s: float = 60.0
+    log_level: LogLevel = LogLevel.INFO
+
+
+class RobotTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One robot.
+
+    Attributes:
+        profile: Name of a profile that ships, or a file relative to the configuration file.
+        link: Reaches the robot by this adapter instead of the profile's ``link.kind``.
+    """
+
+    profile: str
+    link: str = ""
+
+
+class PrincipalTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One person.
+
+    Attributes:
+        name: As others see it; no two people have the same.
+        address: Account on a messenger: platform and immutable id, ``telegram:1001``.
+        addresses: Several of them.
+        role: Name of a role.
+        roles: Several of them.
+    """
+
+    name: str
+    address: str = ""
+    addresses: tuple[str, ...] = ()
+    role: str = ""
+    roles: tuple[str, ...] = ()
+
+
+class RoleTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a role may do.
+
+    Attributes:
+        scopes: ``robot:skill``, with * for anything.
+    """
+
+    scopes: tuple[str, ...]
+
+
+class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The file as it is written.
+
+    Attributes:
+        messenger: Accounts on messengers; besides kind and name, what the adapter asks for.
+        limits: How fast one person may give commands.
+    """
+
+    gateway: GatewayTable = GatewayTable()
+    messenger: tuple[dict[str, Any], ...] = ()
+    robot: tuple[RobotTable, ...] = ()
+    principal: tuple[PrincipalTable, ...] = ()
+    role: dict[str, RoleTable] = {}
+    limits: RateLimit = RateLimit()
+
+
+_ADDRESS = Form(
+    r"[a-z][a-z0-9_]{0,31}:\S{1,255}",
+    "an address",
+    "Write platform:account, for example telegram:1001.",
+)
+_SHOWN = Form(r"[^\x00-\x1f\x7f]{1,64}", "a name", "Use 1 to 64 characters of one line.")
+
+FORMS: Final[dict[Field, Form]] = {
+    (GatewayTable, "name"): _SHOWN,
+    (GatewayTable, "data"): _SHOWN._replace(
+        pattern=r"[^\x00-\x1f\x7f]+", meaning="a folder", hint="Name a folder."
+    ),
+    (RobotTable, "link"): NAMED._replace(empty=True),
+    (PrincipalTable, "name"): _SHOWN,
+    (PrincipalTable, "address"): _ADDRESS,
+    (PrincipalTable, "addresses"): _ADDRESS,
+    (ConfigFile, "role"): NAMED,
+}
+
+BOUNDS: Final[dict[Field, Bounds]] = {
+    (GatewayTable, "lease_idle_s"): Bounds(1, 86_400),
+    (RateLimit, "burst"): Bounds(1, 1_000_000),
+    (RateLimit, "per_s"): Bounds(0.001, 1_000_000),
+}
+
+
+def config_rules() -> Rules:
+    """Return everything a configuration file is checked against, by itself."""
+    return Rules(
+        bounds=BOUNDS,
+        forms=FORMS,
+        hidden=frozenset(),
+        checks={
+            PrincipalTable: (_reachable,),
+            RoleTable: (_readable_scopes,),
+            ConfigFile: (_people, _talkers, _something),
+        },
+    )
+
+
+def said_roles(person: PrincipalTable) -> list[tuple[Place, str]]:
+    """Return a person's roles and where each stands."""
+    roles: list[tuple[Place, str]] = [(("roles", i), role) for i, role in enumerate(person.roles)]
+    return [(("role",), person.role), *roles] if person.role else roles
+
+
+def said_addresses(person: PrincipalTable) -> list[tuple[Place, Address]]:
+    """Return a person's addresses and where each stands."""
+    said: list[tuple[Place, str]] = [
+        (("addresses", i), text) for i, text in enumerate(person.addresses)
+    ]
+    if person.address:
+        said.insert(0, (("address",), person.address))
+    return [(place, Address(*text.split(":", 1))) for place, text in said]
+
+
+def _reachable(person: PrincipalTable) -> Iterator[Finding]:
+    if not said_addresses(person):
+        yield Finding(
+            (),
+            f"{person.name} has no address, so nobody could write as {person.name}.",
+            "Give an address, for example telegram:1001.",
+        )
+    if not said_roles(person):
+        yield Finding(
+            (),
+            f"{person.name} has no role, so {person.name} could do nothing.",
+            "Give a role: viewer, operator, admin, or one of your own.",
+        )
+    for place, address in said_addresses(person):
+        # A Matrix account (@name:server) is an id; @name alone is a username everywhere.
+        if address.account.startswith("@") and ":" not in address.account:
+            yield Finding(
+                place,
+                f"{address.account} is a username, which can pass to somebody else.",
+                "Give the account's number or id.",
+            )
+
+
+def _readable_scopes(role: RoleTable) -> Iterator[Finding]:
+    for index, text in enumerate(role.scopes):
+        try:
+            Scope.parse(text)
+        except ValueError as fault:
+            yield Finding(("scopes", index), f"{fault}.")
+
+
+def _people(file: ConfigFile) -> Iterator[Finding]:
+    names: set[str] = set()
+    taken: dict[Address, str] = {}
+    roles = {*DEFAULT_ROLES, *file.role}
+    for index, person in enumerate(file.principal):
+        here: Place = ("principal", index)
+        name = person.name.casefold()
+        if name in names:
+            yield Finding(
+                (*here, "name"), f"Two people are called {person.name}.", "Tell them apart."
+            )
+        names.add(name)
+        for place, address in said_addresses(person):
+            if address in taken:
+                yield Finding((*here, *place), f"{address} already belongs to {taken[address]}.")
+            taken.setdefault(address, person.name)
+        for place, role in said_roles(person):
+            if role not in roles:
+                yield Finding((*here, *place), f"No role is called {role!r}.", nearest(role, roles))
+
+
+def _talkers(file: ConfigFile) -> Iterator[Finding]:
+    names: set[str] = set()
+    for index, table in enumerate(file.messenger):
+        here: Place = ("messenger", index)
+        for key in ("kind", "name") if "name" in table else ("kind",):
+            value = table.get(key)
+            if not isinstance(value, str) or not value:
+                yield Finding(
+                    (*here, key),
+                    f"A messenger needs a {key} that is a text.",
+                    'For example kind = "telegram".' if key == "kind" else "",
+                )
+        name = table.get("name", table.get("kind"))
+        if isinstance(name, str) and name in names:
+            yield Finding(
+                (*here, "name"), f"Two messengers are called {name!r}.", "Give one another name."
+            )
+        names.add(str(name))
+
+
+def _something(file: ConfigFile) -> Iterator[Finding]:
+    if not file.messenger:
+        yield Finding((), "There is no [[messenger]], so nobody could talk to a robot.")
+    if not file.robot:
+        yield Finding((), "There is no [[robot]].", 'For example: [[robot]] profile = "omni".')
+
+
+def scope_findings(roles: Mapping[str, RoleTable], robots: Iterable[Profile]) -> Iterator[Finding]:
+    """Find scopes that no robot of this file answers to: they give nothing to anybody."""
+    known = list(robots)
+    skills = {profile.id: tuple(profile.skills) for profile in known}
+    groups = {group for profile in known for group in profile.groups}
+    for name, role in roles.items():
+        for index, text in enumerate(role.scopes):
+            scope = Scope.parse(text)
+            if scope.robot == FLEET or rights_of([scope], skills):
+                continue
+            sentence, hint = _gives_nothing(scope, skills, groups)
+            yield Finding(("role", name, "scopes", index), sentence, hint)
+
+
+def _gives_nothing(
+    scope: Scope, skills: Mapping[str, tuple[str, ...]], groups: set[str]
+) -> tuple[str, str]:
+    anything = Scope(scope.robot, "*")
+    robots = rights_of([anything], skills)
+    if robots:
+        words = {word for robot in robots for word in (*skills[robot], READ, RESUME)}
+        return f"No robot it names has a skill {scope.skill!r}.", nearest(scope.skill, words)
+    if scope.robot in groups:
+        return f"{scope.robot!r} is a group; a role names robots.", "Use a pattern such as cf*."
+    return f"No robot of this file is called {scope.robot!r}.", nearest(scope.robot, skills)

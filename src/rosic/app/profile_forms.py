@@ -1,0 +1,103 @@
+"""The forms and bounds of what a profile says, for the check and for the published schema."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rosic.app.shape import Bounds, Field, Form
+from rosic.core.robot import AtRest, Camera, Link, Profile, StopBinding, Telemetry
+from rosic.core.skill import (
+    ActionBinding,
+    Parameter,
+    ParametersBinding,
+    ServiceBinding,
+    Skill,
+    TopicBinding,
+)
+
+_NAME = r"[a-z][a-z0-9_]{0,31}"
+_GRAPH_NAME = r"/[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*"
+_FIELD_PATH = r"[a-z][a-z0-9_]*(\.[a-z0-9_]+|\[[0-9]+\])*"
+
+
+def _ros_type(kind: str, example: str) -> Form:
+    return Form(
+        rf"[a-z][a-z0-9_]*/{kind}/[A-Z][A-Za-z0-9]*",
+        f"a ROS {'message' if kind == 'msg' else 'service' if kind == 'srv' else kind} type",
+        f"Write package/{kind}/Type, for example {example}.",
+    )
+
+
+NAMED = Form(
+    _NAME, "a name", "Use small letters, digits and _, a letter first, at most 32 characters."
+)
+WORD = Form(
+    r"[^\sA-Z,;=:]{1,32}( [^\sA-Z,;=:]{1,32}){0,3}",
+    "a word people type",
+    "Use at most four words in small letters, each of at most 32 characters.",
+)
+_GRAPH = Form(_GRAPH_NAME, "a ROS name", "Write it from the root, for example /omni/odom.")
+_GRAPH_OR_NONE = _GRAPH._replace(empty=True)
+_MESSAGE = _ros_type("msg", "geometry_msgs/msg/Twist")
+_SERVICE = _ros_type("srv", "std_srvs/srv/Trigger")
+_ACTION = _ros_type("action", "rosic_interfaces/action/Move")
+_PATH = Form(
+    _FIELD_PATH, "a field of a message", "Join fields by dots, as in twist.twist.linear.x."
+)
+_PATHS = _PATH._replace(pattern=rf"{_FIELD_PATH}( *, *{_FIELD_PATH})*")
+_PATH_OR_NONE = _PATH._replace(empty=True)
+
+FORMS: Final[dict[Field, Form]] = {
+    (Profile, "id"): NAMED,
+    (Profile, "groups"): NAMED,
+    (Profile, "words"): WORD,
+    (Profile, "skills"): NAMED,
+    (Profile, "telemetry"): NAMED,
+    (Skill, "words"): WORD,
+    (Skill, "parameters"): NAMED,
+    (Parameter, "choices"): WORD,
+    (Link, "kind"): NAMED,
+    (Link, "namespace"): _GRAPH_OR_NONE,
+    (StopBinding, "service"): _GRAPH_OR_NONE,
+    (StopBinding, "type"): _SERVICE,
+    (StopBinding, "zero"): _GRAPH_OR_NONE,
+    (StopBinding, "zero_type"): _MESSAGE,
+    (AtRest, "topic"): _GRAPH,
+    (AtRest, "type"): _MESSAGE,
+    (AtRest, "field"): _PATHS,
+    (Telemetry, "topic"): _GRAPH_OR_NONE,
+    (Telemetry, "type"): _MESSAGE._replace(empty=True),
+    (Telemetry, "field"): _PATH_OR_NONE,
+    (Camera, "topic"): _GRAPH,
+    (Camera, "type"): _MESSAGE,
+    (TopicBinding, "name"): _GRAPH,
+    (TopicBinding, "type"): _MESSAGE,
+    (TopicBinding, "message"): _PATH,
+    (ServiceBinding, "name"): _GRAPH,
+    (ServiceBinding, "type"): _SERVICE,
+    (ServiceBinding, "request"): _PATH,
+    (ActionBinding, "name"): _GRAPH,
+    (ActionBinding, "type"): _ACTION,
+    (ActionBinding, "goal"): _PATH,
+    (ActionBinding, "start"): _PATH_OR_NONE,
+    (ActionBinding, "fraction"): _PATH_OR_NONE,
+    (ActionBinding, "stage"): _PATH_OR_NONE,
+    (ActionBinding, "success"): _PATH_OR_NONE,
+    (ActionBinding, "message"): _PATH_OR_NONE,
+    (ParametersBinding, "node"): _GRAPH,
+}
+
+BOUNDS: Final[dict[Field, Bounds]] = {
+    (Profile, "queue_length"): Bounds(1, 10_000),
+    (Profile, "watchdog_s"): Bounds(0.05, 5),
+    (Profile, "rest_timeout_s"): Bounds(0.1, 120),
+    (Link, "heartbeat_s"): Bounds(0.1, 3600),
+    (AtRest, "below"): Bounds(1e-6, 10),
+    (Skill, "lifetime_s"): Bounds(0.1, 3600),
+    (TopicBinding, "stream_hz"): Bounds(0, 100),
+    (ServiceBinding, "timeout_s"): Bounds(0.05, 600),
+    (ActionBinding, "timeout_s"): Bounds(0.05, 86_400),
+    (ParametersBinding, "timeout_s"): Bounds(0.05, 600),
+}
+
+HIDDEN: Final[frozenset[Field]] = frozenset({(Skill, "id")})

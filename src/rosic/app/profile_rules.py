@@ -1,0 +1,246 @@
+"""What a profile must keep besides types, forms and bounds: where its parts have to agree."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
+from rosic.app.shape import Finding, Rules
+from rosic.app.source import Place, nearest
+from rosic.core.authority import READ, RESUME
+from rosic.core.language import UnitTable, Vocabulary
+from rosic.core.robot import Profile, Telemetry
+from rosic.core.skill import Parameter, Skill, SkillClass
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+STREAMED: Final = "duration"
+# One message of these keeps a robot moving until something else is said.
+VELOCITIES: Final = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
+# These words have a meaning for every robot, and are rights of their own.
+RESERVED: Final = frozenset({READ, RESUME, "stop"})
+FLEET: Final = "fleet"
+TWICE: Final = 2.0
+
+
+def profile_rules(units: UnitTable) -> Rules:
+    """Return everything a profile is checked against."""
+
+    def parameter(made: Parameter) -> Iterator[Finding]:
+        yield from _unit(made.unit, units)
+        yield from _whole(made)
+
+    def telemetry(made: Telemetry) -> Iterator[Finding]:
+        yield from _unit(made.unit, units)
+        if bool(made.topic) != bool(made.type) or bool(made.topic) != bool(made.field):
+            yield Finding((), "A reported value needs topic, type and field, or none of them.")
+
+    def words(made: Profile) -> Iterator[Finding]:
+        fault = clash([made], units)
+        if fault:
+            yield Finding(_said_in(made, fault), fault, "Choose another word.")
+
+    return Rules(
+        bounds=BOUNDS,
+        forms=FORMS,
+        hidden=HIDDEN,
+        checks={
+            Parameter: (parameter,),
+            Telemetry: (telemetry,),
+            Skill: (_placeholders, _streams),
+            Profile: (_reserved, _bound, _texts, _watched, _stoppable, words),
+        },
+    )
+
+
+def clash(profiles: Sequence[Profile], units: UnitTable) -> str:
+    """Say why people could not speak to these robots; empty when they could."""
+    try:
+        Vocabulary.build(profiles, units)
+    except ValueError as fault:
+        sentence = str(fault).rstrip(".")
+        return f"{sentence[:1].upper()}{sentence[1:]}."
+    return ""
+
+
+def _said_in(profile: Profile, sentence: str) -> Place:
+    """Find the part of a profile whose name a sentence quotes."""
+    quoted = {word.casefold() for word in re.findall(r"""["']([^"']+)["']""", sentence)}
+    for key in ("words", "groups"):
+        if quoted & {word.casefold() for word in getattr(profile, key)}:
+            return (key,)
+    # Of two that clash, the later one is easier to rename.
+    for name, skill in reversed(profile.skills.items()):
+        if quoted & {word.casefold() for word in skill.words}:
+            return ("skills", name, "words")
+        for parameter in skill.parameters:
+            if quoted >= {name, parameter}:
+                return ("skills", name, "parameters", parameter)
+    return next((("skills", name) for name in profile.skills if name in quoted), ("id",))
+
+
+def _unit(unit: str, units: UnitTable) -> Iterator[Finding]:
+    if unit and units.find(unit) is None:
+        close = nearest(unit, units.exact, say_all=False)
+        yield Finding(("unit",), f"{unit!r} is not a unit ROSIC knows.", close)
+
+
+def _whole(parameter: Parameter) -> Iterator[Finding]:
+    for key in ("min", "max", "default"):
+        value = getattr(parameter, key)
+        if parameter.integer and isinstance(value, float) and not value.is_integer():
+            yield Finding((key,), f"'{key}' must be a whole number, as 'integer' is true.")
+
+
+def _sent(skill: Skill) -> tuple[Place, dict[str, float | int | str | bool]]:
+    """Return where a skill's binding keeps what it sends, and what that is."""
+    if skill.topic is not None:
+        return ("topic", "message"), skill.topic.message
+    if skill.service is not None:
+        return ("service", "request"), skill.service.request
+    if skill.action is not None:
+        return ("action", "goal"), skill.action.goal
+    if skill.set_parameters is not None:
+        return ("set_parameters", "values"), skill.set_parameters.values
+    return (), {}
+
+
+def _placeholders(skill: Skill) -> Iterator[Finding]:
+    place, sent = _sent(skill)
+    if not place:
+        return
+    named = {key: str(value)[1:] for key, value in sent.items() if str(value).startswith("$")}
+    unknown = {key: name for key, name in named.items() if name not in skill.parameters}
+    for key, name in unknown.items():
+        hint = nearest(name, skill.parameters) or "This skill has no parameters."
+        yield Finding((*place, key), f"${name} is not a parameter of this skill.", hint)
+    used = {*named.values(), *([STREAMED] if _is_streamed(skill) else [])}
+    for name in () if unknown else skill.parameters:
+        if name not in used:
+            yield Finding(
+                ("parameters", name),
+                f"'{name}' is asked of people but never sent to the robot.",
+                f"Write ${name} where it belongs under {'.'.join(map(str, place))}.",
+            )
+
+
+def _is_streamed(skill: Skill) -> bool:
+    topic = skill.topic
+    return topic is not None and (topic.stream_hz > 0 or topic.type in VELOCITIES)
+
+
+def _streams(skill: Skill) -> Iterator[Finding]:
+    topic = skill.topic
+    if topic is None:
+        return
+    if topic.stream_hz == 0 and topic.type in VELOCITIES:
+        yield Finding(
+            ("topic",),
+            "A single velocity would keep the robot moving.",
+            "Give stream_hz, so that it is sent for a time and ends in zero.",
+        )
+    if topic.stream_hz > 0:
+        duration = skill.parameters.get(STREAMED)
+        if duration is None or duration.unit != "s" or not (duration.min or 0) > 0:
+            yield Finding(
+                ("topic", "stream_hz"),
+                f"A stream needs a parameter '{STREAMED}' in s that is above 0.",
+                "Its max is the longest time the robot is driven by one command.",
+            )
+
+
+def _reserved(profile: Profile) -> Iterator[Finding]:
+    if FLEET in (profile.id, *profile.groups):
+        yield Finding(("id",), f"'{FLEET}' cannot be a robot: it means all that is known of them.")
+    for name in profile.skills:
+        if name in RESERVED:
+            yield Finding(
+                ("skills", name), f"'{name}' cannot be a skill: it means the same for every robot."
+            )
+
+
+def _bound(profile: Profile) -> Iterator[Finding]:
+    if profile.link.kind != "ros2":
+        return
+    if not profile.link.namespace:
+        yield Finding(("link",), "A ros2 robot needs a namespace.", f"For example /{profile.id}.")
+    for name, skill in profile.skills.items():
+        if not _sent(skill)[0] and not profile.link.dialogue:
+            yield Finding(
+                ("skills", name),
+                f"'{name}' says nothing of how ROS carries it out.",
+                "Give one of topic, service, action, set_parameters.",
+            )
+
+
+def _texts(profile: Profile) -> Iterator[Finding]:
+    for name, skill in profile.skills.items():
+        for key, parameter in skill.parameters.items():
+            place: Place = ("skills", name, "parameters", key)
+            if not parameter.text:
+                continue
+            if not profile.link.dialogue:
+                yield Finding(
+                    place,
+                    "Free text goes to a robot only over its dialogue.",
+                    "Set link.dialogue to true, or give choices instead of text.",
+                )
+            elif _sent(skill)[0]:
+                yield Finding(place, "Free text never goes into a topic, service or action.")
+
+
+def _watched(profile: Profile) -> Iterator[Finding]:
+    for name, skill in profile.skills.items():
+        hz = skill.topic.stream_hz if skill.topic is not None else 0.0
+        # One lost message must not make the robot stumble.
+        if hz > 0 and profile.watchdog_s is not None and hz * profile.watchdog_s < TWICE:
+            yield Finding(
+                ("skills", name, "topic", "stream_hz"),
+                f"{hz:g} Hz is too slow for a robot that stops by itself after "
+                f"{profile.watchdog_s:g} s.",
+                f"Send at {TWICE / profile.watchdog_s:g} Hz or more.",
+            )
+
+
+def _stoppable(profile: Profile) -> Iterator[Finding]:
+    moving = [s for s in profile.skills.values() if s.kind is SkillClass.MOTION]
+    if profile.link.kind != "ros2" or not moving:
+        return
+    stop = profile.stop
+    if stop is not None and not (stop.service or stop.zero):
+        yield Finding(("stop",), "'stop' names neither a service nor a velocity topic to zero.")
+    if stop is None and any(skill.action is None for skill in moving):
+        yield Finding(
+            (),
+            "'stop' is missing: nothing would stop this robot.",
+            "Give stop a service, a velocity topic to zero, or both.",
+        )
+    if profile.at_rest is None:
+        yield Finding(
+            (),
+            "'at_rest' is missing: a stop of this robot could never be confirmed.",
+            "Name a topic and the fields that are near zero when it stands still.",
+        )
+
+
+def advice(profile: Profile) -> Iterator[Finding]:
+    """Say what is allowed, but worse than it could be."""
+    if profile.link.kind != "ros2":
+        return
+    moves = any(skill.kind is SkillClass.MOTION for skill in profile.skills.values())
+    if moves and profile.stop is None:
+        yield Finding(
+            (),
+            "'stop' is missing: a stop only cancels what ROSIC itself has begun.",
+            "Name the robot's own stop service.",
+        )
+    for name, skill in profile.skills.items():
+        topic = skill.topic
+        if skill.kind is SkillClass.MOTION and topic is not None and topic.stream_hz == 0:
+            yield Finding(
+                ("skills", name, "topic"),
+                f"'{name}' is sent over a topic, which does not acknowledge.",
+                "An action tells people whether and how it ended.",
+            )
