@@ -1,0 +1,181 @@
+"""The bot's door: `/bot<token>/METHOD_NAME` and `/file/bot<token>/<file_path>` over HTTP."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+import socket
+import struct
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+from aiohttp import web
+
+from rosic.testing.telegram import dispatch, files
+from rosic.testing.telegram.faults import AFTER, BAD_GATEWAY, Fault, Faults
+from rosic.testing.telegram.parameters import Raw
+from rosic.testing.telegram.reading import read
+from rosic.testing.telegram.refusals import ApiError, too_many
+
+if TYPE_CHECKING:
+    from rosic.testing.telegram.state import JsonObject
+    from rosic.testing.telegram.world import World
+
+TOKEN_SHAPE = re.compile(r"[0-9]+:[^/]+\Z")
+
+
+class Reply(NamedTuple):
+    """What goes back: a status, and JSON."""
+
+    status: int
+    body: JsonObject
+
+
+class BotDoor:
+    """Serves the Bot API for one token."""
+
+    def __init__(self, world: World, faults: Faults, token: str) -> None:
+        self._world = world
+        self._faults = faults
+        self._token = token
+        self._closing = asyncio.Event()
+
+    def routes(self) -> list[web.RouteDef]:
+        """Return what to serve. Only GET and POST are supported (#making-requests)."""
+        return [
+            web.get(r"/bot{token:[^/]*}/{method:.*}", self._call, allow_head=False),
+            web.post(r"/bot{token:[^/]*}/{method:.*}", self._call),
+            web.get(r"/file/bot{token:[^/]*}/{path:.+}", self._download, allow_head=False),
+        ]
+
+    def close(self) -> None:
+        """End everything that waits, so that the server can stop at once."""
+        self._closing.set()
+        self._world.queue.release()
+
+    def _check_token(self, token: str) -> None:
+        """404 for what cannot be a token, 401 for a foreign one, as the hosted server does."""
+        if not TOKEN_SHAPE.match(token):
+            raise ApiError(404, "Not Found")
+        if token != self._token:
+            raise ApiError(401, "Unauthorized")
+
+    async def _call(self, request: web.Request) -> web.StreamResponse:
+        method = request.match_info["method"]
+        try:
+            self._check_token(request.match_info["token"])
+        except ApiError as error:
+            return _respond(Reply(error.code, dispatch.refused(error)))
+        broken: ApiError | None = None
+        try:
+            raw = await read(request)
+        except ApiError as error:
+            raw, broken = Raw(values={}, files={}), error
+        entry = self._world.journal.call(method, dispatch.recorded(raw))
+        await self._delay(self._faults.latency_s / 2)
+        fault = self._faults.next_for(method, raw.values.get("chat_id"))
+        if fault is not None:
+            entry["fault"] = fault.kind
+        if fault is not None and fault.kind not in AFTER:
+            response = await self._fail(request, fault, raw)
+            entry["code"] = response.status
+            return response
+        reply = await self._answer(request, method, raw, broken)
+        entry["code"] = reply.status
+        entry["description"] = reply.body.get("description")
+        await self._delay(self._faults.latency_s / 2)
+        if fault is not None:
+            return await self._spoil(request, fault, reply)
+        return _respond(reply)
+
+    async def _answer(
+        self, request: web.Request, method: str, raw: Raw, broken: ApiError | None
+    ) -> Reply:
+        def alive() -> bool:
+            return request.transport is not None and not request.transport.is_closing()
+
+        try:
+            if broken is not None:
+                raise broken
+            prepared = dispatch.prepare(self._world, method, raw, alive)
+            return Reply(200, await dispatch.perform(self._world, prepared))
+        except ApiError as error:
+            return Reply(error.code, dispatch.refused(error))
+
+    async def _fail(self, request: web.Request, fault: Fault, raw: Raw) -> web.StreamResponse:
+        """Fail the call before it takes effect."""
+        match fault.kind:
+            case "too_many_requests":
+                self._tell_to_wait(fault, raw)
+                error = too_many(fault.retry_after_s)
+            case "error":
+                error = ApiError(fault.code, fault.description)
+            case "bad_gateway":
+                return web.Response(status=502, body=BAD_GATEWAY, content_type="text/html")
+            case _:
+                if fault.kind == "hang":
+                    await self._delay(fault.seconds)
+                return _reset(request)
+        return _respond(Reply(error.code, dispatch.refused(error)))
+
+    def _tell_to_wait(self, fault: Fault, raw: Raw) -> None:
+        chat = raw.values.get("chat_id")
+        if isinstance(chat, int | str) and str(chat).lstrip("-").isdigit():
+            now_s = self._world.clock.now_s()
+            self._world.limiter.told(int(chat), fault.retry_after_s, now_s)
+
+    async def _spoil(self, request: web.Request, fault: Fault, reply: Reply) -> web.StreamResponse:
+        """Spoil the answer of a call that took effect."""
+        if fault.kind == "truncated":
+            body = msgspec.json.encode(reply.body)
+            return web.Response(
+                status=reply.status,
+                body=body[: len(body) // 2],
+                content_type="application/json",
+            )
+        if fault.kind == "hang_after":
+            await self._delay(fault.seconds)
+        return _reset(request)
+
+    async def _delay(self, seconds: float) -> None:
+        """Wait, but not longer than the server lives."""
+        if seconds > 0:
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._closing.wait(), seconds)
+
+    async def _download(self, request: web.Request) -> web.StreamResponse:
+        """https://core.telegram.org/bots/api#getfile."""
+        try:
+            self._check_token(request.match_info["token"])
+        except ApiError as error:
+            return _respond(Reply(error.code, dispatch.refused(error)))
+        path = request.match_info["path"]
+        self._world.journal.add("download", path=path)
+        held = files.by_path(self._world, path)
+        if held is None:
+            return _respond(Reply(404, dispatch.refused(ApiError(404, "Not Found"))))
+        return web.Response(body=held.content, content_type="application/octet-stream")
+
+
+def _respond(reply: Reply) -> web.Response:
+    headers = {}
+    if wait_s := reply.body.get("parameters", {}).get("retry_after"):
+        headers["Retry-After"] = str(wait_s)
+    return web.Response(
+        status=reply.status,
+        body=msgspec.json.encode(reply.body),
+        content_type="application/json",
+        headers=headers,
+    )
+
+
+def _reset(request: web.Request) -> web.Response:
+    """Reset the connection: the peer reads ECONNRESET, not the end of a stream."""
+    transport = request.transport
+    if transport is not None:
+        connection: socket.socket | None = transport.get_extra_info("socket")
+        if connection is not None:
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        transport.abort()
+    return web.Response(status=499)

@@ -1,0 +1,77 @@
+"""Files that Telegram holds."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING
+
+from rosic.testing.telegram.state import JsonObject, StoredFile
+
+if TYPE_CHECKING:
+    from rosic.testing.telegram.parameters import Upload
+    from rosic.testing.telegram.world import World
+
+PNG = b"\x89PNG\r\n\x1a\n"
+JPEG = b"\xff\xd8\xff"
+JPEG_SIZE_MARKERS = frozenset({0xC0, 0xC1, 0xC2, 0xC3})
+
+
+def image_size(content: bytes) -> tuple[int, int] | None:
+    """Return width and height in pixels of a PNG or JPEG, else None."""
+    if content.startswith(PNG) and len(content) >= 24:
+        width, height = struct.unpack(">II", content[16:24])
+        return (width, height) if width and height else None
+    return _jpeg_size(content) if content.startswith(JPEG) else None
+
+
+def _jpeg_size(content: bytes) -> tuple[int, int] | None:
+    at = 2
+    while at + 9 < len(content) and content[at] == 0xFF:
+        if content[at + 1] in JPEG_SIZE_MARKERS:
+            height, width = struct.unpack(">HH", content[at + 5 : at + 9])
+            return width, height
+        at += 2 + int(struct.unpack(">H", content[at + 2 : at + 4])[0])
+    return None
+
+
+def store_document(world: World, upload: Upload) -> StoredFile:
+    """Keep a document; its name is the last part of what was given."""
+    name = PurePosixPath(upload.name.replace("\\", "/")).name or "file"
+    show = {"file_name": name, "mime_type": upload.content_type or "application/octet-stream"}
+    return _store(world, upload, "document", show)
+
+
+def store_photo(world: World, upload: Upload, size: tuple[int, int]) -> StoredFile:
+    """Keep a photo of this width and height."""
+    return _store(world, upload, "photo", {"width": size[0], "height": size[1]})
+
+
+def _store(world: World, upload: Upload, kind: str, show: JsonObject) -> StoredFile:
+    """https://core.telegram.org/bots/api#file: the unique id names content and opens nothing."""
+    number = world.serial()
+    digest = hashlib.sha256(upload.content).hexdigest()
+    suffix = PurePosixPath(upload.name).suffix[:10] or ".bin"
+    held = StoredFile(
+        id=f"{kind}-{number}-{digest[:24]}",
+        unique_id=f"u{digest[:15]}",
+        name=upload.name,
+        path=f"{kind}s/file_{number}{suffix}",
+        kind=kind,
+        content=upload.content,
+        show={},
+    )
+    held.show = {
+        "file_id": held.id,
+        "file_unique_id": held.unique_id,
+        "file_size": len(upload.content),
+        **show,
+    }
+    world.state.files[held.id] = held
+    return held
+
+
+def by_path(world: World, path: str) -> StoredFile | None:
+    """Return the file behind a `file_path`."""
+    return next((held for held in world.state.files.values() if held.path == path), None)

@@ -1,0 +1,145 @@
+"""The server as one object, embedded in a test or run by `python -m rosic.testing.telegram`."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import TYPE_CHECKING, Self
+
+from aiohttp import web
+
+from rosic.testing.telegram.clock import ServerClock
+from rosic.testing.telegram.control_door import ControlDoor
+from rosic.testing.telegram.door import BotDoor
+from rosic.testing.telegram.faults import Faults
+from rosic.testing.telegram.groups import Groups
+from rosic.testing.telegram.journal import Journal
+from rosic.testing.telegram.limits import Limiter
+from rosic.testing.telegram.people import People
+from rosic.testing.telegram.record import Record
+from rosic.testing.telegram.settings import Limits, Settings
+from rosic.testing.telegram.trouble import Trouble
+from rosic.testing.telegram.world import World, dump_state, load_state, new_state
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+    from types import TracebackType
+
+DEFAULT_TOKEN = "4242424242:not-a-real-token-for-tests-only"  # noqa: S105 - it opens nothing
+PUBLISHED = Limits()
+USUAL = Settings()
+MAX_REQUEST = 64 * 1024 * 1024
+STOP_WITHIN_S = 0.5
+
+
+def to_stderr(line: str) -> None:
+    """Report a violation where a developer sees it."""
+    sys.stderr.write(f"telegram: {line}\n")
+    sys.stderr.flush()
+
+
+class FakeTelegram(People, Groups, Trouble, Record):
+    """A strict Bot API server on a port of its own.
+
+    Args:
+        token: The one token that works; the number before its colon is the bot's id.
+        port: 0 takes a free one.
+        limits: Flood limits; None switches them off.
+        settings: The bot and Telegram's times.
+        state_file: Read when the server starts, if it exists, and written when it stops: an outage.
+        wall_s: The clock below the server's own.
+
+    Attributes:
+        host: Where to listen; choose before `start`.
+        report: Given one line for each violation; standard error at first.
+    """
+
+    host = "127.0.0.1"
+
+    def __init__(
+        self,
+        *,
+        token: str = DEFAULT_TOKEN,
+        port: int = 0,
+        limits: Limits | None = PUBLISHED,
+        settings: Settings = USUAL,
+        state_file: Path | None = None,
+        wall_s: Callable[[], float] = time.time,
+    ) -> None:
+        self.token = token
+        self.port = port
+        self.report: Callable[[str], None] = to_stderr
+        self.faults = Faults()
+        self._state_file = state_file
+        self._runner: web.AppRunner | None = None
+        self._door: BotDoor | None = None
+        state = new_state(settings, int(token.partition(":")[0]))
+        if state_file is not None and state_file.exists():
+            state = load_state(state_file.read_bytes())
+        clock = ServerClock(wall_s, state.clock_shift_s)
+        journal = Journal(clock, self._tell)
+        self.world = World(state, clock, journal, Limiter(limits), settings)
+
+    def _tell(self, line: str) -> None:
+        self.report(line)
+
+    @property
+    def url(self) -> str:
+        """The server's root, for aiogram's `TelegramAPIServer.from_base`."""
+        return f"http://{self.host}:{self.port}"
+
+    @property
+    def api_base(self) -> str:
+        """For python-telegram-bot's `base_url`; the token follows directly."""
+        return f"{self.url}/bot"
+
+    @property
+    def file_base(self) -> str:
+        """For python-telegram-bot's `base_file_url`; the token follows directly."""
+        return f"{self.url}/file/bot"
+
+    async def start(self) -> None:
+        """Listen. The port is known afterwards.
+
+        Raises:
+            OSError: The port is taken.
+        """
+        app = web.Application(client_max_size=MAX_REQUEST)
+        self._door = BotDoor(self.world, self.faults, self.token)
+        app.add_routes(self._door.routes())
+        app.add_routes(ControlDoor(self).routes())
+        # No access log: paths hold the token.
+        self._runner = web.AppRunner(app, access_log=None, shutdown_timeout=STOP_WITHIN_S)
+        await self._runner.setup()
+        site = web.TCPSite(self._runner, self.host, self.port)
+        await site.start()
+        self.port = int(self._runner.addresses[0][1])
+
+    async def stop(self) -> None:
+        """Stop within a second: waiting polls are answered with nothing, hangs end."""
+        if self._door is not None:
+            self._door.close()
+        if self._runner is not None:
+            await self._runner.cleanup()
+        self.save()
+
+    def save(self) -> None:
+        """Write the state to its file, if one was given."""
+        if self._state_file is None:
+            return
+        draft = self._state_file.with_name(self._state_file.name + ".new")
+        draft.write_bytes(dump_state(self.world))
+        draft.replace(self._state_file)
+
+    async def __aenter__(self) -> Self:
+        await self.start()
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        await self.stop()
