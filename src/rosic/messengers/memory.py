@@ -1,0 +1,295 @@
+"""A messenger inside the process: for tests, and as the smallest example of the contract."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from msgspec.structs import replace
+
+from rosic.core.identity import Address
+from rosic.core.language import hears_stop
+from rosic.core.message import Button, Chat, ChatKind, Inbound, Outbound, Standing
+from rosic.errors import ConfigurationError, MessageGone, MessengerFault
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Receive
+
+KEEP = 10_000
+"""How many of the newest messages, edits and answers are remembered."""
+
+
+class Told(NamedTuple):
+    """Something a person was shown.
+
+    Attributes:
+        message: Id of the message; the same for each of its edits.
+        edited: False for the sending, True for each edit.
+    """
+
+    message: str
+    outbound: Outbound
+    edited: bool
+
+
+class MemoryMessenger:
+    """People are method calls: `say` and `tap` speak, `told` is what they read.
+
+    Args:
+        edits: False makes it a messenger that cannot change a message once sent.
+        keep: How much of the past is remembered; what waits to be received is bounded by it too.
+
+    Attributes:
+        told: Messages and edits, oldest first.
+        answers: How taps were answered: the tap's handle and the text.
+        down: Set it, and sending and editing fail as if the platform were away.
+        listening_since_ns: Stamped on what is said from now on; see `Inbound`.
+    """
+
+    platform = "memory"
+    assurance = "local"
+
+    def __init__(
+        self, name: str = "memory", *, clock: Clock, edits: bool = True, keep: int = KEEP
+    ) -> None:
+        self.name = name
+        self.edits = edits
+        self.told: deque[Told] = deque(maxlen=keep)
+        self.answers: deque[tuple[str, str]] = deque(maxlen=keep)
+        self.down = False
+        self.listening_since_ns = 0
+        self._clock = clock
+        self._keep = keep
+        self._serial = 0
+        self._told_ever = 0
+        self._unconfirmed = 0
+        self._shown: dict[str, Outbound] = {}
+        self._waiting: dict[Chat, deque[Inbound]] = {}
+        self._stops: dict[int, Inbound] = {}
+        self._under_way: set[Chat | int] = set()
+        self._changed = asyncio.Event()
+
+    # ---- the person's side ----
+
+    def say(  # noqa: PLR0913  (a test says only what matters to it)
+        self,
+        text: str,
+        *,
+        account: str = "1",
+        chat: str = "1",
+        kind: ChatKind = ChatKind.PRIVATE,
+        standing: Standing = Standing.FRESH,
+        message: str | None = None,
+        sent_ns: int | None = None,
+    ) -> Inbound:
+        """Write a message, now unless `sent_ns` says otherwise, and return what will be seen."""
+        inbound = self._inbound(account, Chat(self.platform, chat, kind), message, sent_ns)
+        return self.deliver(replace(inbound, text=text, standing=standing))
+
+    def tap(self, button: Button, *, under: str = "", account: str = "1") -> Inbound:
+        """Tap a button of the message `under`. It carries what the button carried, and no time."""
+        chat = self._shown[under].chat if under else Chat(self.platform, "1")
+        inbound = self._inbound(account, chat, None, None)
+        tapped = replace(inbound, nonce=button.nonce, tap=f"tap-{inbound.message}", under=under)
+        stop = any(hears_stop(said) is not None for said in (button.command, button.nonce))
+        return self._queue(tapped, stop=stop)
+
+    def deliver(self, inbound: Inbound) -> Inbound:
+        """Hand in a message made elsewhere; twice makes it a duplicate.
+
+        Raises:
+            OverflowError: Nobody receives, and as many wait as are remembered.
+        """
+        return self._queue(inbound, stop=hears_stop(inbound.text) is not None)
+
+    def gap(self) -> None:
+        """Pretend that listening was interrupted until now: what was sent earlier is backlog."""
+        self.listening_since_ns = self._clock.wall_ns()
+
+    def unconfirmed(self) -> tuple[Inbound, ...]:
+        """Return what has not been received to the end; another `run` would hand it over again."""
+        return (*self._stops.values(), *(one for lane in self._waiting.values() for one in lane))
+
+    def shown(self, message: str) -> Outbound:
+        """Return how a message looks now."""
+        return self._shown[message]
+
+    async def wait_for(
+        self, predicate: Callable[[Told], bool], *, timeout_s: float = 5.0, after: int = 0
+    ) -> Told:
+        """Return the first thing told that fits, waiting for it if need be.
+
+        Args:
+            predicate: Called with each thing told, once.
+            timeout_s: Of real time, whatever the clock says.
+            after: Skip that many, counted from the first thing ever told.
+
+        Raises:
+            TimeoutError: Nothing fitted in time; the error lists the newest things told.
+        """
+        seen = after
+        try:
+            async with asyncio.timeout(timeout_s):
+                while True:
+                    fresh = self._told_ever - seen
+                    for told in list(self.told)[-fresh:] if fresh > 0 else ():
+                        if predicate(told):
+                            return told
+                    seen = max(seen, self._told_ever)
+                    await self._change()
+        except TimeoutError:
+            lines = "; ".join(told.outbound.text for told in list(self.told)[-10:])
+            raise TimeoutError(f"nothing fitting was told; the newest: {lines}") from None
+
+    async def wait_until_received(self, *, timeout_s: float = 5.0) -> None:
+        """Wait until everything said has been received to the end.
+
+        Raises:
+            TimeoutError: Something is still waiting or under way.
+        """
+        async with asyncio.timeout(timeout_s):
+            while self._unconfirmed:
+                await self._change()
+
+    # ---- the gateway's side: contracts.messenger.Messenger ----
+
+    async def run(self, receive: Receive) -> None:
+        """Hand over: stops at once, each chat in order, chats side by side.
+
+        An exception from `receive` ends it and is raised as it is; what was not received waits
+        for the next `run`.
+        """
+        self._under_way.clear()
+        try:
+            async with asyncio.TaskGroup() as group:
+                while True:
+                    self._start(group, receive)
+                    await self._change()
+        except ExceptionGroup as several:
+            raise several.exceptions[0] from None
+
+    async def send(self, outbound: Outbound) -> str:
+        """Show a message.
+
+        Raises:
+            MessengerFault: `down` is set; nothing was shown.
+        """
+        self._check_up()
+        message = self._next_id()
+        self._show(Told(message, outbound, edited=False))
+        return message
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Show a message anew.
+
+        Raises:
+            MessengerFault: `down` is set, this messenger cannot edit, or there is no such message.
+        """
+        self._check_up()
+        if not self.edits:
+            raise MessengerFault("This messenger cannot change a message once it is sent.")
+        if message not in self._shown:
+            raise MessageGone("The message to be changed does not exist.")
+        if self._shown[message] != outbound:
+            self._show(Told(message, outbound, edited=True))
+
+    async def answer_tap(self, inbound: Inbound, text: str) -> None:
+        """Remember the answer."""
+        self.answers.append((inbound.tap, text))
+        self._announce()
+
+    # ---- inside ----
+
+    def _inbound(
+        self, account: str, chat: Chat, message: str | None, sent_ns: int | None
+    ) -> Inbound:
+        now_ns = self._clock.wall_ns()
+        return Inbound(
+            sender=Address(self.platform, account),
+            chat=chat,
+            message=self._next_id() if message is None else message,
+            text="",
+            sent_ns=now_ns if sent_ns is None else min(sent_ns, now_ns),
+            received_ns=now_ns,
+            listening_since_ns=self.listening_since_ns,
+        )
+
+    def _queue(self, inbound: Inbound, *, stop: bool) -> Inbound:
+        if self._unconfirmed >= self._keep:
+            raise OverflowError("too many messages wait to be received")
+        self._unconfirmed += 1
+        if stop:
+            self._serial += 1
+            self._stops[self._serial] = inbound
+        else:
+            self._waiting.setdefault(inbound.chat, deque()).append(inbound)
+        self._announce()
+        return inbound
+
+    def _next_id(self) -> str:
+        self._serial += 1
+        return str(self._serial)
+
+    def _start(self, group: asyncio.TaskGroup, receive: Receive) -> None:
+        """Give every stop a task of its own, and every chat with something to say a lane."""
+        for number in [one for one in self._stops if one not in self._under_way]:
+            self._under_way.add(number)
+            group.create_task(self._hand_over_stop(number, receive))
+        for chat in [one for one in self._waiting if one not in self._under_way]:
+            self._under_way.add(chat)
+            group.create_task(self._hand_over_chat(chat, receive))
+
+    async def _hand_over_stop(self, number: int, receive: Receive) -> None:
+        await receive(self._stops[number])
+        del self._stops[number]
+        self._under_way.discard(number)
+        self._confirm()
+
+    async def _hand_over_chat(self, chat: Chat, receive: Receive) -> None:
+        lane = self._waiting[chat]
+        while lane:
+            await receive(lane[0])
+            lane.popleft()
+            self._confirm()
+        del self._waiting[chat]
+        self._under_way.discard(chat)
+
+    def _confirm(self) -> None:
+        self._unconfirmed -= 1
+        self._announce()
+
+    def _check_up(self) -> None:
+        if self.down:
+            raise MessengerFault("The messenger is away. The message was not delivered.")
+
+    def _show(self, told: Told) -> None:
+        self._shown[told.message] = told.outbound
+        while len(self._shown) > self._keep:
+            del self._shown[next(iter(self._shown))]
+        self.told.append(told)
+        self._told_ever += 1
+        self._announce()
+
+    def _announce(self) -> None:
+        """Wake everybody who waits for something to change."""
+        self._changed.set()
+        self._changed = asyncio.Event()
+
+    async def _change(self) -> None:
+        await self._changed.wait()
+
+
+def memory_messenger(name: str, settings: Mapping[str, Any], clock: Clock) -> MemoryMessenger:
+    """Make it from its table in the configuration: `edits = false` is all there is to set.
+
+    Raises:
+        ConfigurationError: There is a setting it does not know; the sentence names it.
+    """
+    unknown = sorted(set(settings) - {"kind", "name", "edits"})
+    if unknown:
+        raise ConfigurationError(f"The messenger {name} does not know the setting {unknown[0]}.")
+    return MemoryMessenger(name, clock=clock, edits=bool(settings.get("edits", True)))

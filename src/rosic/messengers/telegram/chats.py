@@ -1,0 +1,71 @@
+"""What has to be remembered about chats: groups that moved, long messages, buttons that stop."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import TYPE_CHECKING, TypeVar
+
+from rosic.core.language import hears_stop
+
+if TYPE_CHECKING:
+    from rosic.core.message import Outbound
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+REMEMBERED = 4_096
+
+
+class Chats:
+    """Bounded: what is oldest is forgotten first, and each loss is a small one.
+
+    Without the new id of a group Telegram tells it once more; without the parts of a long message
+    it cannot be edited any more; without its nonce a tap on stop keeps to the order of its chat.
+    """
+
+    def __init__(self) -> None:
+        self._moved: OrderedDict[str, str] = OrderedDict()
+        self._parts: OrderedDict[tuple[str, str], tuple[str, ...]] = OrderedDict()
+        self._stops: OrderedDict[str, None] = OrderedDict()
+
+    def moved(self, old: str, new: str) -> None:
+        """Remember where a group is now."""
+        if old != new:
+            _remember(self._moved, old, new)
+
+    def where(self, chat: str) -> str:
+        """Return the id under which a chat is reached now."""
+        for _ in range(3):  # a supergroup does not move again; a loop of ids would be an attack
+            if chat not in self._moved:
+                break
+            chat = self._moved[chat]
+        return chat
+
+    def split(self, chat: str, parts: tuple[str, ...]) -> None:
+        """Remember which messages make up a long one; it goes by the id of the last."""
+        if len(parts) > 1:
+            _remember(self._parts, (chat, parts[-1]), parts)
+        else:
+            self._parts.pop((chat, parts[-1]), None)
+
+    def parts(self, chat: str, message: str) -> tuple[str, ...]:
+        """Return the messages that make up this one."""
+        return self._parts.get((chat, message), (message,))
+
+    def offered(self, outbound: Outbound) -> None:
+        """Remember which of the buttons stop, so that a tap on one overtakes what waits."""
+        for row in outbound.buttons:
+            for button in row:
+                if hears_stop(button.command) is not None:
+                    _remember(self._stops, button.nonce, None)
+
+    def stops(self, nonce: str) -> bool:
+        """Whether the button with this nonce says stop."""
+        return nonce in self._stops
+
+
+def _remember(table: OrderedDict[K, V], key: K, value: V) -> None:
+    table[key] = value
+    table.move_to_end(key)
+    while len(table) > REMEMBERED:
+        table.popitem(last=False)

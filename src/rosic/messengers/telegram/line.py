@@ -1,0 +1,180 @@
+"""The line to the Bot API: python-telegram-bot's Bot, time-bounded, and silent about its token."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+from http import HTTPStatus
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from telegram import Bot
+from telegram.error import TelegramError
+from telegram.request import HTTPXRequest
+
+from rosic.errors import ConfigurationError
+from rosic.messengers.telegram.settings import API_BASE
+from rosic.messengers.telegram.trouble import DEFAULT_WAIT_S, TooFast, trouble
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+
+    from rosic.messengers.telegram.settings import TelegramSettings
+
+T = TypeVar("T")
+
+CONNECT_S = 5.0
+ANSWER_S = 10.0
+CALL_S = 20.0
+POLL_GRACE_S = 5.0
+"""How much longer than asked for a poll may take before the connection counts as dead."""
+SIDE_BY_SIDE = 32
+BATCH = 100
+"""The most that Telegram gives at once (https://core.telegram.org/bots/api#getupdates)."""
+
+
+class _Request(HTTPXRequest):
+    """Differs in what it does with answers that are no JSON, and with 429."""
+
+    @staticmethod
+    def parse_json_payload(payload: bytes) -> dict[str, Any]:
+        """Parse without logging what people wrote, which the original does when it fails."""
+        try:
+            answer = json.loads(payload)
+        except (ValueError, RecursionError):
+            answer = None
+        if not isinstance(answer, dict):
+            raise TelegramError("the answer is not what Telegram says")
+        return answer
+
+    async def do_request(self, *args: Any, **kwargs: Any) -> tuple[int, bytes]:  # noqa: ANN401
+        """Ask, and recognise 429 whoever says it.
+
+        Raises:
+            TooFast: The call has taken no effect.
+        """
+        code, payload = await super().do_request(*args, **kwargs)
+        if code == HTTPStatus.TOO_MANY_REQUESTS:
+            raise TooFast(_retry_after_s(payload))
+        return code, payload
+
+
+class _Bot(Bot):
+    """Gives updates as they are on the wire, so that one malformed update spoils no other."""
+
+    def __repr__(self) -> str:
+        return "Bot(***)"
+
+    async def raw_updates(
+        self, offset: int | None, timeout_s: int, kinds: Sequence[str]
+    ) -> list[Any]:
+        """Call getUpdates. An offset of None confirms nothing."""
+        data = {
+            "offset": offset,
+            "limit": BATCH,
+            "timeout": timeout_s,
+            "allowed_updates": list(kinds),
+        }
+        updates = await self._post("getUpdates", data, read_timeout=timeout_s + POLL_GRACE_S)
+        if not isinstance(updates, list):
+            raise TelegramError("the answer to getUpdates is not a list")
+        return updates
+
+
+class Line:
+    """Open while anybody uses it: the listener for as long as it runs, or a single call.
+
+    Args:
+        settings: Where the Bot API is.
+        answer_s: How long an answer to a call may take.
+    """
+
+    def __init__(self, settings: TelegramSettings, *, answer_s: float = ANSWER_S) -> None:
+        self._settings = settings
+        self._answer_s = answer_s
+        self._users = 0
+        self._bot: _Bot | None = None
+        self._requests: tuple[_Request, ...] = ()
+
+    @contextlib.asynccontextmanager
+    async def held(self) -> AsyncIterator[_Bot]:
+        """Keep the connections while inside; the last one out closes them."""
+        self._users += 1
+        try:
+            if self._bot is None:
+                self._open()
+            assert self._bot is not None  # noqa: S101  (for the type checker)
+            yield self._bot
+        finally:
+            self._users -= 1
+            if not self._users:
+                requests, self._requests, self._bot = self._requests, (), None
+                for request in requests:
+                    await request.shutdown()
+
+    async def ask(self, act: Callable[[_Bot], Awaitable[T]], *, within_s: float = CALL_S) -> T:
+        """Make one call.
+
+        Raises:
+            Trouble: It did not succeed; nothing foreign hangs on to it.
+        """
+        try:
+            async with asyncio.timeout(within_s), self.held() as bot:
+                return await act(bot)
+        except Exception as error:  # noqa: BLE001  (whatever a library raises is trouble)
+            found = trouble(error)
+        raise found
+
+    async def updates(self, offset: int | None, timeout_s: int, kinds: Sequence[str]) -> list[Any]:
+        """Return the updates that are not confirmed, waiting up to ``timeout_s`` for the first.
+
+        Raises:
+            Trouble: Nothing was received. What the offset confirms may be confirmed.
+        """
+        return await self.ask(
+            lambda bot: bot.raw_updates(offset, timeout_s, kinds),
+            within_s=CONNECT_S + timeout_s + 2 * POLL_GRACE_S,
+        )
+
+    def _open(self) -> None:
+        """Make the client; no connection yet.
+
+        Raises:
+            ConfigurationError: The proxy cannot be used.
+        """
+        settings, bot = self._settings, None
+        # What a library says about a proxy may hold its password, so nothing of it is chained.
+        with contextlib.suppress(Exception):
+            self._requests = (self._request(1), self._request(SIDE_BY_SIDE))
+            bot = _Bot(
+                settings.token.reveal(),
+                base_url=settings.api_base,
+                get_updates_request=self._requests[0],
+                request=self._requests[1],
+            )
+        if bot is None:
+            raise ConfigurationError(
+                "The way to Telegram cannot be prepared; the proxy cannot be used.",
+                hint='For socks5, install it with: pip install "python-telegram-bot[socks]".',
+            )
+        self._bot = bot
+
+    def _request(self, connections: int) -> _Request:
+        settings = self._settings
+        return _Request(
+            connection_pool_size=connections,
+            connect_timeout=CONNECT_S,
+            pool_timeout=CONNECT_S,
+            read_timeout=self._answer_s,
+            write_timeout=ANSWER_S,
+            proxy=settings.proxy.reveal() if settings.proxy is not None else None,
+            # A proxy of the environment is for the way to Telegram, not for a server next door.
+            httpx_kwargs={"trust_env": settings.api_base == API_BASE},
+        )
+
+
+def _retry_after_s(payload: bytes) -> float:
+    try:
+        return float(json.loads(payload)["parameters"]["retry_after"])
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return DEFAULT_WAIT_S

@@ -1,0 +1,269 @@
+"""The loop that receives: asks, stamps, hands over, confirms; and freezes motion when in doubt."""
+
+from __future__ import annotations
+
+import logging
+from asyncio import TaskGroup
+from collections import Counter
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+from telegram import BotCommand
+
+from rosic.core.language import hears_stop
+from rosic.errors import ConfigurationError, MessengerFault
+from rosic.messengers.telegram import mapping, wire
+from rosic.messengers.telegram.line import BATCH
+from rosic.messengers.telegram.listening import SECOND_NS, Listening, Moment
+from rosic.messengers.telegram.trouble import Kind, Trouble
+from rosic.messengers.telegram.window import News, Window
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from telegram import User
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Receive
+    from rosic.core.message import Inbound
+    from rosic.messengers.telegram.chats import Chats
+    from rosic.messengers.telegram.line import Line
+
+PEEK_S = 0.25
+"""While something is being received, we look for stops behind it this often."""
+WAITS_S = (0.5, 1.0, 2.0, 4.0)
+CONTESTED_WAIT_S = 2.0
+LONGEST_WAIT_S = 60.0
+AHEAD_NS = 2 * SECOND_NS
+
+COMMANDS = (
+    BotCommand("robots", "The robots you may see"),
+    BotCommand("status", "What every robot is doing"),
+    BotCommand("use", "Choose a robot, so that its name may be left out"),
+    BotCommand("stop", "Stop every robot you may see"),
+    BotCommand("resume", "Let a stopped robot move again"),
+    BotCommand("help", "What you can say"),
+)
+
+log = logging.getLogger("rosic.messengers.telegram")
+
+
+class Account(NamedTuple):
+    """The bot, as Telegram knows it."""
+
+    user_name: str
+    reads_groups: bool
+
+
+class Listener:
+    """Receives for one bot.
+
+    Args:
+        name: Of the messenger, for the log.
+        poll_timeout_s: How long an empty poll stays open.
+        alarm: Told when motion is frozen because somebody else receives.
+
+    Attributes:
+        counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
+            ``clock-behind``: messages that came from the future.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        line: Line,
+        chats: Chats,
+        clock: Clock,
+        poll_timeout_s: int,
+        alarm: Callable[[MessengerFault], None],
+    ) -> None:
+        self._name = name
+        self._line = line
+        self._chats = chats
+        self._clock = clock
+        self._poll_timeout_s = poll_timeout_s
+        self._alarm = alarm
+        self._listening = Listening()
+        self._own_name = ""
+        self._failures = 0
+        self._contested = False
+        self.counts: Counter[str] = Counter()
+
+    async def run(self, receive: Receive) -> None:
+        """Listen until cancelled.
+
+        Raises:
+            ConfigurationError: Telegram does not accept the token. Nothing was received.
+            MessengerFault: It no longer accepts the token. What was not received to the end is
+                given out again once it does.
+        """
+        self._listening = Listening()
+        async with self._line.held():
+            account = await self._meet()
+            self._own_name = account.user_name
+            try:
+                async with TaskGroup() as group:
+                    group.create_task(self._introduce())
+                    window = Window(group, receive, self._clock, self.counts)
+                    while True:
+                        await self._poll(window)
+            except ExceptionGroup as several:
+                raise several.exceptions[0] from None
+
+    # ---- the beginning ----
+
+    async def _meet(self) -> Account:
+        """Ask who we are, for as long as it takes.
+
+        Raises:
+            ConfigurationError: Telegram does not accept the token.
+        """
+        me: User | None = None
+        while me is None:
+            try:
+                me = await self._line.ask(lambda bot: bot.get_me())
+            except Trouble as trouble:
+                if trouble.kind is Kind.UNUSABLE:
+                    raise ConfigurationError(
+                        f"Telegram does not accept the token of the messenger {self._name}.",
+                        hint="BotFather shows it again with /mybots, or gives a new one.",
+                    ) from trouble
+                await self._wait_out(trouble)
+        account = Account(me.username or "", bool(me.can_read_all_group_messages))
+        log.info("%s: this is @%s", self._name, account.user_name)
+        if not account.reads_groups:
+            log.warning(
+                "%s: in groups Telegram gives this bot only commands, replies to it and mentions:"
+                " a plain stop does not arrive there. Switch the privacy mode off with BotFather"
+                " (/setprivacy), or make the bot an admin of the group.",
+                self._name,
+            )
+        return account
+
+    async def _introduce(self) -> None:
+        """Put the commands into the menu; without them everything works all the same."""
+        try:
+            await self._line.ask(lambda bot: bot.set_my_commands(COMMANDS))
+        except Trouble as trouble:
+            log.warning("%s: the menu was not set: %s", self._name, trouble.reason)
+
+    # ---- the loop ----
+
+    async def _poll(self, window: Window) -> None:
+        listening, asked, offset = self._listening, self._now(), window.offset
+        at_once = window.busy or (listening.frozen and listening.calm(asked))
+        timeout_s = 0 if at_once else self._poll_timeout_s
+        try:
+            raws = await self._line.updates(offset, timeout_s, wire.KINDS)
+        except Trouble as trouble:
+            await self._cope(trouble)
+            return
+        now = self._now()
+        listening.answered(now)
+        self._recovered()
+        window.confirmed(offset)
+        fresh = window.take(self._news(raws, now))
+        if raws and not fresh and not window.busy and window.offset is None:
+            await self._clock.sleep(WAITS_S[0])  # nothing but updates without a number
+        await window.idle(PEEK_S)
+        full = len(raws) >= BATCH
+        if listening.drained(asked, empty=not fresh, full=full):
+            self._contested = False
+            log.info("%s: listening", self._name)
+
+    def _news(self, raws: Iterable[object], now: Moment) -> list[News]:
+        received = mapping.Received(now.wall_ns, self._listening.stamp(now.wall_ns))
+        return [
+            self._read(number, raw, received)
+            for raw in raws
+            if (number := wire.update_id(raw)) is not None
+        ]
+
+    def _read(self, number: int, raw: object, received: mapping.Received) -> News:
+        try:
+            update = wire.parse(raw)
+        except msgspec.ValidationError as error:
+            self.counts["malformed"] += 1
+            log.warning("%s: a malformed update was passed over: %s", self._name, error)
+            return News(number, None)
+        if (move := mapping.moved(update)) is not None:
+            self._chats.moved(*move)
+        inbound = mapping.read(update, self._own_name, received)
+        if inbound is None:
+            return News(number, None)
+        self._check_clock(inbound, update)
+        return News(number, inbound, self._is_stop(inbound))
+
+    def _is_stop(self, inbound: Inbound) -> bool:
+        said = inbound.text if inbound.nonce is None else inbound.nonce
+        return hears_stop(said) is not None or self._chats.stops(said)
+
+    def _check_clock(self, inbound: Inbound, update: wire.Update) -> None:
+        """Say so when a message comes from the future: then lateness cannot be told either."""
+        date = update.message.date if update.message is not None else 0
+        ahead_ns = date * SECOND_NS - inbound.received_ns
+        if ahead_ns > AHEAD_NS:
+            self.counts["clock-behind"] += 1
+            if self.counts["clock-behind"] % 100 != 1:
+                return
+            log.warning(
+                "%s: this machine's clock is at least %.0f s behind Telegram's. Late messages"
+                " cannot be recognised; set the clock.",
+                self._name,
+                ahead_ns / SECOND_NS,
+            )
+
+    # ---- trouble ----
+
+    async def _cope(self, trouble: Trouble) -> None:
+        """Wait and let the loop go on.
+
+        Raises:
+            MessengerFault: The account cannot be used any more.
+        """
+        if trouble.kind is Kind.UNUSABLE:
+            raise MessengerFault(
+                f"Telegram no longer accepts the token of the messenger {self._name}."
+            ) from trouble
+        if trouble.kind is Kind.CONFLICT:
+            await self._contest(trouble)
+        else:
+            await self._wait_out(trouble)
+
+    async def _contest(self, trouble: Trouble) -> None:
+        self._listening.contested(self._now())
+        if not self._contested:
+            self._contested = True
+            fault = MessengerFault(_accusation(self._name, trouble.reason))
+            log.error("%s (%s)", fault, trouble.reason)
+            self._alarm(fault)
+        await self._clock.sleep(CONTESTED_WAIT_S)
+
+    async def _wait_out(self, trouble: Trouble) -> None:
+        if not self._failures:
+            log.warning("%s: %s (%s)", self._name, trouble, trouble.reason)
+        wait_s = WAITS_S[min(self._failures, len(WAITS_S) - 1)]
+        self._failures += 1
+        await self._clock.sleep(min(max(wait_s, trouble.wait_s), LONGEST_WAIT_S))
+
+    def _recovered(self) -> None:
+        if self._failures:
+            log.info("%s: Telegram answers again, after %d failures", self._name, self._failures)
+            self._failures = 0
+
+    def _now(self) -> Moment:
+        return Moment(self._clock.wall_ns(), self._clock.monotonic_ns())
+
+
+def _accusation(name: str, reason: str) -> str:
+    if "webhook" in reason.casefold():
+        return (
+            f"The messages of the bot of {name} go to another address (a webhook is set)."
+            " Robots take no motion from it until that ends. If nobody here set it, the token is"
+            " known to somebody: have BotFather replace it."
+        )
+    return (
+        f"Another program receives the messages of the bot of {name}."
+        " Robots take no motion from it until that ends. If it is none of yours, the token is"
+        " known to somebody: have BotFather replace it."
+    )

@@ -1,0 +1,167 @@
+"""From an update of Telegram's to a message of ours. Pure: the same update, the same message.
+
+Identity is the numeric id. A user name is compared in one place only, where a command is addressed
+to a bot (``/stop@this_bot``), and only with the bot's own.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.core.identity import Address
+from rosic.core.language import hears_stop
+from rosic.core.message import Chat, ChatKind, Inbound, Standing
+from rosic.messengers.telegram import wire
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+PLATFORM = "telegram"
+SECOND_NS = 1_000_000_000
+
+_ADDRESSED = re.compile(r"(?P<command>/[A-Za-z0-9_]{1,64})@(?P<name>[A-Za-z0-9_]{1,64})(?!\w)")
+_MENTIONED = re.compile(r"@(?P<name>[A-Za-z0-9_]{1,64})(?!\w)[\s,:]*")
+_KINDS = {
+    "private": ChatKind.PRIVATE,
+    "group": ChatKind.GROUP,
+    "supergroup": ChatKind.GROUP,
+    "channel": ChatKind.CHANNEL,
+}
+
+
+class Received(NamedTuple):
+    """When it was received, on our wall clock, and since when we listened."""
+
+    received_ns: int
+    listening_since_ns: int
+
+
+def read(update: wire.Update, own_name: str, received: Received) -> Inbound | None:
+    """Return what a person wrote or tapped; None for what is not for us.
+
+    Args:
+        update: Just received.
+        own_name: The bot's user name, without the @.
+        received: When, and since when we listened.
+    """
+    if update.callback_query is not None:
+        return _tap(update.callback_query, received)
+    for message, standing in (
+        (update.message, _standing),
+        (update.edited_message, _edited),
+        (update.channel_post, _channel),
+    ):
+        if message is not None:
+            return _text(message, standing, own_name, received)
+    return None
+
+
+def moved(update: wire.Update) -> tuple[str, str] | None:
+    """Return the old and the new id of a group that became a supergroup."""
+    message = update.message
+    if message is None:
+        return None
+    if message.migrate_to_chat_id is not None:
+        return str(message.chat.id), str(message.migrate_to_chat_id)
+    if message.migrate_from_chat_id is not None:
+        return str(message.migrate_from_chat_id), str(message.chat.id)
+    return None
+
+
+def addressed_here(text: str, own_name: str) -> str | None:
+    """Return the text without this bot's name where it addresses it; None if it means another bot.
+
+    A stop counts whomever it names: with two bots in a group, a hurried tap in the menu picks
+    either. A line keeps its place, because a command's identity holds its line.
+    """
+    lines = [_line(line, own_name.casefold()) for line in text.split("\n")]
+    if all(line is None for line in lines):
+        return None
+    return "\n".join(line or "" for line in lines)
+
+
+def _line(line: str, own_name: str) -> str | None:
+    if (mention := _MENTIONED.match(line)) and mention["name"].casefold() == own_name:
+        line = line[mention.end() :]
+    if not (command := _ADDRESSED.match(line)):
+        return line
+    bare = command["command"] + line[command.end() :]
+    if command["name"].casefold() == own_name or hears_stop(bare) is not None:
+        return bare
+    return None
+
+
+def _text(
+    message: wire.Message,
+    standing: Callable[[wire.Message], Standing],
+    own_name: str,
+    received: Received,
+) -> Inbound | None:
+    written = message.text if message.text is not None else message.caption
+    text = addressed_here(written, own_name) if written else None
+    if text is None:
+        return None
+    date = message.date if message.edit_date is None else message.edit_date
+    return Inbound(
+        sender=Address(PLATFORM, str(_author(message))),
+        chat=_chat(message.chat),
+        message=str(message.message_id),
+        text=text,
+        # The beginning of the second in which it was sent: a lifetime is never lengthened.
+        sent_ns=min(date * SECOND_NS, received.received_ns),
+        received_ns=received.received_ns,
+        listening_since_ns=received.listening_since_ns,
+        standing=standing(message),
+    )
+
+
+def _tap(query: wire.CallbackQuery, received: Received) -> Inbound | None:
+    if query.message is None or query.data is None:
+        return None
+    return Inbound(
+        sender=Address(PLATFORM, str(query.sender.id)),
+        chat=_chat(query.message.chat),
+        message=query.id,
+        text="",
+        sent_ns=received.received_ns,
+        received_ns=received.received_ns,
+        listening_since_ns=received.listening_since_ns,
+        nonce=query.data,
+        tap=query.id,
+        under=str(query.message.message_id),
+    )
+
+
+def _author(message: wire.Message) -> int:
+    """Return the account that wrote; a channel or a stand-in where Telegram does not tell."""
+    if message.sender is not None:
+        return message.sender.id
+    return (message.sender_chat or message.chat).id
+
+
+def _chat(chat: wire.Chat) -> Chat:
+    return Chat(PLATFORM, str(chat.id), _KINDS.get(chat.type, ChatKind.GROUP))
+
+
+def _channel(_: wire.Message) -> Standing:
+    return Standing.CHANNEL
+
+
+def _edited(message: wire.Message) -> Standing:
+    return Standing.CHANNEL if message.chat.type == "channel" else Standing.EDITED
+
+
+def _standing(message: wire.Message) -> Standing:
+    """Say whether a person wrote this, here and now, with their own hand (I17)."""
+    sender = message.sender
+    if message.is_automatic_forward or (sender and sender.id in {wire.TELEGRAM, wire.CHANNEL_BOT}):
+        return Standing.CHANNEL
+    if sender is None or message.sender_chat or sender.id == wire.GROUP_ANONYMOUS_BOT:
+        return Standing.ANONYMOUS
+    if message.forward_origin is not None or message.forward_date is not None:
+        return Standing.FORWARDED
+    # A scheduled message was written earlier; what a bot says was written by nobody.
+    if message.via_bot is not None or sender.is_bot or message.is_from_offline:
+        return Standing.VIA_BOT
+    return Standing.FRESH

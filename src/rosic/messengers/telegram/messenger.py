@@ -1,0 +1,105 @@
+"""The Telegram messenger: one bot account, provider-readable."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rosic.errors import MessengerFault
+from rosic.messengers.telegram.chats import Chats
+from rosic.messengers.telegram.limiter import Limiter
+from rosic.messengers.telegram.line import Line
+from rosic.messengers.telegram.listener import Listener
+from rosic.messengers.telegram.scrub import hide
+from rosic.messengers.telegram.settings import TelegramSettings, read_settings
+from rosic.messengers.telegram.speaker import Speaker
+
+if TYPE_CHECKING:
+    from collections import Counter
+    from collections.abc import Callable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Receive
+    from rosic.core.message import Inbound, Outbound
+
+
+class TelegramMessenger:
+    """Implements `contracts.messenger.Messenger` over the Bot API.
+
+    Sending works whether or not it runs; connections are open only while they are needed.
+
+    Attributes:
+        on_alarm: Called, once per occurrence, when somebody else receives for this bot and motion
+            is frozen. For telling the admins elsewhere; the log has it in any case.
+    """
+
+    platform = "telegram"
+    assurance = "provider-readable"
+    edits = True
+
+    def __init__(self, name: str, settings: TelegramSettings, clock: Clock) -> None:
+        hide(settings.token)
+        if settings.proxy is not None:
+            hide(settings.proxy)
+        self.name = name
+        self.on_alarm: Callable[[MessengerFault], None] = lambda _fault: None
+        line, chats = Line(settings), Chats()
+        poll_timeout_s = settings.poll_timeout_s
+        self._listener = Listener(name, line, chats, clock, poll_timeout_s, self._raise_alarm)
+        self._speaker = Speaker(line, Limiter(clock), chats, clock)
+        self._running = False
+
+    def __repr__(self) -> str:
+        return f"TelegramMessenger({self.name!r})"
+
+    @property
+    def counts(self) -> Counter[str]:
+        """What became of updates; see `Listener`."""
+        return self._listener.counts
+
+    def _raise_alarm(self, fault: MessengerFault) -> None:
+        self.on_alarm(fault)
+
+    async def run(self, receive: Receive) -> None:
+        """Listen until cancelled.
+
+        Raises:
+            ConfigurationError: Telegram does not accept the token. Nothing was received.
+            MessengerFault: It runs already, or Telegram no longer accepts the token.
+        """
+        if self._running:
+            raise MessengerFault(f"The messenger {self.name} is listening already.")
+        self._running = True
+        try:
+            await self._listener.run(receive)
+        finally:
+            self._running = False
+
+    async def send(self, outbound: Outbound) -> str:
+        """Send, at the pace Telegram allows, and return the id of the (last) message.
+
+        Raises:
+            MessengerFault: Not sent; or, when the connection broke before the answer, perhaps sent:
+                trying again may then show it twice.
+        """
+        return await self._speaker.send(outbound)
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Edit in place.
+
+        Raises:
+            MessengerFault: Not changed, or it cannot be known whether it was.
+        """
+        await self._speaker.edit(message, outbound)
+
+    async def answer_tap(self, inbound: Inbound, text: str) -> None:
+        """Answer a tap at once, without waiting for the limits. Never raises."""
+        await self._speaker.answer(inbound, text)
+
+
+def telegram_messenger(name: str, settings: Mapping[str, Any], clock: Clock) -> TelegramMessenger:
+    """Make it from its table in the configuration. Nothing is opened.
+
+    Raises:
+        ConfigurationError: A setting is missing, unknown or wrong; the sentence names it.
+    """
+    return TelegramMessenger(name, read_settings(name, settings), clock)

@@ -1,0 +1,246 @@
+"""What goes out: messages, edits, answers to taps; at the pace that Telegram allows."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
+
+from telegram import (
+    InlineKeyboardButton,
+    InlineKeyboardMarkup,
+    LinkPreviewOptions,
+    ReplyParameters,
+)
+
+from rosic.errors import MessageGone, MessengerFault
+from rosic.messengers.telegram import text as texts
+from rosic.messengers.telegram.limiter import Rank
+from rosic.messengers.telegram.trouble import Kind, Trouble
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from telegram import Bot
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.message import Inbound, Outbound
+    from rosic.messengers.telegram.chats import Chats
+    from rosic.messengers.telegram.limiter import Limiter
+    from rosic.messengers.telegram.line import Line
+
+T = TypeVar("T")
+
+NONCE_BYTES = 64
+GIVE_UP_S = 60.0
+"""After so long a message or an edit is reported as not sent; whoever sends decides what then."""
+WAITS_S = (0.5, 1.0, 2.0, 4.0)
+TAP_S = 5.0
+GONE = ("message to edit not found", "message can't be edited", "message_id_invalid")
+"""Telegram's words for a message that was deleted, or is too old to be changed."""
+NO_PREVIEW = LinkPreviewOptions(is_disabled=True)
+
+log = logging.getLogger("rosic.messengers.telegram")
+
+
+class Call(NamedTuple):
+    """One call to a chat.
+
+    Attributes:
+        chat: As it was given; the group may have moved since.
+        repeatable: Twice is the same as once, so it is tried again even if it may have arrived.
+    """
+
+    chat: str
+    rank: Rank
+    repeatable: bool = False
+
+
+class Speaker:
+    """Speaks for one bot."""
+
+    def __init__(self, line: Line, limiter: Limiter, chats: Chats, clock: Clock) -> None:
+        self._line = line
+        self._limiter = limiter
+        self._chats = chats
+        self._clock = clock
+
+    async def send(self, outbound: Outbound) -> str:
+        """Send; a long text goes as several messages, buttons under the last, whose id counts.
+
+        Raises:
+            MessengerFault: Not sent, or it cannot be known. Of a long text a part may be there.
+        """
+        keyboard = _keyboard(outbound)
+        self._chats.offered(outbound)
+        call = Call(outbound.chat.id, Rank.URGENT if outbound.urgent else Rank.MESSAGE)
+        reply = _reply(outbound.reply_to)
+        parts = texts.split(outbound.text)
+        sent: list[str] = []
+        for number, part in enumerate(parts, start=1):
+            markup = keyboard if number == len(parts) else None
+            sent.append(await self._send_one(call, part, reply, markup))
+            reply = None
+        self._chats.split(outbound.chat.id, tuple(sent))
+        return sent[-1]
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Edit in place.
+
+        Raises:
+            MessengerFault: Not changed, or it cannot be known; or the text now needs more
+                messages than it took when it was sent.
+        """
+        keyboard = _keyboard(outbound)
+        self._chats.offered(outbound)
+        chat = outbound.chat.id
+        call = Call(chat, Rank.URGENT if outbound.urgent else Rank.EDIT, repeatable=True)
+        parts, shown = texts.split(outbound.text), self._chats.parts(chat, message)
+        if len(parts) > len(shown):
+            raise MessengerFault("The message has become too long to be changed in place.")
+        surplus = len(shown) - len(parts)
+        for number in shown[:surplus]:
+            await self._delete_one(call, _number(number))
+        for number, part in zip(shown[surplus:], parts, strict=True):
+            markup = keyboard if number == message else None
+            await self._edit_one(call, _number(number), part, markup)
+        if surplus:
+            self._chats.split(chat, shown[surplus:])
+
+    async def answer(self, inbound: Inbound, text: str) -> None:
+        """End the waiting after a tap. Never raises: a tap that is too old has nobody waiting."""
+        if not inbound.tap:
+            return
+        shown = texts.shorten(text, texts.ANSWER_UNITS) or None
+        try:
+            await self._line.ask(
+                lambda bot: bot.answer_callback_query(inbound.tap, text=shown), within_s=TAP_S
+            )
+        except MessengerFault as fault:
+            log.info("a tap was not answered: %s", fault)
+
+    # ---- one call each ----
+
+    async def _send_one(
+        self,
+        call: Call,
+        text: str,
+        reply: ReplyParameters | None,
+        markup: InlineKeyboardMarkup | None,
+    ) -> str:
+        async def act(bot: Bot, chat: int) -> str:
+            message = await bot.send_message(
+                chat,
+                text,
+                link_preview_options=NO_PREVIEW,
+                reply_parameters=reply,
+                reply_markup=markup,
+            )
+            return str(message.message_id)
+
+        return await self._call(call, act)
+
+    async def _edit_one(
+        self, call: Call, number: int, text: str, markup: InlineKeyboardMarkup | None
+    ) -> None:
+        async def act(bot: Bot, chat: int) -> None:
+            await bot.edit_message_text(
+                text,
+                chat_id=chat,
+                message_id=number,
+                link_preview_options=NO_PREVIEW,
+                reply_markup=markup,
+            )
+
+        try:
+            await self._call(call, act)
+        except Trouble as trouble:
+            if trouble.kind is not Kind.REFUSED:
+                raise
+            if any(words in trouble.reason.lower() for words in GONE):
+                raise MessageGone(str(trouble)) from None
+            if "not modified" not in trouble.reason:
+                raise
+
+    async def _delete_one(self, call: Call, number: int) -> None:
+        async def act(bot: Bot, chat: int) -> None:
+            await bot.delete_message(chat, number)
+
+        try:
+            await self._call(call, act)
+        except Trouble as trouble:
+            if trouble.kind is not Kind.REFUSED or "not found" not in trouble.reason:
+                raise
+
+    async def _call(self, call: Call, act: Callable[[Bot, int], Awaitable[T]]) -> T:
+        """Make one call in its turn, again where that cannot do it twice.
+
+        Raises:
+            MessengerFault: It did not succeed in time.
+        """
+        give_up_ns = self._clock.monotonic_ns() + int(GIVE_UP_S * 1e9)
+        failures = 0
+        while True:
+            left_s = (give_up_ns - self._clock.monotonic_ns()) / 1e9
+            chat = self._chats.where(call.chat)
+            number = _number(chat)
+            await self._limiter.turn(chat, call.rank, within_s=left_s)
+            try:
+                return await self._line.ask(lambda bot, to=number: act(bot, to))  # type: ignore[misc]
+            except Trouble as trouble:
+                failures += 1
+                await self._prepare_again(call, chat, trouble, failures)
+
+    async def _prepare_again(self, call: Call, chat: str, trouble: Trouble, failures: int) -> None:
+        """Do what must be done before the call is made once more.
+
+        Raises:
+            Trouble: It must not, or need not, be made again.
+        """
+        if trouble.kind is Kind.TOO_FAST:
+            log.info("asked to wait %g s in one chat", trouble.wait_s)
+            self._limiter.hold(chat, trouble.wait_s)
+        elif trouble.kind is Kind.MOVED and failures <= len(WAITS_S):
+            self._chats.moved(chat, trouble.new_chat)
+        elif _worth_it(call, trouble) and failures <= len(WAITS_S):
+            await self._clock.sleep(WAITS_S[failures - 1])
+        else:
+            raise trouble
+
+
+def _worth_it(call: Call, trouble: Trouble) -> bool:
+    return trouble.kind is Kind.NOT_SENT or (trouble.kind is Kind.LOST and call.repeatable)
+
+
+def _number(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise MessengerFault("Telegram has no such chat or message. Nothing was sent.") from None
+
+
+def _reply(message: str) -> ReplyParameters | None:
+    if not message.isdecimal():  # nothing to reply to, or a tap: its id is no message's
+        return None
+    number = int(message)
+    # A tap's id is a number too, but one that no message can have.
+    if number >= 2**31:
+        return None
+    return ReplyParameters(number, allow_sending_without_reply=True)
+
+
+def _keyboard(outbound: Outbound) -> InlineKeyboardMarkup | None:
+    if not outbound.buttons:
+        return None
+    for button in (button for row in outbound.buttons for button in row):
+        if not 1 <= len(button.nonce.encode()) <= NONCE_BYTES or not button.label.strip():
+            raise MessengerFault("A button without a label or a usable nonce. Nothing was sent.")
+    rows = [
+        [
+            InlineKeyboardButton(
+                texts.shorten(button.label, texts.LABEL_UNITS), callback_data=button.nonce
+            )
+            for button in row
+        ]
+        for row in outbound.buttons
+    ]
+    return InlineKeyboardMarkup(rows)

@@ -1,0 +1,106 @@
+"""What can go wrong with a call to Telegram, as one type of ours that holds nothing of theirs.
+
+No foreign exception is chained: python-telegram-bot and httpx put the token into messages and
+requests, and a trace is read by more people than the token is meant for.
+"""
+
+from __future__ import annotations
+
+import enum
+
+from telegram import error as foreign
+
+from rosic.errors import MessengerFault
+from rosic.messengers.telegram.scrub import scrub
+
+TOO_FAST = 429
+DEFAULT_WAIT_S = 1.0
+_NOT_SENT = frozenset({"ConnectError", "ConnectTimeout", "PoolTimeout", "ProxyError"})
+
+
+class Kind(enum.Enum):
+    """What a caller can do about it."""
+
+    UNUSABLE = "the account cannot be used"
+    CONFLICT = "somebody else receives for this bot"
+    TOO_FAST = "wait, then try again"
+    MOVED = "the group has a new id"
+    REFUSED = "this call will never succeed"
+    NOT_SENT = "it certainly did not arrive"
+    LOST = "it may or may not have arrived"
+
+
+class Trouble(MessengerFault):
+    """A call to Telegram did not succeed.
+
+    Attributes:
+        kind: What a caller can do.
+        reason: What Telegram or the network said, without secrets; for the log.
+        wait_s: How long Telegram asks to wait.
+        new_chat: The group's new id.
+    """
+
+    def __init__(
+        self, sentence: str, kind: Kind, reason: str, *, wait_s: float = 0.0, new_chat: str = ""
+    ) -> None:
+        super().__init__(sentence)
+        self.kind = kind
+        self.reason = reason
+        self.wait_s = wait_s
+        self.new_chat = new_chat
+
+
+class TooFast(foreign.TelegramError):
+    """429, raised by our own request class.
+
+    python-telegram-bot's ``RetryAfter`` warns about its own attribute whenever it is made, and is
+    not made at all when a proxy answers 429 without JSON.
+    """
+
+    def __init__(self, wait_s: float) -> None:
+        super().__init__(f"Too many requests: wait {wait_s:g} s")
+        self.wait_s = wait_s
+
+
+def trouble(error: BaseException) -> Trouble:
+    """Return what a foreign exception means. Total: every exception means something."""
+    reason = scrub(f"{type(error).__name__}: {error}")
+    if isinstance(error, TooFast):
+        return _too_fast(error.wait_s, reason)
+    if isinstance(error, foreign.RetryAfter):
+        # Its attribute warns on every reading; what it keeps inside is a timedelta.
+        return _too_fast(error._retry_after.total_seconds(), reason)  # noqa: SLF001
+    if isinstance(error, foreign.ChatMigrated):
+        new_chat = str(error.new_chat_id)
+        return Trouble("The group has moved.", Kind.MOVED, reason, new_chat=new_chat)
+    for kinds, kind, sentence in _MEANINGS:
+        if isinstance(error, kinds):
+            return Trouble(sentence.format(reason=scrub(str(error))), kind, reason)
+    if type(error.__cause__).__name__ in _NOT_SENT:
+        return Trouble("Telegram cannot be reached. Nothing was sent.", Kind.NOT_SENT, reason)
+    return Trouble("Telegram did not answer. It may or may not have arrived.", Kind.LOST, reason)
+
+
+_MEANINGS: tuple[tuple[tuple[type[Exception], ...], Kind, str], ...] = (
+    (
+        (foreign.InvalidToken, foreign.EndPointNotFound),
+        Kind.UNUSABLE,
+        "Telegram does not accept the token of this bot.",
+    ),
+    (
+        (foreign.Conflict,),
+        Kind.CONFLICT,
+        "Another program receives the messages of this bot.",
+    ),
+    (
+        (foreign.Forbidden, foreign.BadRequest, foreign.PassportDecryptionError),
+        Kind.REFUSED,
+        "Telegram did not take the message ({reason}).",
+    ),
+)
+
+
+def _too_fast(wait_s: float, reason: str) -> Trouble:
+    return Trouble(
+        f"Telegram asks to wait {wait_s:g} s.", Kind.TOO_FAST, reason, wait_s=max(wait_s, 0.1)
+    )

@@ -1,0 +1,164 @@
+"""Updates that Telegram has given out and that are not confirmed yet, and their handing over.
+
+Telegram forgets an update as soon as a poll carries a higher offset, and gives out at most 100 that
+it has not forgotten. The offset therefore follows what has been received to the end, and never more
+than 100 messages are under way.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections import Counter
+    from collections.abc import Iterable
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Receive
+    from rosic.core.message import Inbound
+
+ATTEMPTS = 3
+FIRST_WAIT_S = 0.2
+
+log = logging.getLogger("rosic.messengers.telegram")
+
+
+class News(NamedTuple):
+    """One update to hand over.
+
+    Attributes:
+        inbound: None when there is nothing to hand over, only to confirm.
+        stop: It is handed over at once; everything else keeps to the order of its chat.
+    """
+
+    update_id: int
+    inbound: Inbound | None
+    stop: bool = False
+
+
+class Window:
+    """Hands over stops first, then each chat in order and the chats side by side.
+
+    Args:
+        group: In which it runs what is under way.
+        receive: Takes what is handed over.
+        clock: Waits.
+        counts: Where ``received``, ``passed-over`` and ``given-up`` are counted.
+    """
+
+    def __init__(
+        self, group: asyncio.TaskGroup, receive: Receive, clock: Clock, counts: Counter[str]
+    ) -> None:
+        self._group = group
+        self._receive = receive
+        self._clock = clock
+        self._open: set[int] = set()
+        self._done: set[int] = set()
+        self._lanes: dict[str, deque[tuple[int, Inbound]]] = {}
+        self._idle = asyncio.Event()
+        self._idle.set()
+        self._counts = counts
+
+    @property
+    def busy(self) -> bool:
+        """Something has not been received to the end."""
+        return bool(self._open)
+
+    @property
+    def offset(self) -> int | None:
+        """What the next poll confirms; None when there is nothing to confirm.
+
+        An offset is never repeated once Telegram has taken it: after a quiet week Telegram goes on
+        with lower numbers, and an old offset would confirm messages that nobody has seen.
+        """
+        if not self._done:
+            return None
+        if not self._open:
+            return max(self._done) + 1
+        lowest = min(self._open)
+        return lowest if min(self._done) < lowest else None
+
+    def confirmed(self, offset: int | None) -> None:
+        """Forget what Telegram has forgotten."""
+        if offset is not None:
+            self._done = {number for number in self._done if number >= offset}
+
+    def take(self, news: Iterable[News]) -> int:
+        """Start handing over what a poll brought, in the order of its numbers.
+
+        Returns:
+            How many had not been given out before.
+        """
+        lanes: list[tuple[int, Inbound]] = []
+        fresh = 0
+        for one in sorted(news, key=lambda one: one.update_id):
+            if one.update_id in self._open or one.update_id in self._done:
+                continue
+            fresh += 1
+            if one.inbound is None:
+                self._done.add(one.update_id)
+                self._counts["passed-over"] += 1
+                continue
+            self._open.add(one.update_id)
+            self._idle.clear()
+            if one.stop:
+                self._group.create_task(self._hand_over(one.update_id, one.inbound))
+            else:
+                lanes.append((one.update_id, one.inbound))
+        for update_id, inbound in lanes:
+            self._queue(update_id, inbound)
+        return fresh
+
+    async def idle(self, at_most_s: float) -> None:
+        """Wait until everything has been received, but not for long: a stop may come meanwhile."""
+        await asyncio.sleep(0)
+        if self._idle.is_set():
+            return
+        waits = [
+            asyncio.ensure_future(self._idle.wait()),
+            asyncio.ensure_future(self._clock.sleep(at_most_s)),
+        ]
+        try:
+            await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for wait in waits:
+                wait.cancel()
+
+    def _queue(self, update_id: int, inbound: Inbound) -> None:
+        chat = inbound.chat.id
+        lane = self._lanes.get(chat)
+        if lane is None:
+            lane = self._lanes[chat] = deque()
+            self._group.create_task(self._follow(chat, lane))
+        lane.append((update_id, inbound))
+
+    async def _follow(self, chat: str, lane: deque[tuple[int, Inbound]]) -> None:
+        while lane:
+            await self._hand_over(*lane[0])
+            lane.popleft()
+        del self._lanes[chat]
+
+    async def _hand_over(self, update_id: int, inbound: Inbound) -> None:
+        """Hand over once; again if that broke, but not for ever: a stop may wait behind it."""
+        wait_s = FIRST_WAIT_S
+        for attempt in range(1, ATTEMPTS + 1):
+            try:
+                await self._receive(inbound)
+            except Exception:
+                log.exception("a message could not be received (attempt %d)", attempt)
+            else:
+                self._counts["received"] += 1
+                break
+            if attempt < ATTEMPTS:
+                await self._clock.sleep(wait_s)
+                wait_s *= 2
+        else:
+            log.error("a message was given up after %d attempts; nothing was done", ATTEMPTS)
+            self._counts["given-up"] += 1
+        self._open.discard(update_id)
+        self._done.add(update_id)
+        if not self._open:
+            self._idle.set()

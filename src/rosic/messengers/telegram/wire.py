@@ -1,0 +1,97 @@
+"""The part of Telegram's updates that ROSIC reads. Whatever else is in them is passed over.
+
+https://core.telegram.org/bots/api#update
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+KINDS = ("message", "edited_message", "channel_post", "callback_query")
+"""Asked for by name, because Telegram remembers what the last program asked for."""
+
+GROUP_ANONYMOUS_BOT = 1087968824
+CHANNEL_BOT = 136817688
+TELEGRAM = 777000
+"""Stand-ins: Telegram writes these as the sender where it does not tell who wrote."""
+
+
+class User(msgspec.Struct):
+    """Somebody who writes. The user name is only used for the bot's own."""
+
+    id: int
+    is_bot: bool = False
+
+
+class Chat(msgspec.Struct):
+    """A place; also what writes in somebody's stead (``sender_chat``)."""
+
+    id: int
+    type: str = ""
+
+
+class Message(msgspec.Struct, kw_only=True):
+    """A message in any of its guises.
+
+    Attributes:
+        date: Unix time in whole seconds, cut off.
+    """
+
+    message_id: int
+    date: int
+    chat: Chat
+    sender: User | None = msgspec.field(name="from", default=None)
+    sender_chat: Chat | None = None
+    text: str | None = None
+    caption: str | None = None
+    edit_date: int | None = None
+    forward_origin: Any = None
+    forward_date: int | None = None
+    via_bot: Any = None
+    is_automatic_forward: bool = False
+    is_from_offline: bool = False
+    migrate_to_chat_id: int | None = None
+    migrate_from_chat_id: int | None = None
+
+
+class Shown(msgspec.Struct):
+    """The message under which a button was tapped; of an old one only this much is left."""
+
+    message_id: int
+    chat: Chat
+
+
+class CallbackQuery(msgspec.Struct, kw_only=True):
+    """A tap on a button. It has no date."""
+
+    id: str
+    sender: User = msgspec.field(name="from")
+    message: Shown | None = None
+    data: str | None = None
+
+
+class Update(msgspec.Struct, kw_only=True):
+    """One update; at most one of its parts is there."""
+
+    update_id: int
+    message: Message | None = None
+    edited_message: Message | None = None
+    channel_post: Message | None = None
+    callback_query: CallbackQuery | None = None
+
+
+def update_id(raw: object) -> int | None:
+    """Return the number of an update that may otherwise be malformed; None when it has none."""
+    number = raw.get("update_id") if isinstance(raw, dict) else None
+    return number if type(number) is int else None
+
+
+def parse(raw: object) -> Update:
+    """Read one update.
+
+    Raises:
+        msgspec.ValidationError: It is not what Telegram's documentation says.
+    """
+    return msgspec.convert(raw, Update)

@@ -1,0 +1,348 @@
+"""What every messenger owes, in executable form.
+
+An adapter's tests subclass `MessengerConformance` and give it a fixture ``stage``: a messenger and
+the people on the other side. The wicked ones are in `rosic.testing.wicked_messengers`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from msgspec.structs import replace
+
+from rosic.core.message import Button, Inbound, Outbound, Standing
+from rosic.errors import MessengerFault
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable
+    from contextlib import AbstractAsyncContextManager
+
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.message import Chat
+
+MARKUP = (
+    r"*bold* _slanted_ `code` [name](http://example.org) <b>bold</b> &lt; \n ~gone~ || 100 % #1 🤖"
+)
+LONG = " ".join(f"word{number}" for number in range(1_500))
+YES = Button("Yes", "omni move 1 m", "nonce-1")
+
+
+class Seen(NamedTuple):
+    """A message as a person sees it now."""
+
+    message: str
+    text: str
+
+
+class Stage(Protocol):
+    """A messenger, and what happens on the other side of it.
+
+    Attributes:
+        messenger: The one under test, not running.
+        people: One or more, each in a private chat with it.
+        patience_s: How long something that must happen may take.
+        keeps: The platform gives out again what was not confirmed.
+        taps: People have buttons to tap.
+    """
+
+    messenger: Messenger
+    people: tuple[str, ...]
+    patience_s: float
+    keeps: bool
+    taps: bool
+
+    def chat(self, person: str) -> Chat:
+        """Return the person's chat, as the messenger names it."""
+        ...
+
+    async def write(self, person: str, text: str) -> None:
+        """Let a person write."""
+        ...
+
+    async def tap(self, person: str, message: str, label: str) -> None:
+        """Let a person tap the button with this label under a message of the messenger."""
+        ...
+
+    async def screen(self, person: str) -> list[Seen]:
+        """Return what the messenger shows to this person now, oldest first."""
+        ...
+
+    async def unconfirmed(self) -> int:
+        """Return how many messages the platform would give out again."""
+        ...
+
+    def outage(self) -> AbstractAsyncContextManager[None]:
+        """Let the platform be away while inside."""
+        ...
+
+
+class Ear:
+    """What a messenger hands its messages to.
+
+    Attributes:
+        heard: What was handed over.
+        done: What was received to the end.
+        gate: While it is cleared, nothing is received to the end.
+    """
+
+    def __init__(self) -> None:
+        self.heard: list[Inbound] = []
+        self.done: list[Inbound] = []
+        self.gate = asyncio.Event()
+        self.gate.set()
+
+    async def receive(self, inbound: Inbound) -> None:
+        """Take one message."""
+        self.heard.append(inbound)
+        await self.gate.wait()
+        self.done.append(inbound)
+
+    def texts(self, chat: Chat) -> list[str]:
+        """Return what was handed over in one chat."""
+        return [inbound.text for inbound in self.heard if inbound.chat.id == chat.id]
+
+
+async def until(stage: Stage, condition: Callable[[], bool], otherwise: str) -> None:
+    """Wait for a condition; an AssertionError says what did not happen."""
+    loop = asyncio.get_running_loop()
+    give_up_s = loop.time() + stage.patience_s
+    while not condition():
+        assert loop.time() < give_up_s, otherwise
+        await asyncio.sleep(0.005)
+
+
+async def until_confirmed(stage: Stage) -> None:
+    """Wait until the platform has nothing to give out again."""
+    loop = asyncio.get_running_loop()
+    give_up_s = loop.time() + stage.patience_s
+    while await stage.unconfirmed():
+        assert loop.time() < give_up_s, "what was received to the end was not confirmed"
+        await asyncio.sleep(0.005)
+
+
+async def until_fresh(stage: Stage, ear: Ear) -> None:
+    """Wait until what is written now is no backlog any more; then forget what was heard."""
+    give_up_s = asyncio.get_running_loop().time() + stage.patience_s
+    while not ear.done or ear.done[-1].sent_ns < ear.done[-1].listening_since_ns:
+        assert asyncio.get_running_loop().time() < give_up_s, "everything is taken for backlog"
+        count = len(ear.done)
+        await stage.write(stage.people[0], "hello")
+        await until(stage, lambda more=count: len(ear.done) > more, "a message was swallowed")  # type: ignore[misc]
+    ear.heard.clear()
+    ear.done.clear()
+
+
+@asynccontextmanager
+async def listening(stage: Stage, ear: Ear | None = None) -> AsyncIterator[Ear]:
+    """Let the messenger run while inside."""
+    ear = Ear() if ear is None else ear
+    run = asyncio.create_task(stage.messenger.run(ear.receive))
+    try:
+        yield ear
+    finally:
+        run.cancel()
+        ended, _ = await asyncio.wait([run], timeout=stage.patience_s)
+        assert ended, "run did not end when it was cancelled"
+        if not run.cancelled() and (error := run.exception()) is not None:
+            raise AssertionError("run ended by itself") from error
+
+
+async def faults_only(what: str, call: Awaitable[object]) -> None:
+    """Make a call that must fail, and fail as the contract says."""
+    try:
+        await call
+    except MessengerFault:
+        return
+    except Exception as error:
+        raise AssertionError(f"{what} raised {type(error).__name__}") from error
+    raise AssertionError(f"{what} did not fail")
+
+
+class MessengerConformance:
+    """The rules. A subclass gives the fixture ``stage``."""
+
+    async def test_messages_of_a_chat_come_in_order(self, stage: Stage) -> None:
+        """Every message is handed over, once each while nothing goes wrong, and in order."""
+        written = [f"omni move {number} cm" for number in range(1, 9)]
+        async with listening(stage) as ear:
+            for text in written:
+                for person in stage.people:
+                    await stage.write(person, text)
+            count = len(written) * len(stage.people)
+            await until(stage, lambda: len(ear.done) >= count, "a message was swallowed")
+            for person in stage.people:
+                assert ear.texts(stage.chat(person)) == written
+
+    async def test_a_message_says_who_where_and_when(self, stage: Stage) -> None:
+        """Identity is stable and distinct, times are in order, and nothing fresh is backlog."""
+        count = len(stage.people) + 1
+        async with listening(stage) as ear:
+            await until_fresh(stage, ear)
+            for person in (*stage.people, stage.people[0]):
+                await stage.write(person, "status")
+            await until(stage, lambda: len(ear.done) == count, "a message was swallowed")
+        senders = {inbound.chat.id: inbound.sender for inbound in ear.heard}
+        assert len(set(senders.values())) == len(stage.people), "different people look the same"
+        assert len({(one.chat.id, one.message) for one in ear.heard}) == count, "an id came twice"
+        for inbound in ear.heard:
+            assert inbound.sender == senders[inbound.chat.id], "one person looks like two"
+            assert inbound.sender.platform == inbound.chat.platform == stage.messenger.platform
+            assert inbound.listening_since_ns <= inbound.sent_ns <= inbound.received_ns
+            assert inbound.standing is Standing.FRESH
+            assert inbound.nonce is None
+
+    async def test_nothing_is_confirmed_before_it_was_received(self, stage: Stage) -> None:
+        """What is being received when the power fails must come again."""
+        if not stage.keeps:
+            return
+        async with listening(stage) as ear:
+            ear.gate.clear()
+            await stage.write(stage.people[0], "omni move 1 m")
+            await until(stage, lambda: len(ear.heard) == 1, "a message was swallowed")
+            # Its being heard shows that the messenger went on, and could have confirmed.
+            await stage.write(stage.people[0], "stop")
+            await until(stage, lambda: len(ear.heard) == 2, "a stop waited for another message")
+            assert await stage.unconfirmed() == 2, "confirmed before it was received"
+            ear.gate.set()
+            await until_confirmed(stage)
+
+    async def test_what_was_not_received_comes_again_as_the_same(self, stage: Stage) -> None:
+        """A duplicate is recognised by who, where and which message; so these never change."""
+        if not stage.keeps:
+            return
+        async with listening(stage) as ear:
+            ear.gate.clear()
+            await stage.write(stage.people[0], "omni move 1 m")
+            await until(stage, lambda: bool(ear.heard), "a message was swallowed")
+        async with listening(stage) as again:
+            await until(stage, lambda: bool(again.done), "a message did not come again")
+        first, second = ear.heard[0], again.heard[0]
+        assert (first.sender, first.chat, first.message, first.text, first.sent_ns) == (
+            second.sender,
+            second.chat,
+            second.message,
+            second.text,
+            second.sent_ns,
+        )
+
+    async def test_a_stop_overtakes_what_is_being_received(self, stage: Stage) -> None:
+        """Nothing that takes long holds up a stop, not even in its own chat (I10)."""
+        async with listening(stage) as ear:
+            ear.gate.clear()
+            await stage.write(stage.people[0], "omni move 1 m")
+            await until(stage, lambda: len(ear.heard) == 1, "a message was swallowed")
+            await stage.write(stage.people[0], "stop")
+            await until(stage, lambda: len(ear.heard) == 2, "a stop waited for another message")
+            ear.gate.set()
+
+    async def test_nothing_is_left_running(self, stage: Stage) -> None:
+        """When run is cancelled, even while something is received, it leaves no task behind."""
+        before = asyncio.all_tasks()
+        async with listening(stage) as ear:
+            ear.gate.clear()
+            await stage.write(stage.people[0], "omni move 1 m")
+            await until(stage, lambda: bool(ear.heard), "a message was swallowed")
+        await until(stage, lambda: asyncio.all_tasks() <= before, "a task was left running")
+
+    async def test_a_text_arrives_exactly_as_given(self, stage: Stage) -> None:
+        """Markup is never read out of a text."""
+        person = stage.people[0]
+        async with listening(stage):
+            await stage.messenger.send(Outbound(chat=stage.chat(person), text=MARKUP))
+        assert [seen.text for seen in await stage.screen(person)] == [MARKUP]
+
+    async def test_a_long_text_arrives_whole(self, stage: Stage) -> None:
+        """In several messages if need be; only white space may go, where it was cut."""
+        person = stage.people[0]
+        async with listening(stage):
+            await stage.messenger.send(Outbound(chat=stage.chat(person), text=LONG))
+        shown = [word for seen in await stage.screen(person) for word in seen.text.split()]
+        assert shown == LONG.split()
+
+    async def test_sending_names_the_message(self, stage: Stage) -> None:
+        """Each of several sent at once is shown, under the id that was returned for it."""
+        texts = {f"omni: at rest ({number})": stage.people[0] for number in range(3)}
+        texts |= {f"{person}: hello": person for person in stage.people}
+        async with listening(stage):
+            ids = await asyncio.gather(
+                *[
+                    stage.messenger.send(Outbound(chat=stage.chat(person), text=text))
+                    for text, person in texts.items()
+                ]
+            )
+        for message, (text, person) in zip(ids, texts.items(), strict=True):
+            assert Seen(message, text) in await stage.screen(person)
+
+    async def test_a_message_is_changed_in_place(self, stage: Stage) -> None:
+        """An edit shows the new text where the old one was; who cannot do it says so."""
+        messenger, person = stage.messenger, stage.people[0]
+        chat = stage.chat(person)
+        async with listening(stage):
+            message = await messenger.send(Outbound(chat=chat, text="omni: sent"))
+            change = messenger.edit(message, Outbound(chat=chat, text="omni: done"))
+            if not messenger.edits:
+                await faults_only("editing", change)
+                return
+            await change
+        assert await stage.screen(person) == [Seen(message, "omni: done")]
+
+    async def test_editing_to_the_same_content_succeeds(self, stage: Stage) -> None:
+        """Who edits does not know what is shown after a restart."""
+        messenger, person = stage.messenger, stage.people[0]
+        if not messenger.edits:
+            return
+        same = Outbound(chat=stage.chat(person), text="omni: done")
+        async with listening(stage):
+            message = await messenger.send(same)
+            try:
+                await messenger.edit(message, same)
+                await messenger.edit(message, same)
+            except Exception as error:
+                raise AssertionError("editing to the same content failed") from error
+        assert await stage.screen(person) == [Seen(message, "omni: done")]
+
+    async def test_a_tap_brings_its_nonce_and_its_tapper(self, stage: Stage) -> None:
+        """The nonce travels, never the command; it is dated when it is received."""
+        if not stage.taps:
+            return
+        person = stage.people[-1]
+        offer = Outbound(chat=stage.chat(person), text="omni: move 1 m?", buttons=((YES,),))
+        async with listening(stage) as ear:
+            await stage.write(person, "hello")
+            message = await stage.messenger.send(offer)
+            await stage.tap(person, message, YES.label)
+            await until(stage, lambda: len(ear.done) == 2, "a tap was swallowed")
+        said, tapped = ear.heard
+        assert (tapped.nonce, tapped.text, tapped.under) == (YES.nonce, "", message)
+        assert (tapped.sender, tapped.chat) == (said.sender, said.chat)
+        assert tapped.sent_ns == tapped.received_ns
+        assert tapped.tap
+
+    async def test_answering_a_tap_never_raises(self, stage: Stage) -> None:
+        """Not twice, not with a handle nobody knows, not while the platform is away."""
+        person = stage.people[0]
+        chat = stage.chat(person)
+        async with listening(stage) as ear:
+            await stage.write(person, "hello")
+            await until(stage, lambda: bool(ear.done), "a message was swallowed")
+            tap = replace(ear.heard[0], chat=chat, nonce=YES.nonce, tap="12345678", text="")
+            try:
+                await stage.messenger.answer_tap(tap, "")
+                await stage.messenger.answer_tap(tap, "This was not asked of you. " * 20)
+                async with stage.outage():
+                    await stage.messenger.answer_tap(tap, "Too late.")
+            except Exception as error:
+                raise AssertionError("answering a tap raised") from error
+
+    async def test_every_failure_is_a_messenger_fault(self, stage: Stage) -> None:
+        """Whatever library is underneath, none of its exceptions comes through."""
+        messenger, person = stage.messenger, stage.people[0]
+        outbound = Outbound(chat=stage.chat(person), text="omni: done")
+        async with listening(stage):
+            message = await messenger.send(outbound)
+            await faults_only("editing what is not there", messenger.edit("999999", outbound))
+            async with stage.outage():
+                await faults_only("sending into an outage", messenger.send(outbound))
+                await faults_only("editing into an outage", messenger.edit(message, outbound))

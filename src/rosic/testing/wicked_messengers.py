@@ -1,0 +1,293 @@
+"""Messengers that each break one rule, to show that the rule catches them.
+
+Each wraps an honest one. `catches` runs a rule over a sinner; `SINNERS` names one for every rule.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rosic.core.identity import Address
+from rosic.errors import MessengerFault
+from rosic.testing.messengers import MessengerConformance
+
+if TYPE_CHECKING:
+    from rosic.contracts.messenger import Messenger, Receive
+    from rosic.core.message import Inbound, Outbound
+    from rosic.testing.messengers import Stage
+
+
+class Wicked:
+    """Honest so far: passes everything on. A sinner changes one thing."""
+
+    def __init__(self, honest: Messenger) -> None:
+        self.honest = honest
+        self.platform = honest.platform
+        self.name = honest.name
+        self.assurance = honest.assurance
+        self.edits = honest.edits
+
+    async def run(self, receive: Receive) -> None:
+        """Pass on."""
+        await self.honest.run(receive)
+
+    async def send(self, outbound: Outbound) -> str:
+        """Pass on."""
+        return await self.honest.send(outbound)
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Pass on."""
+        await self.honest.edit(message, outbound)
+
+    async def answer_tap(self, inbound: Inbound, text: str) -> None:
+        """Pass on."""
+        await self.honest.answer_tap(inbound, text)
+
+
+class Tampers(Wicked):
+    """Changes what it hands over."""
+
+    def tamper(self, inbound: Inbound) -> Inbound:
+        """Change it."""
+        return inbound
+
+    async def run(self, receive: Receive) -> None:
+        """Hand over something else than what came."""
+
+        async def receive_other(inbound: Inbound) -> None:
+            await receive(self.tamper(inbound))
+
+        await self.honest.run(receive_other)
+
+
+class SwallowsOne(Wicked):
+    """Hands over every message but the third."""
+
+    async def run(self, receive: Receive) -> None:
+        """Lose one."""
+        count = 0
+
+        async def receive_most(inbound: Inbound) -> None:
+            nonlocal count
+            count += 1
+            if count != 3:
+                await receive(inbound)
+
+        await self.honest.run(receive_most)
+
+
+class Reorders(Wicked):
+    """Hands over every pair of messages the wrong way round."""
+
+    async def run(self, receive: Receive) -> None:
+        """Hold one back until the next has passed."""
+        held: list[Inbound] = []
+
+        async def receive_swapped(inbound: Inbound) -> None:
+            if held:
+                await receive(inbound)
+                await receive(held.pop())
+            else:
+                held.append(inbound)
+
+        await self.honest.run(receive_swapped)
+
+
+class TakesEverybodyForOne(Tampers):
+    """Knows people by what they are called, and everybody is called the same."""
+
+    def tamper(self, inbound: Inbound) -> Inbound:
+        """Forget who it was."""
+        return replace(inbound, sender=Address("somewhere", "somebody"))
+
+
+class DatesTheFuture(Tampers):
+    """Believes a platform whose clock is ahead."""
+
+    def tamper(self, inbound: Inbound) -> Inbound:
+        """Date it after its arrival."""
+        return replace(inbound, sent_ns=inbound.received_ns + 60_000_000_000)
+
+
+class ConfirmsAtOnce(Wicked):
+    """Confirms what it has handed over, whether or not it was received."""
+
+    async def run(self, receive: Receive) -> None:
+        """Return from receiving before it is done."""
+        async with asyncio.TaskGroup() as group:
+
+            async def receive_later(inbound: Inbound) -> None:
+                group.create_task(_awaited(receive, inbound))
+
+            await self.honest.run(receive_later)
+
+
+class NumbersAnew(Tampers):
+    """Gives each message a number of its own when it hands it over."""
+
+    def __init__(self, honest: Messenger) -> None:
+        super().__init__(honest)
+        self.count = 0
+
+    def tamper(self, inbound: Inbound) -> Inbound:
+        """Give it the next number."""
+        self.count += 1
+        return replace(inbound, message=f"n{self.count}")
+
+
+class OneAtATime(Wicked):
+    """Hands over nothing, not even a stop, while something is being received."""
+
+    async def run(self, receive: Receive) -> None:
+        """Queue everything."""
+        turn = asyncio.Lock()
+
+        async def receive_in_turn(inbound: Inbound) -> None:
+            async with turn:
+                await receive(inbound)
+
+        await self.honest.run(receive_in_turn)
+
+
+class LeavesATask(Wicked):
+    """Forgets something it started."""
+
+    async def run(self, receive: Receive) -> None:
+        """Start what nobody ends."""
+        self.forgotten = asyncio.create_task(asyncio.sleep(3600))
+        await self.honest.run(receive)
+
+
+class ReadsMarkup(Wicked):
+    """Takes asterisks for bold."""
+
+    async def send(self, outbound: Outbound) -> str:
+        """Lose the asterisks."""
+        return await self.honest.send(replace(outbound, text=outbound.text.replace("*", "")))
+
+
+class CutsLongTexts(Wicked):
+    """Sends what fits and says nothing about the rest."""
+
+    async def send(self, outbound: Outbound) -> str:
+        """Lose the end."""
+        return await self.honest.send(replace(outbound, text=outbound.text[:4096]))
+
+
+class MixesUpIds(Wicked):
+    """Returns the id of another message."""
+
+    def __init__(self, honest: Messenger) -> None:
+        super().__init__(honest)
+        self.last = "0"
+
+    async def send(self, outbound: Outbound) -> str:
+        """Return the id of the message before."""
+        before, self.last = self.last, await self.honest.send(outbound)
+        return before
+
+
+class SendsInsteadOfChanging(Wicked):
+    """Cannot edit, and pretends that it can."""
+
+    async def edit(self, message: str, outbound: Outbound) -> None:  # noqa: ARG002  (the sin)
+        """Send another message."""
+        await self.honest.send(outbound)
+
+
+class RefusesTheSame(Wicked):
+    """Passes on that the platform found nothing to change."""
+
+    def __init__(self, honest: Messenger) -> None:
+        super().__init__(honest)
+        self.shown: dict[str, Outbound] = {}
+
+    async def send(self, outbound: Outbound) -> str:
+        """Remember what is shown."""
+        message = await self.honest.send(outbound)
+        self.shown[message] = outbound
+        return message
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Refuse what is shown already."""
+        if self.shown.get(message) == outbound:
+            raise MessengerFault("The message is not modified.")
+        await self.honest.edit(message, outbound)
+
+
+class ForgetsTheNonce(Tampers):
+    """Hands over a tap as if its command had been typed."""
+
+    def tamper(self, inbound: Inbound) -> Inbound:
+        """Put the nonce into the text."""
+        return replace(inbound, text=inbound.nonce or inbound.text, nonce=None)
+
+
+class TakesTheBotForTheTapper(Tampers):
+    """Reads who wrote the message with the button, instead of who tapped."""
+
+    def tamper(self, inbound: Inbound) -> Inbound:
+        """Say it was the bot."""
+        if inbound.nonce is None:
+            return inbound
+        return replace(inbound, sender=Address(inbound.sender.platform, "bot"))
+
+
+class RaisesWhenAnswering(Wicked):
+    """Complains that a tap is too old."""
+
+    async def answer_tap(self, inbound: Inbound, text: str) -> None:
+        """Answer, then complain."""
+        await self.honest.answer_tap(inbound, text)
+        raise MessengerFault("The query is too old.")
+
+
+class RaisesWhatItGets(Wicked):
+    """Lets the exceptions of its library through."""
+
+    async def send(self, outbound: Outbound) -> str:
+        """Raise something foreign."""
+        try:
+            return await self.honest.send(outbound)
+        except MessengerFault as fault:
+            raise ConnectionResetError(str(fault)) from None
+
+
+async def _awaited(receive: Receive, inbound: Inbound) -> None:
+    await receive(inbound)
+
+
+SINNERS: dict[str, tuple[type[Wicked], ...]] = {
+    "test_messages_of_a_chat_come_in_order": (SwallowsOne, Reorders),
+    "test_a_message_says_who_where_and_when": (TakesEverybodyForOne, DatesTheFuture),
+    "test_nothing_is_confirmed_before_it_was_received": (ConfirmsAtOnce,),
+    "test_what_was_not_received_comes_again_as_the_same": (NumbersAnew, ConfirmsAtOnce),
+    "test_a_stop_overtakes_what_is_being_received": (OneAtATime,),
+    "test_nothing_is_left_running": (LeavesATask,),
+    "test_a_text_arrives_exactly_as_given": (ReadsMarkup,),
+    "test_a_long_text_arrives_whole": (CutsLongTexts,),
+    "test_sending_names_the_message": (MixesUpIds,),
+    "test_a_message_is_changed_in_place": (SendsInsteadOfChanging,),
+    "test_editing_to_the_same_content_succeeds": (RefusesTheSame,),
+    "test_a_tap_brings_its_nonce_and_its_tapper": (ForgetsTheNonce, TakesTheBotForTheTapper),
+    "test_answering_a_tap_never_raises": (RaisesWhenAnswering,),
+    "test_every_failure_is_a_messenger_fault": (RaisesWhatItGets,),
+}
+
+
+def rules() -> set[str]:
+    """Return the names of all rules."""
+    return {name for name in vars(MessengerConformance) if name.startswith("test_")}
+
+
+async def catches(rule: str, sinner: type[Wicked], stage: Stage) -> bool:
+    """Whether a rule catches a sinner on this stage."""
+    stage.messenger = sinner(stage.messenger)
+    try:
+        await getattr(MessengerConformance(), rule)(stage)
+    except AssertionError:
+        return True
+    return False

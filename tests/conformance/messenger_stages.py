@@ -1,0 +1,110 @@
+"""The messengers of this project, each with the people on its other side."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from rosic.core.message import Chat
+from rosic.messengers.memory import MemoryMessenger
+from rosic.messengers.telegram.messenger import telegram_messenger
+from rosic.system import SystemClock
+from rosic.testing.messengers import Seen
+from rosic.testing.telegram import FakeTelegram
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from rosic.contracts.messenger import Messenger
+
+
+class HurriedClock(SystemClock):
+    """The real time, except that nobody waits long."""
+
+    async def sleep(self, seconds: float) -> None:
+        """Wait a twentieth."""
+        await super().sleep(seconds / 20)
+
+
+class MemoryStage:
+    """People who are method calls."""
+
+    people: tuple[str, ...] = ("ada", "bob")
+    patience_s = 0.5
+    keeps = True
+    taps = True
+
+    def __init__(self) -> None:
+        self.memory = MemoryMessenger(clock=SystemClock())
+        self.messenger: Messenger = self.memory
+
+    def chat(self, person: str) -> Chat:
+        return Chat("memory", f"chat of {person}")
+
+    async def write(self, person: str, text: str) -> None:
+        self.memory.say(text, account=person, chat=f"chat of {person}")
+
+    async def tap(self, person: str, message: str, label: str) -> None:
+        buttons = (b for row in self.memory.shown(message).buttons for b in row)
+        button = next(button for button in buttons if button.label == label)
+        self.memory.tap(button, under=message, account=person)
+
+    async def screen(self, person: str) -> list[Seen]:
+        told = [one for one in self.memory.told if one.outbound.chat == self.chat(person)]
+        return [
+            Seen(one.message, self.memory.shown(one.message).text) for one in told if not one.edited
+        ]
+
+    async def unconfirmed(self) -> int:
+        return len(self.memory.unconfirmed())
+
+    @asynccontextmanager
+    async def outage(self) -> AsyncIterator[None]:
+        self.memory.down = True
+        yield
+        self.memory.down = False
+
+
+class TelegramStage:
+    """People in the strict stand-in for Telegram, with its flood limits."""
+
+    patience_s = 8.0
+    keeps = True
+    taps = True
+
+    def __init__(self, server: FakeTelegram) -> None:
+        self.server = server
+        self.accounts = {name: server.create_user(name) for name in ("Ada", "Bob")}
+        self.people: tuple[str, ...] = tuple(self.accounts)
+        settings = {"token": server.token, "api_base": server.api_base}
+        self.messenger: Messenger = telegram_messenger("lab", settings, HurriedClock())
+
+    def chat(self, person: str) -> Chat:
+        return Chat("telegram", str(self.accounts[person]))
+
+    async def write(self, person: str, text: str) -> None:
+        self.server.say(self.accounts[person], self.accounts[person], text)
+
+    async def tap(self, person: str, message: str, label: str) -> None:
+        account = self.accounts[person]
+        self.server.tap(account, account, int(message), label)
+
+    async def screen(self, person: str) -> list[Seen]:
+        shown = self.server.messages(self.accounts[person], by_bot=True)
+        return [Seen(str(one["message_id"]), one["text"]) for one in shown if not one["deleted"]]
+
+    async def unconfirmed(self) -> int:
+        return self.server.pending()
+
+    @asynccontextmanager
+    async def outage(self) -> AsyncIterator[None]:
+        self.server.fail("bad_gateway", "*", times=10_000)
+        yield
+        self.server.calm()
+
+
+@asynccontextmanager
+async def telegram_stage() -> AsyncIterator[TelegramStage]:
+    async with FakeTelegram() as server:
+        yield TelegramStage(server)
+        assert server.violations == []

@@ -1,0 +1,169 @@
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+from rosic.errors import MessengerFault
+from rosic.messengers.telegram.limiter import WAITING_AT_MOST, Limiter, Rank
+from rosic.testing.clock import ManualClock, settle
+
+
+class Turns:
+    """Who got a turn, and when, in seconds from the beginning."""
+
+    def __init__(self) -> None:
+        self.clock = ManualClock()
+        self.limiter = Limiter(self.clock)
+        self.began_ns = self.clock.monotonic_ns()
+        self.given: list[tuple[str, float]] = []
+        self.tasks: list[asyncio.Task[None]] = []
+
+    def now_s(self) -> float:
+        return round((self.clock.monotonic_ns() - self.began_ns) / 1e9, 2)
+
+    def ask(
+        self, name: str, chat: str = "1", rank: Rank = Rank.MESSAGE, *, within_s: float = 600.0
+    ) -> asyncio.Task[None]:
+        async def turn() -> None:
+            await self.limiter.turn(chat, rank, within_s=within_s)
+            self.given.append((name, self.now_s()))
+
+        self.tasks.append(asyncio.create_task(turn()))
+        return self.tasks[-1]
+
+    def times(self) -> list[float]:
+        return [at_s for _, at_s in self.given]
+
+    def names(self) -> list[str]:
+        return [name for name, _ in self.given]
+
+
+async def test_a_few_at_once_then_one_a_second() -> None:
+    turns = Turns()
+    for number in range(5):
+        turns.ask(f"m{number}")
+    await turns.clock.advance(10)
+
+    assert turns.given == [("m0", 0), ("m1", 0), ("m2", 0), ("m3", 1), ("m4", 2)]
+
+
+async def test_one_chat_does_not_hold_up_another() -> None:
+    turns = Turns()
+    for number in range(6):
+        turns.ask(f"a{number}", "1")
+    turns.ask("b", "2")
+    await settle()
+
+    assert ("b", 0) in turns.given
+
+
+async def test_a_group_never_gets_more_than_20_in_any_minute() -> None:
+    turns = Turns()
+    for number in range(60):
+        turns.ask(f"m{number}", "-100")
+    await turns.clock.advance(400)
+
+    times = turns.times()
+    assert len(times) == 60
+    for start_s in times:
+        assert sum(start_s <= at_s < start_s + 60 for at_s in times) <= 20
+
+
+async def test_never_more_than_30_a_second_overall() -> None:
+    turns = Turns()
+    for number in range(200):
+        turns.ask("m", str(number))
+    await turns.clock.advance(20)
+
+    times = turns.times()
+    assert len(times) == 200
+    for start_s in times:
+        assert sum(start_s + 1 <= at_s < start_s + 2 for at_s in times) <= 30
+    assert times[-1] < 8
+
+
+async def test_stops_first_then_messages_then_edits() -> None:
+    turns = Turns()
+    for number in range(3):
+        turns.ask(f"used-up-{number}")
+    turns.ask("edit", rank=Rank.EDIT)
+    turns.ask("message")
+    await settle()
+    turns.ask("stop", rank=Rank.URGENT)
+    await turns.clock.advance(60)
+
+    assert turns.names()[3:] == ["stop", "message", "edit"]
+    assert dict(turns.given)["stop"] == 0
+
+
+async def test_retry_after_holds_the_chat_even_for_a_stop() -> None:
+    turns = Turns()
+    turns.limiter.hold("1", 7.0)
+    turns.ask("held", rank=Rank.URGENT)
+    turns.ask("other", "2")
+    await turns.clock.advance(20)
+
+    assert turns.given == [("other", 0), ("held", 7)]
+
+
+async def test_a_second_chat_that_is_held_holds_everything() -> None:
+    turns = Turns()
+    turns.limiter.hold("1", 7.0)
+    turns.limiter.hold("2", 5.0)
+    turns.ask("third", "3")
+    await turns.clock.advance(20)
+
+    assert turns.given == [("third", 5)]
+
+
+async def test_the_same_chat_held_twice_holds_only_itself() -> None:
+    turns = Turns()
+    turns.limiter.hold("1", 7.0)
+    turns.limiter.hold("1", 5.0)
+    turns.ask("other", "3")
+    await settle()
+
+    assert turns.given == [("other", 0)]
+
+
+async def test_who_waits_too_long_is_told() -> None:
+    turns = Turns()
+    turns.limiter.hold("1", 100.0)
+    task = turns.ask("late", within_s=10.0)
+    await turns.clock.advance(11)
+
+    assert task.done()
+    with pytest.raises(MessengerFault, match="no room"):
+        await task
+
+
+async def test_who_is_cancelled_takes_no_turn_and_nothing_is_left_running() -> None:
+    turns = Turns()
+    turns.limiter.hold("1", 3.0)
+    task = turns.ask("gone")
+    stays = turns.ask("stays")
+    await settle()
+    task.cancel()
+    await turns.clock.advance(5)
+
+    assert turns.names() == ["stays"]
+    assert stays.done()
+    assert asyncio.all_tasks() == {asyncio.current_task()}
+
+
+async def test_the_queue_is_bounded_and_edits_are_refused_first() -> None:
+    turns = Turns()
+    turns.limiter.hold("1", 100.0)
+    for _ in range(WAITING_AT_MOST):
+        turns.ask("edit", rank=Rank.EDIT)
+    await settle()
+
+    with pytest.raises(MessengerFault, match="Too much"):
+        await turns.limiter.turn("1", Rank.EDIT, within_s=600)
+    urgent = turns.ask("stop", "2", rank=Rank.URGENT)
+    await settle()
+    assert urgent.done()
+    for task in turns.tasks:
+        task.cancel()
+    await asyncio.gather(*turns.tasks, return_exceptions=True)

@@ -1,0 +1,86 @@
+"""When we have listened without a gap, and when not: see the docstring of `Inbound`."""
+
+from __future__ import annotations
+
+from rosic.messengers.telegram.listening import (
+    CALM_NS,
+    GRACE_NS,
+    SECOND_NS,
+    SHORT_POLLS,
+    Listening,
+    Moment,
+)
+
+START = Moment(1_700_000_000 * SECOND_NS, 50 * SECOND_NS)
+
+
+def after(seconds: float, *, wall_also: float = 0.0) -> Moment:
+    ns = int(seconds * SECOND_NS)
+    return Moment(START.wall_ns + ns + int(wall_also * SECOND_NS), START.monotonic_ns + ns)
+
+
+def thawed() -> Listening:
+    listening = Listening()
+    listening.answered(START)
+    assert listening.drained(START, empty=True, full=False)
+    return listening
+
+
+def is_backlog(listening: Listening, received_ns: int) -> bool:
+    return received_ns < listening.stamp(received_ns)
+
+
+def test_everything_is_backlog_until_a_poll_comes_back_empty() -> None:
+    listening = Listening()
+    listening.answered(START)
+    assert is_backlog(listening, START.wall_ns)
+    assert not listening.drained(START, empty=False, full=True)
+    assert is_backlog(listening, START.wall_ns)
+    assert listening.drained(after(1), empty=True, full=False)
+    assert not is_backlog(listening, after(2).wall_ns)
+
+
+def test_with_people_writing_all_the_time_a_few_short_polls_will_do() -> None:
+    listening = Listening()
+    results = [listening.drained(START, empty=False, full=False) for _ in range(SHORT_POLLS)]
+    assert results == [False] * (SHORT_POLLS - 1) + [True]
+
+
+def test_a_full_answer_that_was_seen_before_hides_what_is_behind_it() -> None:
+    listening = Listening()
+    assert not listening.drained(START, empty=True, full=True)
+
+
+def test_a_message_sent_in_the_very_second_of_thawing_is_fresh() -> None:
+    listening = thawed()
+    sent_ns = START.wall_ns // SECOND_NS * SECOND_NS
+    assert listening.stamp(after(0.3).wall_ns) <= sent_ns
+    assert listening.stamp(after(0.3).wall_ns) == START.wall_ns - GRACE_NS
+
+
+def test_five_seconds_without_an_answer_are_a_gap() -> None:
+    listening = thawed()
+    listening.answered(after(4.9))
+    assert not listening.frozen
+    listening.answered(after(4.9 + 5.1))
+    assert listening.frozen
+
+
+def test_a_clock_that_is_set_or_a_machine_that_slept_is_a_gap() -> None:
+    for seconds in (3.0, -3.0, 3600.0):
+        listening = thawed()
+        listening.answered(after(1, wall_also=seconds))
+        assert listening.frozen, seconds
+    listening = thawed()
+    listening.answered(after(1, wall_also=0.5))
+    assert not listening.frozen
+
+
+def test_somebody_else_receiving_freezes_until_it_has_been_calm_for_a_while() -> None:
+    listening = thawed()
+    listening.contested(after(1))
+    calm_s = 1 + CALM_NS / SECOND_NS
+    assert is_backlog(listening, after(1).wall_ns)
+    assert not listening.drained(after(2), empty=True, full=False)
+    assert not listening.calm(after(calm_s - 0.1))
+    assert listening.drained(after(calm_s), empty=True, full=False)
