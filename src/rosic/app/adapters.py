@@ -1,0 +1,49 @@
+"""Adapters by name, from entry points: one of a stranger's is found like one of ours."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, cast
+
+from rosic.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from rosic.contracts.adapter import MessengerFactory, RobotFactory
+
+MESSENGERS = "rosic.messengers"
+ROBOTS = "rosic.robots"
+
+
+def messenger_factory(kind: str) -> MessengerFactory:
+    """Return the factory of a kind of messenger.
+
+    Raises:
+        ConfigurationError: There is no such kind, or what it needs is not installed.
+    """
+    return cast("MessengerFactory", _load(MESSENGERS, kind, "messenger"))
+
+
+def robot_factory(kind: str) -> RobotFactory:
+    """Return the factory of a kind of robot link.
+
+    Raises:
+        ConfigurationError: There is no such kind, or what it needs is not installed.
+    """
+    return cast("RobotFactory", _load(ROBOTS, kind, "robot link"))
+
+
+def _load(group: str, kind: str, what: str) -> object:
+    found: dict[str, EntryPoint] = {entry.name: entry for entry in entry_points(group=group)}
+    entry = found.get(kind)
+    if entry is None:
+        near = get_close_matches(kind, found, n=1)
+        hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(sorted(found))}."
+        raise ConfigurationError(f"There is no {what} of the kind {kind!r}.", hint=hint)
+    try:
+        return entry.load()
+    except ModuleNotFoundError as missing:
+        raise ConfigurationError(
+            f"The {what} {kind!r} needs {missing.name}, which is not installed.",
+            hint=f"Install it with: pip install 'rosic[{kind}]'",
+        ) from missing

@@ -1,0 +1,261 @@
+"""The composition root: parts in, a running gateway out. The only module that knows all rooms."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.app.people import Seed, remember, seed
+from rosic.authoriser.authoriser import Authoriser
+from rosic.authoriser.directory import Directory
+from rosic.container.container import Containers
+from rosic.contracts.adapter import RobotFactory
+from rosic.contracts.clock import Clock
+from rosic.contracts.entropy import Entropy
+from rosic.contracts.messenger import Messenger
+from rosic.contracts.store import Latch, Store
+from rosic.core.authority import DEFAULT_ROLES, Policy, Role, Scope
+from rosic.core.gate import Gate
+from rosic.core.language import UnitTable, Vocabulary, clean, skills_of
+from rosic.core.life import Face
+from rosic.core.message import Chat, Outbound
+from rosic.core.rate import RateLimit
+from rosic.core.record import KeyRevoked, Memory
+from rosic.core.robot import Profile, RobotId
+from rosic.core.stopboard import StopBoard
+from rosic.errors import ConfigurationError
+from rosic.linker.linker import Linker
+from rosic.organiser.organiser import Organiser
+from rosic.pipeline import Pipeline
+from rosic.pipeline.recovery import Recovery
+from rosic.pipeline.rooms import Rooms
+from rosic.pipeline.stopping import StopLane
+from rosic.pipeline.telling import Note, Teller
+
+if TYPE_CHECKING:
+    from rosic.contracts.robot import Robot
+    from rosic.core.identity import PrincipalId
+
+log = logging.getLogger("rosic.gateway")
+
+FLUSH_S = 2.0
+
+
+class Settings(msgspec.Struct, frozen=True, kw_only=True):
+    """What a gateway is made with, besides its adapters.
+
+    Attributes:
+        roles: Name to scopes; the default roles where it says nothing.
+        lease_idle_s: How long a robot stays somebody's after their last order ended.
+    """
+
+    profiles: tuple[Profile, ...]
+    people: tuple[Seed, ...] = ()
+    roles: Mapping[str, tuple[str, ...]] = msgspec.field(default_factory=dict)
+    limit: RateLimit = RateLimit()
+    lease_idle_s: float = 60.0
+
+
+class Parts(msgspec.Struct, frozen=True, kw_only=True):
+    """The adapters of a gateway; a test owns each of them."""
+
+    messengers: tuple[Messenger, ...]
+    robot_factory: Callable[[str], RobotFactory]
+    store: Store
+    latch: Latch
+    clock: Clock
+    entropy: Entropy
+    units: UnitTable
+    face: Face
+
+
+class Gateway:
+    """A running ROSIC.
+
+    Attributes:
+        pipeline, rooms, stop_lane, robots: Made by ``open``.
+    """
+
+    pipeline: Pipeline
+    rooms: Rooms
+    stop_lane: StopLane
+    robots: dict[RobotId, Robot]
+
+    def __init__(self, settings: Settings, parts: Parts) -> None:
+        self._settings = settings
+        self._parts = parts
+        self._roles_of: dict[PrincipalId, tuple[str, ...]] = {}
+        self._opened: list[Robot] = []
+        self._listening: list[asyncio.Task[None]] = []
+        self._teller: Teller | None = None
+        self._epoch = 0
+
+    async def open(self) -> None:
+        """Read the record, make the rooms, connect the robots, settle what was interrupted.
+
+        Raises:
+            ConfigurationError: Nothing has been started; whatever was opened is closed again.
+        """
+        vocabulary = self._vocabulary()
+        memory = await self._parts.store.open()
+        try:
+            await self._compose(memory, vocabulary)
+            for robot in self.robots.values():
+                await robot.open(partial(self._robot_says, robot.profile))
+                self._opened.append(robot)
+            await self._recover(memory)
+        except BaseException:
+            await self.close()
+            raise
+
+    def _vocabulary(self) -> Vocabulary:
+        try:
+            return Vocabulary.build(self._settings.profiles, self._parts.units)
+        except ValueError as wrong:
+            raise ConfigurationError(str(wrong)) from wrong
+
+    async def _compose(self, memory: Memory, vocabulary: Vocabulary) -> None:
+        parts, settings = self._parts, self._settings
+        profiles = {profile.id: profile for profile in settings.profiles}
+        numbers = {robot: memory.numbers.get(robot, (0, 0)) for robot in profiles}
+        board = StopBoard(profiles, _stops(parts.latch.read(), memory.generations))
+        self.robots = {
+            robot: parts.robot_factory(profile.link.kind)(
+                profile,
+                Gate(
+                    robot, n=numbers[robot][0], fence=numbers[robot][1],
+                    generation=board[robot].generation, latched=board[robot].latched,
+                ),
+                parts.clock,
+            )
+            for robot, profile in profiles.items()
+        }  # fmt: skip
+        authoriser = Authoriser(Directory(), parts.clock, parts.entropy)
+        self._roles_of = remember(authoriser, memory)
+        self._roles_of.update(
+            await seed(settings.people, memory, authoriser, parts.store, parts.clock, parts.entropy)
+        )
+        organiser = Organiser(
+            self._policy(), profiles, board, parts.clock,
+            limit=settings.limit, lease_idle_s=settings.lease_idle_s,
+        )  # fmt: skip
+        organiser.name_of = lambda principal: clean(authoriser.directory.name(principal))
+        organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
+        container = Containers(
+            vocabulary, parts.store, parts.clock, {robot: n for robot, (n, _) in numbers.items()}
+        )
+        for choice in memory.selected:
+            container.restore_selection(choice.principal, choice.chat, choice.robot)
+        linker = Linker(self.robots, board, parts.latch, parts.clock)
+        linker.epoch = organiser.policy.epoch
+        self.rooms = Rooms(authoriser, organiser, container, linker, vocabulary, profiles, board)
+        self.stop_lane = StopLane(self.rooms, parts.store, parts.clock)
+        self._teller = Teller(container, parts.clock)
+        self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
+
+    def _policy(self) -> Policy:
+        """Return the policy of now, under the next epoch."""
+        self._epoch += 1
+        scopes = {**DEFAULT_ROLES, **self._settings.roles}
+        return Policy(
+            epoch=self._epoch,
+            roles=[Role(n, tuple(map(Scope.parse, texts))) for n, texts in scopes.items()],
+            skills={p.id: tuple(skills_of(p)) for p in self._settings.profiles},
+            people=self._roles_of,
+        )
+
+    async def _recover(self, memory: Memory) -> None:
+        assert self._teller is not None  # noqa: S101 - made just before
+        parts = self._parts
+        messengers = {messenger.name: messenger for messenger in parts.messengers}
+        recovery = Recovery(parts.store, self.rooms.linker, self._teller, parts.clock, messengers)
+        count = await recovery.settle(memory.unfinished, self.robots.__contains__)
+        if count:
+            log.warning("%d interrupted commands were settled", count)
+
+    async def run(self) -> None:
+        """Listen on every messenger until one of them fails for good, or until cancelled.
+
+        Raises:
+            MessengerFault, ConfigurationError: From the messenger that failed.
+        """
+        self._listening = [
+            asyncio.create_task(m.run(partial(self.pipeline.receive, m)))
+            for m in self._parts.messengers
+        ]
+        try:
+            done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
+            for task in done:
+                task.result()
+        finally:
+            await self._fall_deaf()
+
+    async def _fall_deaf(self) -> None:
+        for task in self._listening:
+            task.cancel()
+        await asyncio.gather(*self._listening, return_exceptions=True)
+        self._listening = []
+
+    async def revoke(self, principal: PrincipalId, by: PrincipalId) -> bool:
+        """Take a person's key back: durable, then at once. Their robots come to rest.
+
+        Returns:
+            False if there was no key to take back.
+
+        Raises:
+            StoreFault: Not written; the person still has the right.
+        """
+        authoriser, organiser = self.rooms.authoriser, self.rooms.organiser
+        key = authoriser.directory.key_of(principal)
+        if key is None or key.revoked_ns is not None:
+            return False
+        await self._parts.store.write(
+            KeyRevoked(key=key.id, by=by, at_ns=self._parts.clock.wall_ns())
+        )
+        authoriser.revoke(key.id)
+        self._roles_of.pop(principal, None)
+        organiser.policy = self._policy()
+        self.rooms.linker.epoch = organiser.policy.epoch
+        held = organiser.release_all(principal)
+        if held:
+            self.rooms.linker.stop(held, by)
+        return True
+
+    def _robot_says(self, profile: Profile, text: str) -> None:
+        """Bring a robot's own words to everybody who chose it, as inert text (Algorithm 8)."""
+        said = f"{profile.shown}: {clean(text)}"
+        for messenger, chat in self.pipeline.audience.of(profile.id):
+            self._tell(messenger, chat, said)
+
+    def _tell(self, messenger: Messenger, chat: Chat, text: str) -> None:
+        if self._teller is not None:
+            self._teller.say(Note(messenger, Outbound(chat=chat, text=text)))
+
+    async def close(self) -> None:
+        """Fall deaf, bring robots to rest, write and tell outcomes, close. At most some seconds."""
+        await self._fall_deaf()
+        if hasattr(self, "pipeline"):
+            await self.pipeline.close()
+            await self.stop_lane.close()
+        if self._teller is not None:
+            await self._teller.flush(FLUSH_S)
+        for robot in self._opened:
+            await robot.close()
+        self._opened = []
+        await self._parts.store.close()
+
+
+def _stops(
+    found: Mapping[RobotId, tuple[int, bool]], generations: Mapping[RobotId, int]
+) -> dict[RobotId, tuple[int, bool]]:
+    """Join what the latch and the record say; the higher generation counts (I13)."""
+    joined = dict(found)
+    for robot, generation in generations.items():
+        latched_generation, latched = joined.get(robot, (0, False))
+        joined[robot] = (max(latched_generation, generation), latched)
+    return joined

@@ -1,0 +1,98 @@
+"""Taking people over from the configuration file, once; the record has the say from then on."""
+
+from __future__ import annotations
+
+from hashlib import blake2b
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.identity import Address, AuthorisationKey, Principal, PrincipalId
+from rosic.core.record import Enrolled, KeyIssued, Letter, Memory, PersonalCard, Record, Seeded
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.authoriser.authoriser import Authoriser
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.store import Store
+
+ID_BYTES = 8
+OPERATOR = "operator-of-this-machine"
+
+_encode_card = msgspec.msgpack.Encoder().encode
+_decode_card = msgspec.msgpack.Decoder(PersonalCard).decode
+
+
+class Seed(msgspec.Struct, frozen=True):
+    """A person as the configuration file names one."""
+
+    name: str
+    addresses: tuple[Address, ...]
+    roles: tuple[str, ...]
+
+
+def remember(authoriser: Authoriser, memory: Memory) -> dict[PrincipalId, tuple[str, ...]]:
+    """Make everybody of the record known. Return who has which roles."""
+    for entry in memory.enrolled:
+        card = _decode_card(entry.letter.content)
+        authoriser.directory.enrol(
+            Principal(
+                id=entry.principal, name=card.name, roles=entry.roles, addresses=card.addresses
+            )
+        )
+    for key in memory.keys:
+        authoriser.directory.add_key(key)
+    return {entry.principal: entry.roles for entry in memory.enrolled}
+
+
+async def seed(
+    people: Iterable[Seed],
+    memory: Memory,
+    authoriser: Authoriser,
+    store: Store,
+    clock: Clock,
+    entropy: Entropy,
+) -> dict[PrincipalId, tuple[str, ...]]:
+    """Take over everybody whom the record has not taken over before. Return their roles.
+
+    A person who was revoked stays revoked: the record remembers that the file had its say.
+    """
+    known = {entry.name_digest for entry in memory.seeded}
+    roles: dict[PrincipalId, tuple[str, ...]] = {}
+    for person in people:
+        digest = _digest(person)
+        if digest in known:
+            continue
+        principal = f"p{entropy.token(ID_BYTES).hex()}"
+        enrolled, key, records = _records(person, principal, digest, clock, entropy)
+        await store.write(*records)
+        authoriser.enrol(enrolled, key)
+        roles[principal] = person.roles
+    return roles
+
+
+def _records(
+    person: Seed, principal: PrincipalId, digest: bytes, clock: Clock, entropy: Entropy
+) -> tuple[Principal, AuthorisationKey, list[Record]]:
+    now_ns = clock.wall_ns()
+    key = AuthorisationKey(
+        id=f"k{entropy.token(ID_BYTES).hex()}", principal=principal, issuer=OPERATOR,
+        issued_ns=now_ns,
+    )  # fmt: skip
+    card = PersonalCard(person.name, person.addresses)
+    letter = Letter(principal, _encode_card(card))
+    enrolled = Principal(
+        id=principal, name=person.name, roles=person.roles, addresses=person.addresses
+    )
+    return enrolled, key, [
+        Enrolled(principal=principal, roles=person.roles, at_ns=now_ns, letter=letter),
+        KeyIssued(key=key),
+        Seeded(name_digest=digest, principal=principal),
+    ]  # fmt: skip
+
+
+def _digest(person: Seed) -> bytes:
+    """Return what stands for a person of the file: the name; addresses may be corrected later."""
+    return blake2b(person.name.casefold().encode(), digest_size=16).digest()

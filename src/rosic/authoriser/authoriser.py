@@ -1,0 +1,122 @@
+"""The paper's authoriser: AUTHENTICATE and GENERATEKEY of Algorithm 1."""
+
+from __future__ import annotations
+
+from base64 import urlsafe_b64encode
+from collections import OrderedDict, deque
+from hashlib import blake2b
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.authoriser.buttons import Buttons
+from rosic.core.identity import AuthorisationKey, Caller, KeyId, Principal, PrincipalId
+from rosic.errors import Unrecognised
+
+if TYPE_CHECKING:
+    from rosic.authoriser.directory import Directory
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.core.message import Chat, Inbound
+
+SESSION_BYTES = 16
+SESSIONS_AT_MOST = 20_000
+TIMES_KEPT = 4_096
+STRANGER = "Hello. I work for people I know, and I do not know you yet. Ask the admin here."
+ENDED = "Your access here has ended. The admin of this place can renew it."
+
+
+class Session(msgspec.Struct, frozen=True):
+    """One authenticated conversation: a person, under a key, in a chat."""
+
+    caller: Caller
+    key: AuthorisationKey
+
+
+class Authoriser:
+    """Recognises who speaks, by the platform's immutable id and a key that is still good.
+
+    Attributes:
+        buttons: What taps stand for.
+        directory: Who is known.
+        turned_away: How many messages came from strangers or under keys that have ended.
+    """
+
+    def __init__(self, directory: Directory, clock: Clock, entropy: Entropy) -> None:
+        self.directory = directory
+        self.buttons = Buttons(clock, entropy)
+        self.turned_away = 0
+        self._clock = clock
+        self._entropy = entropy
+        self._sessions: OrderedDict[tuple[str, str, str], Session] = OrderedDict()
+        self._times_ns: deque[int] = deque(maxlen=TIMES_KEPT)
+
+    def identify(self, inbound: Inbound) -> Caller:
+        """Return who sent this, in this conversation.
+
+        Raises:
+            Unrecognised: A stranger, or a key that is revoked or has expired. Nothing changed.
+        """
+        started_ns = self._clock.monotonic_ns()
+        sender, chat = inbound.sender, inbound.chat
+        where = (sender.platform, sender.account, chat.id)
+        session = self._sessions.get(where)
+        if session is None:
+            session = self._authenticate(inbound)
+            self._sessions[where] = session
+            if len(self._sessions) > SESSIONS_AT_MOST:
+                self._sessions.popitem(last=False)
+        expires_ns = session.key.expires_ns
+        if expires_ns is not None and self._clock.wall_ns() >= expires_ns:
+            self.turned_away += 1
+            raise Unrecognised(ENDED)
+        self._times_ns.append(self._clock.monotonic_ns() - started_ns)
+        return session.caller
+
+    def _authenticate(self, inbound: Inbound) -> Session:
+        found = self.directory.at(inbound.sender)
+        if found is None:
+            self.turned_away += 1
+            raise Unrecognised(STRANGER)
+        person, key = found
+        if key.revoked_ns is not None:
+            self.turned_away += 1
+            raise Unrecognised(ENDED)
+        caller = Caller(person.id, person.name, inbound.sender, key.id, self._session_key())
+        return Session(caller, key)
+
+    def _session_key(self) -> str:
+        """Return the id of a new session key: a hash, so that no list of them lets anybody in."""
+        secret = self._entropy.token(SESSION_BYTES)
+        return urlsafe_b64encode(blake2b(secret, digest_size=12).digest()).decode()
+
+    def enrol(self, person: Principal, key: AuthorisationKey) -> None:
+        """Make a person known from now on."""
+        self.directory.enrol(person)
+        self.directory.add_key(key)
+        self._forget(person.id)
+
+    def revoke(self, key_id: KeyId) -> PrincipalId | None:
+        """End a key: the very next message under it is turned away. Return whose it was."""
+        key = self.directory.revoke(key_id, self._clock.wall_ns())
+        if key is None:
+            return None
+        self._forget(key.principal)
+        return key.principal
+
+    def _forget(self, principal: PrincipalId) -> None:
+        gone = [w for w, s in self._sessions.items() if s.caller.principal == principal]
+        for where in gone:
+            del self._sessions[where]
+
+    def company(self, chat: Chat) -> frozenset[PrincipalId]:
+        """Return who was recognised in a chat; for a stop that carries nobody's id (I17)."""
+        return frozenset(
+            session.caller.principal
+            for (platform, _, where), session in self._sessions.items()
+            if platform == chat.platform and where == chat.id
+        )
+
+    def times_to_authenticate_s(self) -> tuple[float, ...]:
+        """Return the newest measured times in seconds, oldest first."""
+        return tuple(ns / 1e9 for ns in self._times_ns)

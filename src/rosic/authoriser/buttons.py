@@ -1,0 +1,75 @@
+"""What a tap stands for: a nonce bound to a person, a chat, a content and a time (I16)."""
+
+from __future__ import annotations
+
+from base64 import urlsafe_b64encode
+from collections import OrderedDict
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.identity import PrincipalId
+from rosic.errors import Expired, NotPermitted
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.core.message import Button, Inbound
+
+NONCE_BYTES = 16
+LIFETIME_NS = 60_000_000_000
+# A stop must work from any button that was ever shown, so its button carries the word itself:
+# whoever taps it has typed it.
+STOP_PREFIX = "stop "
+
+
+class _Bound(msgspec.Struct, frozen=True):
+    principal: PrincipalId
+    chat: str
+    command: str
+    issued_ns: int
+    issued_wall_ns: int
+
+
+class Buttons:
+    """Issues and redeems nonces. Bounded: the oldest buttons die first."""
+
+    def __init__(self, clock: Clock, entropy: Entropy, *, at_most: int = 20_000) -> None:
+        self._clock = clock
+        self._entropy = entropy
+        self._at_most = at_most
+        self._bound: OrderedDict[str, _Bound] = OrderedDict()
+
+    def issue(self, button: Button, principal: PrincipalId, chat: str) -> Button:
+        """Return the button with a nonce for this person in this chat."""
+        if button.command == "stop" or button.command.startswith(STOP_PREFIX):
+            return msgspec.structs.replace(button, nonce=button.command)
+        nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
+        self._bound[nonce] = _Bound(
+            principal, chat, button.command, self._clock.monotonic_ns(), self._clock.wall_ns()
+        )
+        if len(self._bound) > self._at_most:
+            self._bound.popitem(last=False)
+        return msgspec.structs.replace(button, nonce=nonce)
+
+    def redeem(self, nonce: str, principal: PrincipalId, inbound: Inbound) -> str:
+        """Return what the tap says, and void the button.
+
+        A tap by another person does not use the button up.
+
+        Raises:
+            NotPermitted: The button was shown to somebody else.
+            Expired: Too old, used already, or shown before a gap in listening.
+        """
+        bound = self._bound.get(nonce)
+        if bound is None:
+            raise Expired("This button is no longer good. Nothing was done.")
+        if bound.principal != principal or bound.chat != inbound.chat.id:
+            raise NotPermitted("This question was asked of somebody else.")
+        del self._bound[nonce]
+        age_ns = self._clock.monotonic_ns() - bound.issued_ns
+        if age_ns > LIFETIME_NS or bound.issued_wall_ns < inbound.listening_since_ns:
+            raise Expired(
+                "This button is too old. Nothing was done.", offers=(bound.command.lstrip("?"),)
+            )
+        return bound.command

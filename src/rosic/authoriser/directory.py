@@ -1,0 +1,82 @@
+"""Who is known, at which address, under which key. In memory; the record is the truth."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.core.identity import Address, AuthorisationKey, KeyId, Principal, PrincipalId
+
+
+class Directory:
+    """Everybody, by id, by address and by name.
+
+    Each principal has one current key: the newest that is not revoked.
+    """
+
+    def __init__(self) -> None:
+        self._people: dict[PrincipalId, Principal] = {}
+        self._keys: dict[KeyId, AuthorisationKey] = {}
+        self._current: dict[PrincipalId, AuthorisationKey] = {}
+        self._at: dict[tuple[str, str], PrincipalId] = {}
+
+    def enrol(self, person: Principal) -> None:
+        """Add or replace a person."""
+        before = self._people.get(person.id)
+        for address in before.addresses if before else ():
+            self._at.pop((address.platform, address.account), None)
+        self._people[person.id] = person
+        for address in person.addresses:
+            self._at[address.platform, address.account] = person.id
+
+    def add_key(self, key: AuthorisationKey) -> None:
+        """Add a key; it becomes its principal's current one unless it is revoked."""
+        self._keys[key.id] = key
+        current = self._current.get(key.principal)
+        if current is None or current.revoked_ns is not None or key.revoked_ns is None:
+            self._current[key.principal] = key
+
+    def revoke(self, key_id: KeyId, at_ns: int) -> AuthorisationKey | None:
+        """Mark a key revoked, for ever; return it, or None if there is no such key."""
+        key = self._keys.get(key_id)
+        if key is None:
+            return None
+        revoked = msgspec.structs.replace(key, revoked_ns=at_ns)
+        self._keys[key_id] = revoked
+        if self._current.get(key.principal) == key:
+            self._current[key.principal] = revoked
+        return revoked
+
+    def at(self, address: Address) -> tuple[Principal, AuthorisationKey] | None:
+        """Return who is at an address, and their current key."""
+        principal = self._at.get((address.platform, address.account))
+        if principal is None:
+            return None
+        key = self._current.get(principal)
+        return (self._people[principal], key) if key is not None else None
+
+    def person(self, principal: PrincipalId) -> Principal | None:
+        """Return a person by id."""
+        return self._people.get(principal)
+
+    def named(self, name: str) -> tuple[Principal, ...]:
+        """Return everybody who is shown under a name; for commands of the operator only."""
+        wanted = name.casefold()
+        return tuple(p for p in self._people.values() if p.name.casefold() == wanted)
+
+    def name(self, principal: PrincipalId) -> str:
+        """Return how a person is shown."""
+        person = self._people.get(principal)
+        return person.name if person else "somebody"
+
+    def people(self) -> Iterable[Principal]:
+        """Return everybody."""
+        return self._people.values()
+
+    def key_of(self, principal: PrincipalId) -> AuthorisationKey | None:
+        """Return a principal's current key."""
+        return self._current.get(principal)

@@ -1,0 +1,1 @@
+"""What exactly do they mean? And it is on disk before anything moves."""

@@ -1,0 +1,209 @@
+"""The paper's container: PROCESSCOMMAND of Algorithm 1, and the durable claim.
+
+Parameters are completed, converted to SI and bounded; then the order is written down; only then
+may anything move (I1, I9).
+"""
+
+from __future__ import annotations
+
+from hashlib import blake2b
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.container import letters
+from rosic.container.unit import PersonContainer, RobotContainer
+from rosic.core.language import Vocabulary, bind
+from rosic.core.order import Order, Outcome, Permit, Request
+from rosic.core.record import (
+    Claimed,
+    Concluded,
+    Letter,
+    Placed,
+    Refused,
+    Resumed,
+    Selected,
+    Told,
+)
+from rosic.errors import RecordUnavailable, Refusal, StoreFault
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.store import Store
+    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.message import Chat
+    from rosic.core.robot import RobotId
+    from rosic.core.skill import Argument
+
+DIGEST_BYTES = 16
+_digest_form = msgspec.json.Encoder(order="sorted").encode
+
+
+class Containers:
+    """One container per principal and per robot, and the record behind them."""
+
+    def __init__(
+        self,
+        vocabulary: Vocabulary,
+        store: Store,
+        clock: Clock,
+        numbers: Mapping[RobotId, int],
+    ) -> None:
+        self._vocabulary = vocabulary
+        self._store = store
+        self._clock = clock
+        self._people: dict[PrincipalId, PersonContainer] = {}
+        self._robots = {robot: RobotContainer(robot, n) for robot, n in numbers.items()}
+
+    def complete(self, request: Request) -> dict[str, Argument]:
+        """Return every parameter of the skill in SI, within its bounds.
+
+        Raises:
+            NotUnderstood, OutOfBounds: With what would be accepted. Nothing was written.
+        """
+        return bind(
+            self._vocabulary, request.robot, request.skill, request.spoken, group=request.group
+        )
+
+    async def prepare(
+        self,
+        permits: Sequence[Permit],
+        requests: Sequence[Request],
+        reply_to: letters.ReplyTo,
+        *,
+        start_ns: int | None = None,
+    ) -> tuple[Order, ...]:
+        """Turn permitted requests into orders and claim them: all on disk, or none exists.
+
+        Raises:
+            NotUnderstood, OutOfBounds: Nothing was written.
+            Repeated: This message was claimed or refused before. Nothing was written.
+            RecordUnavailable: The record cannot be written; nothing may move.
+        """
+        arguments = [self.complete(request) for request in requests]
+        orders = tuple(
+            [
+                Order(
+                    request.cid, request.robot, request.skill, values,
+                    self._robots[request.robot].next_number(), request.deadline_ns, permit,
+                    start_ns, request.sequel,
+                )
+                for permit, request, values in zip(permits, requests, arguments, strict=True)
+            ]
+        )  # fmt: skip
+        content = letters.encode(reply_to)
+        accepted_ns = self._clock.wall_ns()
+        claims = [
+            _claim(order, request, accepted_ns, content)
+            for order, request in zip(orders, requests, strict=True)
+        ]
+        try:
+            await self._store.write(*claims)
+        except StoreFault as fault:
+            raise RecordUnavailable(
+                "I cannot write down what is decided, so nothing may move. Stop still works. "
+                "The operator has to look at the disk."
+            ) from fault
+        return orders
+
+    async def refuse(
+        self, cid: bytes, caller: Caller, refusal: Refusal, answer: letters.Answer
+    ) -> None:
+        """Write a refusal down before it is told, so that a resend does not get another answer.
+
+        Raises:
+            Repeated: It was told before, or carried out.
+        """
+        letter = Letter(caller.principal, letters.encode(answer))
+        try:
+            await self._store.write(
+                Refused(
+                    cid=cid, principal=caller.principal, code=refusal.code,
+                    at_ns=self._clock.wall_ns(), letter=letter,
+                )
+            )  # fmt: skip
+        except StoreFault:
+            return  # the refusal stands and is told; nothing has moved
+
+    async def conclude(self, order: Order, outcome: Outcome, words: str) -> bool:
+        """Write an outcome down before it is told. Return whether it is on disk."""
+        try:
+            await self._store.write(
+                Concluded(
+                    cid=order.cid, ending=outcome.ending.value, at_ns=self._clock.wall_ns(),
+                    letter=Letter(order.permit.principal, words.encode("utf-8", "replace")),
+                )
+            )  # fmt: skip
+        except StoreFault:
+            return False
+        return True
+
+    async def place(self, cid: bytes, principal: PrincipalId, shown: letters.Shown) -> None:
+        """Write down which message shows a life, before that message says how it ended."""
+        try:
+            await self._store.write(
+                Placed(cid=cid, letter=Letter(principal, letters.encode(shown)))
+            )
+        except StoreFault:
+            return  # a later run would say it in a new message
+
+    async def resume(self, cid: bytes, caller: Caller, robot: RobotId, generation: int) -> None:
+        """Write a resume down before its effect.
+
+        Raises:
+            Repeated: This message resumed before.
+            RecordUnavailable: Not written; the robot stays stopped.
+        """
+        try:
+            await self._store.write(
+                Resumed(
+                    cid=cid, robot=robot, generation=generation, principal=caller.principal,
+                    at_ns=self._clock.wall_ns(),
+                )
+            )  # fmt: skip
+        except StoreFault as fault:
+            raise RecordUnavailable(
+                f"I cannot write this down, so {robot} stays stopped."
+            ) from fault
+
+    def told(self, cid: bytes) -> None:
+        """Note that the author knows how it ended."""
+        self._store.note(Told(cid=cid, at_ns=self._clock.wall_ns()))
+
+    def selected(self, principal: PrincipalId, chat: Chat) -> str:
+        """Return the robot or group that a person chose in a chat, empty for none."""
+        container = self._people.get(principal)
+        return container.selected(chat_digest(chat)) if container is not None else ""
+
+    def select(self, principal: PrincipalId, chat: Chat, name: str) -> None:
+        """Choose a robot or a group for a person in a chat."""
+        digest = chat_digest(chat)
+        self.restore_selection(principal, digest, name)
+        self._store.note(Selected(principal=principal, chat=digest, robot=name))
+
+    def restore_selection(self, principal: PrincipalId, chat: bytes, name: str) -> None:
+        """Take over a choice from the record."""
+        container = self._people.get(principal)
+        if container is None:
+            container = self._people[principal] = PersonContainer(principal)
+        container.select(chat, name)
+
+
+def chat_digest(chat: Chat) -> bytes:
+    """Return what stands for a chat in the open part of the record."""
+    return blake2b(f"{chat.platform}:{chat.id}".encode(), digest_size=DIGEST_BYTES).digest()
+
+
+def _claim(order: Order, request: Request, accepted_ns: int, content: bytes) -> Claimed:
+    permit = order.permit
+    lifetime_ns = int(order.skill.order_lifetime_s * 1e9)
+    said = _digest_form((order.skill.id, order.arguments))
+    return Claimed(
+        cid=order.cid, principal=permit.principal, key=permit.key, robot=order.robot,
+        skill=order.skill.id, n=order.n, fence=permit.fence, new_fence=permit.new_fence,
+        stop_generation=permit.stop_generation, epoch=permit.epoch,
+        digest=blake2b(said, digest_size=DIGEST_BYTES).digest(), accepted_ns=accepted_ns,
+        expires_ns=request.sent_ns + lifetime_ns, letter=Letter(permit.principal, content),
+    )  # fmt: skip

@@ -1,0 +1,45 @@
+"""What the record keeps so that another run can answer: sealed by the store, never in the open."""
+
+from __future__ import annotations
+
+import msgspec
+
+from rosic.core.message import Chat
+
+
+class ReplyTo(msgspec.Struct, frozen=True):
+    """Where a request came from and how its life is shown.
+
+    Attributes:
+        messenger: Name of the configured messenger.
+        message: Id of the message answered; empty for a tap.
+        title: First line of the card: ``KUKA iiwa: grasp, 15 N``.
+    """
+
+    messenger: str
+    chat: Chat
+    message: str
+    title: str
+
+
+class Answer(msgspec.Struct, frozen=True):
+    """A refusal as it was or would have been told."""
+
+    messenger: str
+    chat: Chat
+    message: str
+    text: str
+
+
+class Shown(msgspec.Struct, frozen=True):
+    """The message in which a life is shown."""
+
+    messenger: str
+    chat: Chat
+    message: str
+
+
+encode = msgspec.msgpack.Encoder().encode
+read_reply_to = msgspec.msgpack.Decoder(ReplyTo).decode
+read_answer = msgspec.msgpack.Decoder(Answer).decode
+read_shown = msgspec.msgpack.Decoder(Shown).decode

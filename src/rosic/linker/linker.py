@@ -1,0 +1,160 @@
+"""The paper's linker: RELAYCOMMAND of Algorithm 1, and the stop lane."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from rosic.core.order import Order, Outcome, Rest, Stop
+from rosic.core.robot import Busy, Presence, Profile, RobotId
+from rosic.errors import RosicError, StoreFault
+from rosic.linker.mailbox import Mailbox
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import Robot, Tell
+    from rosic.contracts.store import Latch
+    from rosic.core.identity import PrincipalId
+    from rosic.core.stopboard import StopBoard
+
+
+class PolicyMoved(RosicError):
+    """The policy changed since the order was admitted: it has to be admitted once more (I8)."""
+
+    code = "policy-moved"
+
+
+class Halting:
+    """A stop under way: handed to every adapter already, rest not measured yet.
+
+    Attributes:
+        rests: One task per robot.
+        latched: Done when the stop would survive a power cut; its result says whether.
+    """
+
+    __slots__ = ("latched", "rests")
+
+    def __init__(
+        self, rests: dict[RobotId, asyncio.Task[Rest]], latched: asyncio.Task[bool]
+    ) -> None:
+        self.rests = rests
+        self.latched = latched
+
+
+class Linker:
+    """Routes to robots.
+
+    Attributes:
+        epoch: Number of the present policy; an order admitted under another one is not relayed.
+    """
+
+    def __init__(
+        self, robots: Mapping[RobotId, Robot], stops: StopBoard, latch: Latch, clock: Clock
+    ) -> None:
+        self.epoch = 0
+        self._robots = dict(robots)
+        self._mailboxes = {robot_id: Mailbox(robot, clock) for robot_id, robot in robots.items()}
+        self._stops = stops
+        self._latch = latch
+        self._clock = clock
+        self._latching: set[asyncio.Task[bool]] = set()
+
+    async def turn(self, order: Order, tell: Tell) -> None:
+        """Wait until the robot may be given this order. ``leave`` must follow.
+
+        Raises:
+            RobotBusy, OrderVoid: The robot has not moved because of it; no ``leave`` is due.
+        """
+        await self._mailboxes[order.robot].turn(order, tell)
+
+    def leave(self, order: Order) -> None:
+        """Let the next order have its turn."""
+        self._mailboxes[order.robot].leave()
+
+    async def dispatch(self, order: Order, tell: Tell) -> Outcome:
+        """Relay an order whose turn it is, and return what the robot really did.
+
+        Raises:
+            PolicyMoved: Not relayed; admit it once more, its turn is kept.
+            OrderVoid, RobotOffline: The robot has not moved.
+            RobotUnreachable: It may or may not have moved.
+        """
+        if order.permit.epoch != self.epoch:
+            raise PolicyMoved("The rights have changed meanwhile.")
+        robot = self._robots[order.robot]
+        if robot.profile.busy is not Busy.REPLACE:
+            return await robot.execute(order, tell)
+        mailbox = self._mailboxes[order.robot]
+        task = asyncio.create_task(robot.execute(order, tell))
+        mailbox.running = task
+        try:
+            return await task
+        finally:
+            mailbox.running = None
+
+    def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> Halting:
+        """Stop robots. On return the stop is latched in memory and handed to every adapter.
+
+        Needs nothing but this process: no disk, no database, no queue (I10).
+        """
+        at_ns = self._clock.wall_ns()
+        stops = [Stop(robot, self._stops.stop(robot, by, at_ns)) for robot in robots]
+        rests: dict[RobotId, asyncio.Task[Rest]] = {}
+        for stop in stops:
+            self._mailboxes[stop.robot].clear()
+            robot = self._robots[stop.robot]
+            robot.gate.apply_stop(stop)
+            rests[stop.robot] = asyncio.create_task(robot.stop(stop))
+        latched = asyncio.create_task(self._write_latch(stops))
+        self._latching.add(latched)
+        latched.add_done_callback(self._latching.discard)
+        return Halting(rests, latched)
+
+    async def _write_latch(self, stops: Iterable[Stop]) -> bool:
+        written = await asyncio.gather(
+            *(self._latch.write(s.robot, s.generation, latched=True) for s in stops),
+            return_exceptions=True,
+        )
+        return not any(isinstance(result, BaseException) for result in written)
+
+    async def resume(self, robot_id: RobotId, generation: int) -> None:
+        """Undo a stop of a generation, if no later one has come. The robot does not move.
+
+        Raises:
+            RobotUnreachable: The robot's side did not answer; it stays stopped.
+            StoreFault: The latch cannot be written; it stays stopped after a restart.
+        """
+        robot = self._robots[robot_id]
+        await robot.resume(generation)
+        self._stops.resume(robot_id, generation)
+        # A stop's own entry must not be written after the one that undoes it.
+        await asyncio.gather(*self._latching)
+        if not self._stops[robot_id].latched:
+            await self._latch.write(robot_id, generation, latched=False)
+
+    def hold(self, robot_id: RobotId) -> int:
+        """Latch a robot without moving it: nobody knows what its last order did."""
+        generation = self._stops.stop(robot_id, "", self._clock.wall_ns())
+        self._robots[robot_id].gate.apply_stop(Stop(robot_id, generation))
+        return generation
+
+    async def hold_for_good(self, robot_id: RobotId, generation: int) -> None:
+        """Make a hold survive; one that cannot be written holds in memory all the same."""
+        try:
+            await self._latch.write(robot_id, generation, latched=True)
+        except StoreFault:
+            return
+
+    def presence(self, robot: RobotId) -> Presence:
+        """Return what the robot's side last said."""
+        return self._robots[robot].presence()
+
+    def profile(self, robot: RobotId) -> Profile:
+        """Return a robot's profile."""
+        return self._robots[robot].profile
+
+    def waiting(self, robot: RobotId) -> int:
+        """Return how many orders wait for a robot."""
+        return len(self._mailboxes[robot])

@@ -1,0 +1,1 @@
+"""May they, now? Rights, rates and who has which robot."""

@@ -1,0 +1,108 @@
+"""Questions that move nothing: status, help, robots, use. And the menu they are answered with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core import words
+from rosic.core.language import Help, Line, Status, Use
+from rosic.core.message import Button, Chat
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.core.identity import Caller
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.rooms import Rooms
+
+BUTTONS_A_ROW = 3
+EXAMPLES = 3
+
+
+class Reply(msgspec.Struct, frozen=True):
+    """A text and its buttons, not bound to anybody yet."""
+
+    text: str
+    buttons: tuple[tuple[Button, ...], ...] = ()
+
+
+class Desk:
+    """Answers from memory; reads only what its asker may see (I11)."""
+
+    def __init__(self, rooms: Rooms) -> None:
+        self._organiser = rooms.organiser
+        self._container = rooms.container
+        self._linker = rooms.linker
+        self._vocabulary = rooms.vocabulary
+        self._board = rooms.board
+        self._profiles = rooms.profiles
+
+    def answer(self, caller: Caller, chat: Chat, line: Line) -> Reply:
+        """Answer a line that moves nothing."""
+        visible = self._organiser.visible(caller.principal)
+        if not visible:
+            return Reply(words.NOTHING_VISIBLE)
+        if isinstance(line, Status):
+            return Reply("\n".join(self._status(robot) for robot in line.robots or sorted(visible)))
+        if isinstance(line, Use):
+            return self._use(caller, chat, line)
+        if isinstance(line, Help) and line.topic:
+            topics = [self._profiles[robot] for robot in self.members(line.topic)]
+            return Reply("\n".join(words.help_for(p) for p in topics if p.id in visible))
+        if isinstance(line, Help):
+            return Reply(words.help_for_all(self._examples(visible)), self._robots(visible))
+        return Reply("Which robot?", self._robots(visible))
+
+    def members(self, name: str) -> tuple[RobotId, ...]:
+        """Return the robots that a choice means: one, a group's, or none."""
+        return (name,) if name in self._profiles else self._vocabulary.members(name)
+
+    def _status(self, robot: RobotId) -> str:
+        holder = self._organiser.holder(robot)
+        stopped = self._board[robot]
+        name_of = self._organiser.name_of
+        by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None
+        return words.status_line(
+            self._profiles[robot],
+            self._linker.presence(robot),
+            holder=name_of(holder) if holder else "",
+            stopped_by=by,
+            waiting=self._linker.waiting(robot),
+        )
+
+    def _use(self, caller: Caller, chat: Chat, line: Use) -> Reply:
+        self._container.select(caller.principal, chat, line.name)
+        if not line.name:
+            return Reply("No robot is chosen now. Say its name with each command.")
+        profile = self._profiles.get(line.name)
+        if profile is None:
+            return Reply(f"{line.name}: chosen. Its name may be left out now.")
+        buttons = [Button(words.label(s), f"?{line.name} {words.spoken(s)}")
+                   for s in profile.skills.values()
+                   if self._organiser.policy.allows(caller.principal, profile.id, s.id)
+                   and not any(p.text for p in s.parameters.values())]  # fmt: skip
+        stop = Button("STOP", f"stop {line.name}")
+        text = f"{self._status(profile.id)}\nIts name may be left out now."
+        return Reply(text, (*rows(buttons), (stop,)))
+
+    def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:
+        return rows([Button(self._profiles[r].shown, f"use {r}") for r in sorted(visible)])
+
+    def _examples(self, visible: Iterable[RobotId]) -> list[str]:
+        examples: list[str] = []
+        for robot in sorted(visible):
+            for skill in self._profiles[robot].skills.values():
+                given = [p for p in skill.parameters.values() if p.default is None]
+                if not given:
+                    examples.append(f"{robot} {words.spoken(skill)}")
+                    break
+        return examples[:EXAMPLES]
+
+
+def rows(buttons: list[Button]) -> tuple[tuple[Button, ...], ...]:
+    """Lay buttons out, a few a row."""
+    return tuple(
+        tuple(buttons[i : i + BUTTONS_A_ROW]) for i in range(0, len(buttons), BUTTONS_A_ROW)
+    )

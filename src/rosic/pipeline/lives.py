@@ -1,0 +1,123 @@
+"""From a claimed order to an outcome that was told: relay, durable outcome, tell. In that order."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from functools import partial
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.language import clean
+from rosic.core.order import Ending, Order, Outcome, Report
+from rosic.errors import Refusal, RobotUnreachable
+from rosic.linker.linker import Linker, PolicyMoved
+
+if TYPE_CHECKING:
+    from rosic.container.container import Containers
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import Caller
+    from rosic.organiser.organiser import Organiser
+    from rosic.pipeline.cards import Card
+    from rosic.pipeline.telling import Teller
+
+AT_MOST = 20_000
+NOTE_AT_MOST = 400
+
+log = logging.getLogger("rosic.pipeline")
+
+
+class Lives:
+    """Every order under way, each in a task of its own: a long motion blocks nobody else."""
+
+    def __init__(
+        self,
+        organiser: Organiser,
+        container: Containers,
+        linker: Linker,
+        teller: Teller,
+        clock: Clock,
+    ) -> None:
+        self._organiser = organiser
+        self._container = container
+        self._linker = linker
+        self._teller = teller
+        self._clock = clock
+        self._tasks: set[asyncio.Task[None] | None] = set()
+        # Those whose outcome is not known yet; once it is, nothing may keep it from being told.
+        self._moving: set[asyncio.Task[None] | None] = set()
+
+    def __len__(self) -> int:
+        return len(self._tasks)
+
+    def begin(self, order: Order, caller: Caller, card: Card) -> None:
+        """Let a claimed order live. It will end, and its end will be told."""
+        task = asyncio.create_task(self._live(order, caller, card))
+        self._tasks.add(task)
+        self._moving.add(task)
+
+    async def _live(self, order: Order, caller: Caller, card: Card) -> None:
+        try:
+            try:
+                outcome = await self._relay(order, caller, card)
+            except asyncio.CancelledError:
+                outcome = Outcome(Ending.CANCELLED, "ROSIC was shut down")
+            self._moving.discard(asyncio.current_task())
+            words = card.wording(order.cid, outcome, self._clock.wall_ns())
+            await self._container.conclude(order, outcome, words)
+            self._organiser.settle(order.permit)
+            # Not before it is on disk: whoever reads the card meanwhile must not find the ending.
+            card.end(order.cid, words)
+            self._teller.show(card)
+        finally:
+            self._tasks.discard(asyncio.current_task())
+
+    async def _relay(self, order: Order, caller: Caller, card: Card) -> Outcome:
+        """RELAYCOMMAND: return what the robot did, whatever happens."""
+        if len(self._tasks) > AT_MOST:
+            return Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code="full")
+        tell = partial(self._report, card, order)
+        try:
+            await self._linker.turn(order, tell)
+            try:
+                return inert(await self._relay_in_turn(order, caller, card))
+            finally:
+                self._linker.leave(order)
+        except Refusal as refusal:
+            return Outcome(Ending.REFUSED, str(refusal), code=refusal.code)
+        except RobotUnreachable as fault:
+            log.warning("order %d of %s: %s", order.n, order.robot, fault)
+            return Outcome(Ending.UNKNOWN, f"{fault} Please look.", code=fault.code)
+        except Exception:
+            log.exception("order %d of %s", order.n, order.robot)
+            return Outcome(Ending.UNKNOWN, "Something went wrong here. Please look.", code="fault")
+
+    async def _relay_in_turn(self, order: Order, caller: Caller, card: Card) -> Outcome:
+        tell = partial(self._report, card, order)
+        while True:
+            try:
+                return await self._linker.dispatch(order, tell)
+            except PolicyMoved:
+                permit = self._organiser.readmit(caller, order)
+                order = msgspec.structs.replace(order, permit=permit)
+
+    def _report(self, card: Card, order: Order, report: Report) -> None:
+        if report.note:
+            report = Report(report.stage, report.fraction, clean(report.note)[:NOTE_AT_MOST])
+        card.step(order.cid, report, self._clock.wall_ns())
+        self._teller.update(card)
+
+    async def close(self) -> None:
+        """Cancel what is under way: robots come to rest, the outcomes are written and told."""
+        for task in tuple(self._moving):
+            if task is not None:
+                task.cancel()
+        await asyncio.gather(*filter(None, self._tasks), return_exceptions=True)
+
+
+def inert(outcome: Outcome) -> Outcome:
+    """Return the outcome with a robot's words stripped of what could act on a reader."""
+    if not outcome.note:
+        return outcome
+    return msgspec.structs.replace(outcome, note=clean(outcome.note)[:NOTE_AT_MOST])

@@ -1,0 +1,167 @@
+"""After an interruption: what nobody saw the end of is unknown, said so, and never repeated."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from rosic.container.letters import Answer, ReplyTo, read_answer, read_reply_to, read_shown
+from rosic.core import words
+from rosic.core.message import Outbound
+from rosic.core.order import Ending
+from rosic.core.record import Concluded, Letter, Unfinished
+from rosic.errors import StoreFault
+from rosic.pipeline.telling import Note, Teller
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.contracts.store import Store
+    from rosic.core.identity import CommandId
+    from rosic.linker.linker import Linker
+
+log = logging.getLogger("rosic.recovery")
+
+
+class Told(NamedTuple):
+    """Lives that one line gave, and where to say how they ended.
+
+    Attributes:
+        shown: Id of the message that shows them; empty when none is known.
+    """
+
+    origin: ReplyTo
+    shown: str
+    lives: list[Unfinished]
+
+
+class Recovery:
+    """Finishes what the last run could not (safety.md, crash recovery)."""
+
+    def __init__(
+        self,
+        store: Store,
+        linker: Linker,
+        teller: Teller,
+        clock: Clock,
+        messengers: Mapping[str, Messenger],
+    ) -> None:
+        self._store = store
+        self._linker = linker
+        self._teller = teller
+        self._clock = clock
+        self._messengers = messengers
+
+    async def settle(self, unfinished: Iterable[Unfinished], exists: Callable[[str], bool]) -> int:
+        """Hold robots in doubt, write the missing outcomes, tell what was not told.
+
+        Args:
+            unfinished: From the store, at start.
+            exists: Whether a robot is still configured.
+
+        Returns:
+            How many lives were settled.
+        """
+        settled: list[Unfinished] = []
+        for life in unfinished:
+            if life.ending is None:
+                if exists(life.robot):
+                    await self._linker.hold_for_good(life.robot, self._linker.hold(life.robot))
+                if not await self._conclude(life):
+                    continue  # the next start finds it again
+            settled.append(life)
+        for told in self._together(settled):
+            self._tell(told, exists)
+        return len(settled)
+
+    async def _conclude(self, life: Unfinished) -> bool:
+        try:
+            await self._store.write(
+                Concluded(
+                    cid=life.cid, ending=Ending.UNKNOWN.value, at_ns=self._clock.wall_ns(),
+                    letter=Letter(life.principal, b""),
+                )
+            )  # fmt: skip
+        except StoreFault:
+            log.exception("an interrupted order could not be settled")
+            return False
+        return True
+
+    def _together(self, lives: Iterable[Unfinished]) -> Iterable[Told]:
+        """Repeat answers; return the rest, robots that one line commanded together."""
+        cards: dict[tuple[str, ...] | CommandId, Told] = {}
+        for life in lives:
+            if life.claim is None:
+                continue  # erased with its container: there is nobody to tell
+            try:
+                # A refusal names no robot; an order that was refused later does.
+                if life.robot:
+                    shown = "" if life.placed is None else read_shown(life.placed).message
+                    _put_together(cards, Told(read_reply_to(life.claim), shown, [life]))
+                else:
+                    self._repeat_answer(life, read_answer(life.claim))
+            except msgspec.DecodeError:
+                log.exception("a letter of the last run cannot be read")
+        return cards.values()
+
+    def _repeat_answer(self, life: Unfinished, answer: Answer) -> None:
+        text = words.said_again(answer.text)
+        self._say(answer.messenger, Outbound(chat=answer.chat, text=text, reply_to=answer.message),
+                  [life])  # fmt: skip
+
+    def _tell(self, told: Told, exists: Callable[[str], bool]) -> None:
+        origin, lives = told.origin, told.lives
+        shown = [
+            self._linker.profile(life.robot).shown if exists(life.robot) else life.robot
+            for life in lives
+        ]
+        if len(lives) == 1 and origin.title.startswith(f"{shown[0]}:"):
+            text = _ended(origin.title, lives[0])
+        else:  # in the order in which the line named them, which is that of their claims
+            ends = [_ended(f"{name}:", life) for name, life in zip(shown, lives, strict=True)]
+            text = "\n".join([origin.title, *ends])
+        # Without a message to edit it may be the second time, unless the end was not known before.
+        if not told.shown and any(life.ending is not None for life in lives):
+            text = words.said_again(text)
+        reply_to = "" if told.shown else origin.message
+        outbound = Outbound(chat=origin.chat, text=text, reply_to=reply_to)
+        self._say(origin.messenger, outbound, lives, edit_of=told.shown)
+
+    def _say(
+        self,
+        messenger_name: str,
+        outbound: Outbound,
+        lives: list[Unfinished],
+        *,
+        edit_of: str = "",
+    ) -> None:
+        messenger = self._messengers.get(messenger_name)
+        if messenger is None:
+            return  # no longer configured; the record keeps it
+        first, *also = [life.cid for life in lives]
+        self._teller.say(Note(messenger, outbound, first, edit_of, tuple(also)))
+
+
+def _ended(title: str, life: Unfinished) -> str:
+    if life.ending is None or (life.ending == Ending.UNKNOWN.value and not life.words):
+        return words.unknown_after_restart(title)
+    return f"{title}\n{(life.words or b'').decode('utf-8', 'replace')}"
+
+
+def _put_together(cards: dict[tuple[str, ...] | CommandId, Told], told: Told) -> None:
+    """Add a life to the card of its line, unless it is known to be shown in another message."""
+    origin, shown, [life] = told
+    where = origin.message or shown
+    key: tuple[str, ...] | CommandId = life.cid
+    if where:
+        key = (origin.messenger, origin.chat.id, where, origin.title)
+        if key in cards and shown and cards[key].shown not in ("", shown):
+            key = (*key, shown)
+    before = cards.setdefault(key, told)
+    if before is not told:
+        before.lives.append(life)
+        cards[key] = before._replace(shown=before.shown or shown)

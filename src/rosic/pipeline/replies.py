@@ -1,0 +1,112 @@
+"""Short answers that are no life: to a question, a refusal, a tap, a stranger."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.container.letters import Answer
+from rosic.core.message import Button, ChatKind, Outbound
+from rosic.core.rate import Bucket, RateLimit
+from rosic.errors import Refusal, Repeated
+from rosic.pipeline.telling import Note, Teller
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Caller, CommandId
+    from rosic.core.message import Inbound
+    from rosic.pipeline.rooms import Rooms
+
+LEAVE = "leave it"
+STRANGERS = RateLimit(burst=5.0, per_s=0.2)
+
+
+class Replies:
+    """Gives answers to the teller, with buttons bound to the one who is answered."""
+
+    def __init__(self, rooms: Rooms, teller: Teller, clock: Clock) -> None:
+        self._authoriser = rooms.authoriser
+        self._container = rooms.container
+        self._teller = teller
+        self._clock = clock
+        self._strangers = Bucket(STRANGERS, clock.monotonic_ns())
+
+    def say(
+        self,
+        messenger: Messenger,
+        inbound: Inbound,
+        text: str,
+        *,
+        cid: CommandId | None = None,
+    ) -> None:
+        """Answer without buttons."""
+        outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound))
+        self._teller.say(Note(messenger, outbound, cid, inbound.under))
+
+    def offer(
+        self,
+        messenger: Messenger,
+        inbound: Inbound,
+        caller: Caller,
+        text: str,
+        buttons: tuple[tuple[Button, ...], ...],
+        *,
+        cid: CommandId | None = None,
+    ) -> None:
+        """Answer with buttons that only this person, in this chat, can use, once (I16)."""
+        issue, chat = self._authoriser.buttons.issue, inbound.chat.id
+        bound = tuple(tuple(issue(b, caller.principal, chat) for b in row) for row in buttons)
+        outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
+        self._teller.say(Note(messenger, outbound, cid, inbound.under))
+
+    def ask_first(
+        self, messenger: Messenger, inbound: Inbound, caller: Caller, command: str
+    ) -> None:
+        """Ask once before a skill that was tapped moves anything."""
+        buttons = ((Button("Do it", command), Button("Leave it", LEAVE)),)
+        self.offer(messenger, inbound, caller, f"{command}?", buttons)
+
+    async def refuse(
+        self,
+        messenger: Messenger,
+        inbound: Inbound,
+        caller: Caller,
+        cid: CommandId,
+        refusal: Refusal,
+    ) -> None:
+        """Write a refusal down, then tell it, once."""
+        if refusal.silent:
+            return
+        answer = Answer(messenger.name, inbound.chat, reply_id(inbound), str(refusal))
+        try:
+            await self._container.refuse(cid, caller, refusal, answer)
+        except Repeated:
+            return  # the same message was settled before
+        buttons = tuple((Button(offer, offer),) for offer in refusal.offers)
+        self.offer(messenger, inbound, caller, str(refusal), buttons, cid=cid)
+
+    def turn_away(self, messenger: Messenger, inbound: Inbound, sentence: str) -> None:
+        """Answer a stranger in private, seldom; all strangers share one bucket."""
+        private = inbound.chat.kind is ChatKind.PRIVATE
+        if private and not self._strangers.take(self._clock.monotonic_ns()):
+            self.say(messenger, inbound, sentence)
+
+    async def redeem(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> str:
+        """Return what a tap says; the tap itself is answered in any case.
+
+        Raises:
+            Repeated: The button is no longer good, or somebody else's; the tap was told so.
+        """
+        nonce = inbound.nonce or ""
+        try:
+            command = self._authoriser.buttons.redeem(nonce, caller.principal, inbound)
+        except Refusal as refusal:
+            await messenger.answer_tap(inbound, str(refusal))
+            raise Repeated(str(refusal)) from refusal
+        await messenger.answer_tap(inbound, "")
+        return command
+
+
+def reply_id(inbound: Inbound) -> str:
+    """Return the id of the message to answer; a tap has none."""
+    return "" if inbound.nonce is not None else inbound.message

@@ -1,0 +1,84 @@
+"""Resume: a stop is undone only by somebody who may, explicitly, and on disk first."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core import words
+from rosic.core.identity import Caller, CommandId, robot_command_id
+from rosic.errors import Expired, Fault, NotUnderstood, RecordUnavailable
+
+if TYPE_CHECKING:
+    from rosic.container.container import Containers
+    from rosic.core.language import Resume
+    from rosic.core.message import Inbound
+    from rosic.core.robot import RobotId
+    from rosic.core.stopboard import StopBoard
+    from rosic.linker.linker import Linker
+    from rosic.organiser.organiser import Organiser
+
+
+RESUME_LIFETIME_NS = 30_000_000_000
+
+
+class Resuming:
+    """Undoes stops."""
+
+    def __init__(
+        self, organiser: Organiser, container: Containers, linker: Linker, board: StopBoard
+    ) -> None:
+        self._organiser = organiser
+        self._container = container
+        self._linker = linker
+        self._board = board
+
+    async def resume(self, caller: Caller, inbound: Inbound, line: Resume, cid: CommandId) -> str:
+        """Resume every robot of the line that is stopped. Return what to say.
+
+        Raises:
+            NotPermitted: Not this person; no robot was resumed.
+            NotUnderstood: Several are stopped, and it was not said which.
+            Expired: It is backlog, too old, or was received before the stop it would undo: stops
+                overtake, so an older resume can arrive after a younger stop (I5).
+            Repeated, RecordUnavailable: Robots not resumed so far stay stopped.
+        """
+        stopped = self._stopped(caller, line)
+        for robot in stopped:
+            self._organiser.check_resume(caller, robot)
+            self._check_later(inbound, robot)
+        for robot in stopped:
+            generation = self._board[robot].generation
+            robot_cid = robot_command_id(cid, robot)
+            await self._container.resume(robot_cid, caller, robot, generation)
+            try:
+                await self._linker.resume(robot, generation)
+            except Fault as fault:
+                shown = self._linker.profile(robot).shown
+                raise RecordUnavailable(f"{shown} stays stopped: {fault}") from fault
+        if not stopped:
+            return "Nothing is stopped there."
+        return words.resumed([self._linker.profile(robot).shown for robot in stopped])
+
+    def _check_later(self, inbound: Inbound, robot: RobotId) -> None:
+        old = inbound.received_ns - inbound.sent_ns > RESUME_LIFETIME_NS
+        if old or inbound.sent_ns < inbound.listening_since_ns:
+            raise Expired(
+                "You sent this while I could not listen. Nothing was done.",
+                offers=(f"resume {robot}",),
+            )
+        if inbound.received_ns <= self._board[robot].at_ns:
+            shown = self._linker.profile(robot).shown
+            raise Expired(
+                f"{shown} was stopped after you sent this. It stays stopped.",
+                offers=(f"resume {robot}",),
+            )
+
+    def _stopped(self, caller: Caller, line: Resume) -> list[RobotId]:
+        visible = self._organiser.visible(caller.principal)
+        stopped = [r for r in line.robots or sorted(visible) if self._board[r].latched]
+        if not line.robots and len(stopped) > 1:
+            raise NotUnderstood(
+                "Several robots are stopped. Say which one may go on.",
+                offers=tuple(f"resume {robot}" for robot in stopped),
+            )
+        return stopped

@@ -1,0 +1,128 @@
+"""The stop lane: before the grammar, never queued, limited, expired or void (I5, I10)."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Any
+
+from rosic.core import words
+from rosic.core.message import Inbound, Outbound
+from rosic.core.order import Rest
+from rosic.core.record import Stopped
+from rosic.errors import MessengerFault, Unrecognised
+
+if TYPE_CHECKING:
+    from collections.abc import Coroutine
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.contracts.store import Store
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.linker.linker import Halting
+    from rosic.pipeline.rooms import Rooms
+
+log = logging.getLogger("rosic.stop")
+
+
+class StopLane:
+    """Stops whatever its author may see."""
+
+    def __init__(self, rooms: Rooms, store: Store, clock: Clock) -> None:
+        self._authoriser = rooms.authoriser
+        self._organiser = rooms.organiser
+        self._linker = rooms.linker
+        self._board = rooms.board
+        self._profiles = rooms.profiles
+        self._vocabulary = rooms.vocabulary
+        self._store = store
+        self._clock = clock
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    async def stop(self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...]) -> None:
+        """Stop now; tell when rest was measured. On return every adapter has been told to stop.
+
+        A stranger's stop changes nothing: he sees no robot. A stop without an identity (an
+        anonymous admin, a channel) counts for the people recognised in that chat.
+        """
+        if inbound.tap:
+            self._spawn(messenger.answer_tap(inbound, ""))
+        by, visible = self._whose(inbound)
+        robots, _ = self._vocabulary.to_stop(names, visible)
+        if not robots:
+            return
+        halting = self._linker.stop(robots, by)
+        self._spawn(self._answer(messenger, inbound, halting))
+        self._note(robots, by)
+
+    def stop_all(self, by: PrincipalId) -> Halting:
+        """Stop everything, for the operator's own commands."""
+        halting = self._linker.stop(tuple(self._profiles), by)
+        self._note(tuple(self._profiles), by)
+        return halting
+
+    def _whose(self, inbound: Inbound) -> tuple[PrincipalId, frozenset[RobotId]]:
+        try:
+            caller = self._authoriser.identify(inbound)
+        except Unrecognised:
+            if inbound.standing.value not in ("anonymous", "channel"):
+                return "", frozenset()
+            company = self._authoriser.company(inbound.chat)
+            seen = [self._organiser.visible(principal) for principal in company]
+            return "", frozenset().union(*seen)
+        return caller.principal, self._organiser.visible(caller.principal)
+
+    def _note(self, robots: tuple[RobotId, ...], by: PrincipalId) -> None:
+        at_ns = self._clock.wall_ns()
+        self._store.note(
+            *(
+                Stopped(
+                    robot=robot, generation=self._board[robot].generation, principal=by,
+                    at_ns=at_ns,
+                )
+                for robot in robots
+            )
+        )  # fmt: skip
+
+    async def _answer(self, messenger: Messenger, inbound: Inbound, halting: Halting) -> None:
+        shown = [self._profiles[robot].shown for robot in halting.rests]
+        message = ""
+        if messenger.edits:
+            sent = Outbound(chat=inbound.chat, text=words.stopping(shown), urgent=True)
+            message = await self._say(messenger, sent, "")
+        rests = [await self._rest(robot, task) for robot, task in halting.rests.items()]
+        text = words.rests(self._profiles, rests)
+        if not await halting.latched:
+            text += " I could not write this down: after a restart, look before you move anything."
+        await self._say(messenger, Outbound(chat=inbound.chat, text=text, urgent=True), message)
+
+    async def _rest(self, robot: RobotId, task: asyncio.Task[Rest]) -> Rest:
+        try:
+            return await task
+        except Exception:
+            log.exception("the stop of %s failed", robot)
+            return Rest(robot, confirmed=False, seconds=0.0)
+
+    async def _say(self, messenger: Messenger, outbound: Outbound, message: str) -> str:
+        """Send or edit, with patience: the answer to a stop is worth trying again."""
+        for wait_s in (0.2, 0.5, 1.0, 2.0, 5.0):
+            try:
+                if message:
+                    await messenger.edit(message, outbound)
+                    return message
+                return await messenger.send(outbound)
+            except MessengerFault as fault:
+                log.warning("the answer to a stop was not told yet: %s", fault)
+                await self._clock.sleep(wait_s)
+        return ""
+
+    def _spawn(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def close(self) -> None:
+        """Wait for answers under way, briefly; robots are stopped already."""
+        if self._tasks:
+            await asyncio.wait(tuple(self._tasks), timeout=2.0)

@@ -1,0 +1,235 @@
+"""Tell: what goes back to a chat, in order, newest state first, an ending never lost while we live.
+
+One voice per chat speaks at a time, so that a chat is never overtaken by itself. A voice that has
+nothing to say costs nothing. What a stop answers does not wait for any of this.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from typing import TYPE_CHECKING, TypeAlias
+
+import msgspec
+
+from rosic.container.letters import Shown
+from rosic.contracts.messenger import Messenger
+from rosic.core.identity import CommandId
+from rosic.core.message import Chat, Outbound
+from rosic.errors import MessageGone, MessengerFault
+from rosic.pipeline.cards import Card
+
+if TYPE_CHECKING:
+    from rosic.container.container import Containers
+    from rosic.contracts.clock import Clock
+
+TRIES = 6
+# Between two edits that only show progress; endings never wait.
+PROGRESS_EVERY_S = 0.5
+FIRST_WAIT_S = 0.5
+UNSAID_AT_MOST = 512
+VOICES_AT_MOST = 10_000
+
+log = logging.getLogger("rosic.telling")
+
+
+class Note(msgspec.Struct):
+    """A message that stands for itself. ``cid`` and ``also`` are noted as told once it was sent."""
+
+    messenger: Messenger
+    outbound: Outbound
+    cid: CommandId | None = None
+    edit_of: str = ""
+    also: tuple[CommandId, ...] = ()
+
+
+_Item: TypeAlias = Card | Note
+
+
+class Voice:
+    """What is to be said in one chat."""
+
+    __slots__ = ("items", "task", "wake")
+
+    def __init__(self) -> None:
+        self.items: deque[_Item] = deque()
+        self.task: asyncio.Task[None] | None = None
+        self.wake: asyncio.Future[None] | None = None
+
+
+class Teller:
+    """All voices."""
+
+    def __init__(self, containers: Containers, clock: Clock) -> None:
+        self._containers = containers
+        self._clock = clock
+        self._voices: dict[tuple[str, str], Voice] = {}
+        self._urgent: set[asyncio.Task[None]] = set()
+        self._due: dict[Card, None] = {}
+        self._ticking: asyncio.Task[None] | None = None
+
+    def say(self, note: Note) -> None:
+        """Say something after everything said before in its chat; an urgent one at once."""
+        if note.outbound.urgent:
+            task = asyncio.create_task(self._speak(note))
+            self._urgent.add(task)
+            task.add_done_callback(self._urgent.discard)
+        else:
+            self._enqueue(note.messenger, note.outbound.chat, note)
+
+    def show(self, card: Card) -> None:
+        """Bring a chat up to date with a card."""
+        self._enqueue(card.messenger, card.chat, card)
+
+    def update(self, card: Card) -> None:
+        """Show progress: line by line at once, or by an edit when the next one is due."""
+        if card.lines:
+            self._enqueue(card.messenger, card.chat, card)
+        elif card.dirty:
+            self._due[card] = None
+            if self._ticking is None:
+                self._ticking = asyncio.create_task(self._tick())
+
+    async def _tick(self) -> None:
+        """Show what has changed, for all chats together, so that progress costs no timers."""
+        while self._due:
+            await self._clock.sleep(PROGRESS_EVERY_S)
+            due, self._due = self._due, {}
+            for card in due:
+                if card.dirty and not card.settled:
+                    self._enqueue(card.messenger, card.chat, card)
+        self._ticking = None
+
+    def _enqueue(self, messenger: Messenger, chat: Chat, item: _Item) -> None:
+        voice = self._voices.get((messenger.name, chat.id))
+        if voice is None:
+            self._retire()
+            voice = self._voices[messenger.name, chat.id] = Voice()
+        items = voice.items
+        if items and items[-1] is item:
+            return  # it will be read when it is its turn, as it is then
+        if len(items) >= UNSAID_AT_MOST and not _matters(item):
+            return
+        items.append(item)
+        if voice.task is None:
+            voice.task = asyncio.create_task(self._run(voice))
+        elif voice.wake is not None and not voice.wake.done():
+            voice.wake.set_result(None)
+
+    def _retire(self) -> None:
+        """Keep the number of voices bounded: the oldest ones that have nothing to say go."""
+        if len(self._voices) < VOICES_AT_MOST:
+            return
+        for where, voice in list(self._voices.items())[: VOICES_AT_MOST // 2]:
+            if voice.task is not None and voice.wake is not None and not voice.wake.done():
+                voice.task.cancel()
+                del self._voices[where]
+
+    async def _run(self, voice: Voice) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            while voice.items:
+                item = voice.items.popleft()
+                await self._speak(item)
+            voice.wake = loop.create_future()
+            await voice.wake
+
+    async def _speak(self, item: _Item) -> None:
+        wait_s = FIRST_WAIT_S
+        for _ in range(TRIES):
+            try:
+                await (self._show(item) if isinstance(item, Card) else self._say(item))
+            except MessengerFault as fault:
+                log.warning("not told yet: %s", fault)
+                await self._clock.sleep(wait_s)
+                wait_s *= 2
+            else:
+                return
+        log.error("gave up telling; the record still holds it, the next start tells it")
+
+    async def _say(self, note: Note) -> None:
+        try:
+            if note.edit_of and note.messenger.edits:
+                await note.messenger.edit(note.edit_of, note.outbound)
+            else:
+                await note.messenger.send(note.outbound)
+        except MessageGone:
+            await note.messenger.send(note.outbound)
+        for cid in (note.cid, *note.also):
+            if cid is not None:
+                self._containers.told(cid)
+
+    async def _show(self, card: Card) -> None:
+        if card.messenger.edits:
+            await self._show_in_place(card)
+        else:
+            await self._show_line_by_line(card)
+
+    async def _show_line_by_line(self, card: Card) -> None:
+        while card.lines:
+            text = card.lines[0]
+            await card.messenger.send(Outbound(chat=card.chat, text=text))
+            card.lines.pop(0)
+        while card.untold:
+            self._containers.told(card.untold.pop())
+
+    async def _show_in_place(self, card: Card) -> None:
+        """Send once, write down which message it is, and say the ending only by editing it.
+
+        So an ending is said exactly once, whenever this process may die: what was not noted as
+        told is said again by an edit to the same content.
+        """
+        if not card.message:
+            card.dirty = bool(card.untold)
+            card.message = await card.messenger.send(_outbound(card, endings=False))
+            shown = Shown(card.messenger.name, card.chat, card.message)
+            for cid in card.cids():
+                await self._containers.place(cid, card.principal, shown)
+        if card.dirty:
+            ended, card.untold = card.untold, []
+            card.dirty = False
+            try:
+                await card.messenger.edit(card.message, _outbound(card, endings=True))
+            except MessengerFault as fault:
+                card.dirty = True
+                card.untold = ended + card.untold
+                if isinstance(fault, MessageGone):
+                    card.message = ""  # the person deleted it; the life goes on in a new one
+                raise
+            if not card.settled:
+                # A later run knows only lives that are not noted as told, and says them together.
+                card.untold = ended + card.untold
+                return
+            for cid in ended:
+                self._containers.told(cid)
+
+    async def flush(self, seconds: float) -> None:
+        """Wait until everything is said, or the time is over; then fall silent."""
+        tasks = [voice.task for voice in self._voices.values() if voice.task is not None]
+        deadline_ns = self._clock.monotonic_ns() + int(seconds * 1e9)
+        while self._busy() and self._clock.monotonic_ns() < deadline_ns:
+            await self._clock.sleep(0.01)
+        ticking = (self._ticking,) if self._ticking is not None else ()
+        for task in (*tasks, *self._urgent, *ticking):
+            task.cancel()
+        await asyncio.gather(*tasks, *self._urgent, *ticking, return_exceptions=True)
+
+    def _busy(self) -> bool:
+        speaking = any(
+            voice.items or (voice.wake is not None and voice.wake.done()) or voice.wake is None
+            for voice in self._voices.values()
+            if voice.task is not None
+        )
+        return speaking or bool(self._urgent)
+
+
+def _matters(item: _Item) -> bool:
+    """Whether it must be said even when there is too much to say: how something ended."""
+    return item.settled if isinstance(item, Card) else item.cid is not None
+
+
+def _outbound(card: Card, *, endings: bool) -> Outbound:
+    text = card.text(endings=endings)
+    buttons = () if card.settled else card.buttons
+    return Outbound(chat=card.chat, text=text, reply_to=card.reply_to, buttons=buttons)

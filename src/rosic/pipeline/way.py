@@ -1,0 +1,269 @@
+"""Algorithm 1: authoriser, organiser, container, linker. No path to a robot skips one of them."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from rosic.container.letters import ReplyTo
+from rosic.core.identity import CommandId, command_id, robot_command_id
+from rosic.core.language import (
+    Context,
+    Do,
+    Halt,
+    Misunderstood,
+    Resume,
+    Use,
+    hears_stop,
+    show,
+    understand,
+)
+from rosic.core.message import Button, ChatKind, Standing
+from rosic.core.order import Order, Request
+from rosic.errors import NotUnderstood, Refusal, Unrecognised
+from rosic.pipeline.audience import Audience
+from rosic.pipeline.cards import Card
+from rosic.pipeline.desk import Desk
+from rosic.pipeline.freshness import check_fresh
+from rosic.pipeline.lives import Lives
+from rosic.pipeline.replies import LEAVE, Replies, reply_id
+from rosic.pipeline.resuming import Resuming
+from rosic.pipeline.turns import Turns
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Caller
+    from rosic.core.language import Line
+    from rosic.core.life import Face
+    from rosic.core.message import Inbound
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.stopping import StopLane
+    from rosic.pipeline.telling import Teller
+
+# Robots commanded together start together: far enough ahead for all of them to have heard.
+TOGETHER_NS = 500_000_000
+
+log = logging.getLogger("rosic.pipeline")
+
+
+class Said:
+    """One message on its way: who said it, where, and which robots its lines asked so far."""
+
+    __slots__ = ("asked", "caller", "inbound", "messenger")
+
+    def __init__(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> None:
+        self.messenger = messenger
+        self.inbound = inbound
+        self.caller = caller
+        self.asked: set[RobotId] = set()
+
+
+class Pipeline:
+    """Takes messages from messengers, moves robots, tells what they did.
+
+    Attributes:
+        lives: The orders under way.
+        audience: Who hears what robots say of their own accord.
+    """
+
+    def __init__(
+        self, rooms: Rooms, stop_lane: StopLane, teller: Teller, clock: Clock, face: Face
+    ) -> None:
+        organiser, container, linker = rooms.organiser, rooms.container, rooms.linker
+        self._rooms = rooms
+        self._vocabulary = rooms.vocabulary
+        self._stop_lane = stop_lane
+        self._teller = teller
+        self._clock = clock
+        self._face = face
+        self._turns = Turns()
+        self._replies = Replies(rooms, teller, clock)
+        self._resuming = Resuming(organiser, container, linker, rooms.board)
+        self._desk = Desk(rooms)
+        self.lives = Lives(organiser, container, linker, teller, clock)
+        self.audience = Audience(organiser)
+
+    async def receive(self, messenger: Messenger, inbound: Inbound) -> None:
+        """Take one message. On return it is settled, or on disk and under way.
+
+        Never raises: what is wrong with a message is said to its author.
+        """
+        said = inbound.text if inbound.nonce is None else inbound.nonce
+        stop = hears_stop(said, self._vocabulary.known)
+        if stop is not None:
+            await self._stop_lane.stop(messenger, inbound, stop)
+        only_stop = stop is not None and "\n" not in said.strip()
+        if only_stop or inbound.standing is not Standing.FRESH:
+            return
+        try:
+            await self._turns.take(inbound.chat)
+        except Refusal as refusal:
+            self._replies.say(messenger, inbound, str(refusal))
+            return
+        try:
+            await self._take(messenger, inbound)
+        finally:
+            self._turns.give(inbound.chat)
+
+    async def _take(self, messenger: Messenger, inbound: Inbound) -> None:
+        try:
+            await self._authenticated(messenger, inbound)
+        except Unrecognised as stranger:
+            self._replies.turn_away(messenger, inbound, str(stranger))
+        except Refusal as refusal:
+            if not refusal.silent:
+                self._replies.say(messenger, inbound, str(refusal))
+        except Exception:
+            log.exception("a message could not be handled")
+            self._replies.say(messenger, inbound, "Something went wrong here. Nothing was done.")
+
+    async def _authenticated(self, messenger: Messenger, inbound: Inbound) -> None:
+        """AUTHENTICATE and GENERATEKEY, then follow each line."""
+        caller = self._rooms.authoriser.identify(inbound)
+        text = inbound.text
+        if inbound.nonce is not None:
+            text = await self._replies.redeem(messenger, inbound, caller)
+        if text == LEAVE:
+            self._replies.say(messenger, inbound, "Nothing was done.")
+        elif text.startswith("?"):
+            self._replies.ask_first(messenger, inbound, caller, text[1:])
+        else:
+            await self._lines(Said(messenger, inbound, caller), text)
+
+    async def _lines(self, said: Said, text: str) -> None:
+        caller, inbound = said.caller, said.inbound
+        context = Context(
+            self._rooms.container.selected(caller.principal, inbound.chat),
+            self._rooms.organiser.visible(caller.principal),
+        )
+        for number, line in enumerate(understand(text, self._vocabulary, context)):
+            cid = _command_id(inbound, number)
+            try:
+                await self._follow(said, line, cid)
+            except Refusal as refusal:
+                settled = _settled_under(cid, line)
+                await self._replies.refuse(said.messenger, inbound, caller, settled, refusal)
+
+    async def _follow(self, said: Said, line: Line, cid: CommandId) -> None:
+        """Follow one line.
+
+        Raises:
+            Refusal: Why not; no robot has moved because of this line.
+        """
+        if isinstance(line, Halt):
+            return  # obeyed before anything was understood
+        if isinstance(line, Misunderstood):
+            if not self._addressed(said.inbound):
+                return  # people talk to each other in groups
+            self._rooms.organiser.charge(said.caller)
+            raise NotUnderstood(line.sentence, offers=line.offers)
+        self._rooms.organiser.charge(said.caller)
+        if isinstance(line, Do):
+            await self._command(said, line, cid)
+        elif isinstance(line, Resume):
+            text = await self._resuming.resume(said.caller, said.inbound, line, cid)
+            self._replies.say(said.messenger, said.inbound, text)
+        else:
+            self._question(said, line)
+
+    def _addressed(self, inbound: Inbound) -> bool:
+        """Whether words that make no sense were meant for ROSIC at all."""
+        first = inbound.text[:64].split(maxsplit=1)[:1]
+        return (
+            inbound.chat.kind is ChatKind.PRIVATE
+            or inbound.text.startswith("/")
+            or (bool(first) and first[0].lower() in self._vocabulary.callees)
+        )
+
+    def _question(self, said: Said, line: Line) -> None:
+        messenger, inbound, caller = said.messenger, said.inbound, said.caller
+        if isinstance(line, Use):
+            for robot in self._desk.members(line.name):
+                self.audience.note(robot, messenger, inbound.chat, caller.principal)
+        reply = self._desk.answer(caller, inbound.chat, line)
+        self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
+
+    async def _command(self, said: Said, line: Do, cid: CommandId) -> None:
+        """CHECKPERMISSIONS, PROCESSCOMMAND; RELAYCOMMAND goes on in a life of its own."""
+        organiser, container = self._rooms.organiser, self._rooms.container
+        requests = self._requests(said, line, cid)
+        now_ns = self._clock.monotonic_ns()
+        for request in requests:
+            check_fresh(said.inbound, request, now_ns)
+        permits = organiser.admit(said.caller, requests)
+        start_ns = now_ns + TOGETHER_NS if len(requests) > 1 else None
+        title = f"{line.group or self._shown(line.robots[0])}: {line.text}"
+        origin = ReplyTo(said.messenger.name, said.inbound.chat, reply_id(said.inbound), title)
+        try:
+            orders = await container.prepare(permits, requests, origin, start_ns=start_ns)
+        except BaseException:
+            organiser.abandon(permits)
+            raise
+        said.asked.update(line.robots)
+        card = self._card(said, line, orders)
+        self._teller.show(card)
+        for order in orders:
+            self.lives.begin(order, said.caller, card)
+
+    def _requests(self, said: Said, line: Do, cid: CommandId) -> list[Request]:
+        inbound = said.inbound
+        alone = len(line.robots) == 1
+        sent_ns = min(inbound.sent_ns, inbound.received_ns)
+        waited_ns = max(0, self._clock.wall_ns() - inbound.received_ns)
+        return [
+            Request(
+                cid=cid if alone else robot_command_id(cid, robot),
+                robot=robot,
+                skill=skill,
+                spoken=line.spoken,
+                text=line.text,
+                sent_ns=sent_ns,
+                age_ns=inbound.received_ns - sent_ns,
+                received_ns=self._clock.monotonic_ns() - waited_ns,
+                group=line.group,
+                sequel=robot in said.asked,
+            )
+            for robot, skill in zip(line.robots, line.skills, strict=True)
+        ]
+
+    def _card(self, said: Said, line: Do, orders: tuple[Order, ...]) -> Card:
+        chat, principal = said.inbound.chat, said.caller.principal
+        card = Card(said.messenger, chat, reply_id(said.inbound), principal, self._face)
+        stop = f"stop {line.group or line.robots[0]}"
+        card.buttons = ((Button("STOP", stop, stop),),)
+        now_ns = self._clock.wall_ns()
+        for order in orders:
+            shown = self._shown(order.robot)
+            words = show(self._vocabulary, order.robot, order.skill, order.arguments)
+            card.add(order, shown, f"{shown}: {words}", now_ns)
+            self.audience.note(order.robot, said.messenger, chat, principal)
+        return card
+
+    def _shown(self, robot: RobotId) -> str:
+        return self._rooms.linker.profile(robot).shown
+
+    async def close(self) -> None:
+        """End every life: robots come to rest, outcomes are written and told."""
+        await self.lives.close()
+        await asyncio.sleep(0)
+
+
+def _command_id(inbound: Inbound, number: int) -> CommandId:
+    if inbound.nonce is not None:
+        return command_id("tap", inbound.nonce, str(number))
+    sender, chat = inbound.sender, inbound.chat
+    return command_id(sender.platform, sender.account, chat.id, inbound.message, str(number))
+
+
+def _settled_under(cid: CommandId, line: Line) -> CommandId:
+    """Return the identity under which a line is refused: one that its claims have, too.
+
+    Otherwise a group's command that was claimed before an interruption, and is given out again,
+    would be answered with "nothing was done".
+    """
+    if isinstance(line, Do) and len(line.robots) > 1:
+        return robot_command_id(cid, line.robots[0])
+    return cid
