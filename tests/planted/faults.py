@@ -1,0 +1,225 @@
+"""The guards that matter, each taken out by one small change to the source.
+
+A check proves something only once it has been seen to fail: every fault names the tests that must
+fail because of it. The product itself has no switch for any of this.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+WAY = "tests/rooms/pipeline/test_way.py"
+STOPPING = "tests/rooms/pipeline/test_stopping.py"
+BUTTONS = "tests/rooms/pipeline/test_buttons.py"
+GATE = "tests/core/test_gate.py"
+
+
+class Fault(msgspec.Struct, frozen=True, kw_only=True):
+    """One planted fault.
+
+    Attributes:
+        file: Below ``src/rosic``.
+        guard: The text that is there, exactly once.
+        without: What stands there instead.
+        caught_by: Ids of tests of which at least one must fail.
+    """
+
+    name: str
+    file: str
+    guard: str
+    without: str
+    caught_by: tuple[str, ...]
+
+
+FAULTS = (
+    Fault(
+        name="I1 dedup off",
+        file="stores/memory.py",
+        guard="if cid in young or cid in older or (fresh is not None and cid in fresh):",
+        without="if False:",
+        caught_by=(f"{WAY}::test_the_same_message_twice_moves_once_and_is_answered_once",),
+    ),
+    Fault(
+        name="I1 the order number is ignored at the robot",
+        file="core/gate.py",
+        guard="if order.n <= self.n:",
+        without="if False:",
+        caught_by=(
+            f"{GATE}::test_no_history_lets_a_wrong_order_act",
+            "tests/conformance/test_robots.py::TestMemory",
+        ),
+    ),
+    Fault(
+        name="I2 expiry ignored at admission and at the robot",
+        file="pipeline/freshness.py",
+        guard="if now_ns > request.deadline_ns:",
+        without="if False:",
+        caught_by=(f"{WAY}::test_motion_older_than_its_lifetime_expires",),
+    ),
+    Fault(
+        name="I2 expiry ignored at the robot",
+        file="core/gate.py",
+        guard="if now_ns > order.deadline_ns:",
+        without="if False:",
+        caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
+    ),
+    Fault(
+        name="I4 fence ignored",
+        file="core/gate.py",
+        guard="if order.skill.actuates and permit.fence < self.fence:",
+        without="if False:",
+        caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
+    ),
+    Fault(
+        name="I4 the fence stands still when the holder changes",
+        file="core/lease.py",
+        guard="            self.fence += 1\n",
+        without="",
+        caught_by=(f"{WAY}::test_a_robot_has_one_holder_until_it_has_been_idle",),
+    ),
+    Fault(
+        name="I5 a stop is not latched at the robot",
+        file="core/gate.py",
+        guard="            self.latched = True\n",
+        without="",
+        caught_by=(f"{STOPPING}::test_a_named_stop_stops_only_those",),
+    ),
+    Fault(
+        name="I5 stop generation ignored",
+        file="core/gate.py",
+        guard="if self.latched or permit.stop_generation < self.generation:",
+        without="if self.latched:",
+        caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
+    ),
+    Fault(
+        name="I5 a stop is queued like everything else",
+        file="pipeline/way.py",
+        guard="if stop is not None:\n            await self._stop_lane",
+        without=(
+            "if stop is not None:\n            await self._turns.take(inbound.chat)\n"
+            "            await self._stop_lane"
+        ),
+        caught_by=(f"{STOPPING}::test_a_stop_does_not_wait_for_its_chat",),
+    ),
+    Fault(
+        name="I5 whoever may see a robot may resume it",
+        file="organiser/organiser.py",
+        guard="        self._allow(caller, robot, RESUME)\n",
+        without="        self._allow(caller, robot, READ)\n",
+        caught_by=(f"{STOPPING}::test_after_a_stop_nothing_moves_until_somebody_who_may_resumes",),
+    ),
+    Fault(
+        name="I8 policy epoch ignored",
+        file="linker/linker.py",
+        guard="if order.permit.epoch != self.epoch:",
+        without="if False:",
+        caught_by=(
+            f"{WAY}::test_a_right_that_ends_while_an_order_waits_is_asked_again",
+            "tests/rooms/test_mailbox.py",
+        ),
+    ),
+    Fault(
+        name="I9 the order is relayed though the claim failed",
+        file="container/container.py",
+        guard='            raise RecordUnavailable(\n                "I cannot write down what',
+        without=(
+            "            return orders\n"
+            '            raise RecordUnavailable(\n                "I cannot write down what'
+        ),
+        caught_by=(
+            f"{STOPPING}::test_without_a_record_nothing_moves_and_it_works_again_by_itself",
+        ),
+    ),
+    Fault(
+        name="I10 a stop waits for the record",
+        file="pipeline/stopping.py",
+        guard="        halting = self._linker.stop(robots, by)\n        self._spawn",
+        without=(
+            "        await self._store.write(Stopped(robot=robots[0], generation=0, principal=by,"
+            " at_ns=0))\n        halting = self._linker.stop(robots, by)\n        self._spawn"
+        ),
+        caught_by=(f"{STOPPING}::test_a_stop_needs_no_record_and_says_what_was_not_written",),
+    ),
+    Fault(
+        name="I12 two holders",
+        file="organiser/organiser.py",
+        guard="if holder is not None and holder != principal:",
+        without="if False:",
+        caught_by=(f"{WAY}::test_a_robot_has_one_holder_until_it_has_been_idle",),
+    ),
+    Fault(
+        name="I13 numbers begin anew after a restart",
+        file="app/gateway.py",
+        guard="memory.numbers.get(robot, (0, 0))",
+        without="(0, 0)",
+        caught_by=(f"{STOPPING}::test_numbers_and_fences_go_on_after_a_restart",),
+    ),
+    Fault(
+        name="I16 a button works twice",
+        file="authoriser/buttons.py",
+        guard="        del self._bound[nonce]\n",
+        without="",
+        caught_by=(f"{BUTTONS}::test_a_button_works_once",),
+    ),
+    Fault(
+        name="I16 anybody's tap counts",
+        file="authoriser/buttons.py",
+        guard="if bound.principal != principal or bound.chat != inbound.chat.id:",
+        without="if False:",
+        caught_by=(f"{BUTTONS}::test_another_persons_tap_does_nothing_and_uses_nothing_up",),
+    ),
+    Fault(
+        name="I16 a button survives a gap",
+        file="authoriser/buttons.py",
+        guard=" or bound.issued_wall_ns < inbound.listening_since_ns",
+        without="",
+        caught_by=(f"{BUTTONS}::test_a_button_is_dead_after_a_gap_in_listening",),
+    ),
+    Fault(
+        name="I17 edited and forwarded messages are accepted",
+        file="pipeline/way.py",
+        guard="if only_stop or inbound.standing is not Standing.FRESH:",
+        without="if only_stop:",
+        caught_by=(f"{WAY}::test_what_is_not_fresh_changes_nothing",),
+    ),
+    Fault(
+        name="a backlog moves robots",
+        file="pipeline/freshness.py",
+        guard="if request.skill.actuates and inbound.sent_ns < inbound.listening_since_ns:",
+        without="if False:",
+        caught_by=(f"{WAY}::test_what_was_sent_while_nobody_listened_moves_nothing",),
+    ),
+    Fault(
+        name="identity by display name",
+        file="authoriser/directory.py",
+        guard="        principal = self._at.get((address.platform, address.account))\n",
+        without="        principal = next(iter(self._at.values()), None)\n",
+        caught_by=(f"{WAY}::test_a_strangers_message_gets_one_polite_line_and_nothing_else",),
+    ),
+    Fault(
+        name="after a crash a robot in doubt moves on",
+        file="pipeline/recovery.py",
+        guard="if exists(life.robot):",
+        without="if False:",
+        caught_by=(
+            f"{STOPPING}::test_a_claim_without_an_outcome_is_unknown_held_and_never_repeated",
+        ),
+    ),
+    Fault(
+        name="I5 an older resume undoes a younger stop",
+        file="pipeline/resuming.py",
+        guard="if inbound.received_ns <= self._board[robot].at_ns:",
+        without="if False:",
+        caught_by=(f"{STOPPING}::test_a_resume_that_a_later_stop_overtook_undoes_nothing",),
+    ),
+    Fault(
+        name="I7 an ending is told before it is on disk",
+        file="pipeline/lives.py",
+        guard="            await self._container.conclude(order, outcome, words)\n",
+        without=(
+            "            card.end(order.cid, words)\n            self._teller.show(card)\n"
+            "            await self._container.conclude(order, outcome, words)\n"
+        ),
+        caught_by=(f"{WAY}::test_an_ending_is_not_told_before_it_is_on_disk",),
+    ),
+)
