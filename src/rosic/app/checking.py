@@ -1,0 +1,100 @@
+"""``rosic check``: a configuration looked at as a start would, and nothing started."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.app.adapters import robot_factory
+from rosic.app.config import Config, read_config
+from rosic.app.control import socket_path
+from rosic.app.profiles import known_units
+from rosic.app.start import messenger_of
+from rosic.core.authority import DEFAULT_ROLES, Policy, Role, Scope
+from rosic.core.language import Vocabulary
+from rosic.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from rosic.contracts.clock import Clock
+
+
+class Found(NamedTuple):
+    """What a look at a configuration brought.
+
+    Attributes:
+        errors: Everything that is wrong, as far as it can be told.
+        advice: What is allowed, but worse than it could be.
+        summary: What is in it; empty when anything is wrong.
+    """
+
+    errors: list[ConfigurationError]
+    advice: list[ConfigurationError]
+    summary: str
+
+
+def check_all(path: Path | str, clock: Clock) -> Found:
+    """Look at everything that a start would look at. Opens no connection, writes nothing."""
+    read = read_config(path)
+    if read.config is None:
+        return Found(read.errors, read.advice, "")
+    errors = list(_errors(read.config, clock))
+    return Found(errors, read.advice + _advice(read.config), "" if errors else _told(read.config))
+
+
+def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
+    errors: list[ConfigurationError] = []
+    for table in config.messengers:
+        try:
+            messenger_of(table, clock)
+        except ConfigurationError as wrong:
+            errors.append(wrong)
+    for kind in dict.fromkeys(profile.link.kind for profile in config.robots):
+        try:
+            robot_factory(kind)
+        except ConfigurationError as wrong:
+            errors.append(ConfigurationError(str(wrong), where=str(config.path)))
+    try:
+        Vocabulary.build(config.robots, known_units())
+    except ValueError as wrong:
+        errors.append(ConfigurationError(f"{wrong}.", where=str(config.path)))
+    try:
+        socket_path(config.data)
+    except ConfigurationError as wrong:
+        errors.append(ConfigurationError(str(wrong), where=str(config.path)))
+    return errors
+
+
+def _advice(config: Config) -> list[ConfigurationError]:
+    """Say which robots nobody may move, and who could never write."""
+    where = str(config.path)
+    roles = {**DEFAULT_ROLES, **config.roles}
+    policy = Policy(
+        epoch=0,
+        roles=[Role(name, tuple(map(Scope.parse, texts))) for name, texts in roles.items()],
+        skills={profile.id: tuple(profile.skills) for profile in config.robots},
+        people={person.name: person.roles for person in config.people},
+    )
+    unmoved = [
+        f"Nobody of this file may move {profile.shown}."
+        for profile in config.robots
+        if not any(policy.who_can(profile.id, skill) for skill in profile.skills)
+    ]
+    kinds = {table.kind for table in config.messengers}
+    silent = [
+        f"{person.name} has no address on a messenger of this file."
+        for person in config.people
+        if kinds.isdisjoint(address.platform for address in person.addresses)
+    ]
+    return [ConfigurationError(text, where=where) for text in (*unmoved, *silent)]
+
+
+def _told(config: Config) -> str:
+    return ", ".join(
+        f"{count} {one if count == 1 else many}"
+        for count, one, many in (
+            (len(config.messengers), "messenger", "messengers"),
+            (len(config.robots), "robot", "robots"),
+            (len(config.people), "person", "people"),
+        )
+    )

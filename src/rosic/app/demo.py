@@ -1,0 +1,127 @@
+"""The demonstration: six simulated robots, one person, this terminal. Nothing is kept."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import sys
+from typing import TYPE_CHECKING
+
+from rosic.app.adapters import robot_factory
+from rosic.app.closing import close_in_time
+from rosic.app.face import face_of
+from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.operating import Operating
+from rosic.app.people import Seed
+from rosic.app.profiles import known_units, read_profile, shipped_profiles
+from rosic.app.quiet import until_quiet
+from rosic.core.identity import Address
+from rosic.messengers.terminal import TerminalMessenger
+from rosic.messengers.terminal.messenger import is_terminal
+from rosic.stores.latch import MemoryLatch
+from rosic.stores.memory import MemoryStore
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.core.robot import Profile
+
+FLEET = ("kuka1", "omni", "yumi", "cf1", "cf2", "cf3")
+# Longer than any single skill of the six takes within its bounds; a script never waits longer.
+LINE_WITHIN_S = 180.0
+CLOSE_WITHIN_S = 15.0  # three Crazyflies may have to land
+
+GREETING = """Six simulated robots, ready in {took_s:.1f} s: {fleet}.
+Try, for example:
+  omni move 50 cm left
+  kuka1 grasp force=20
+  crazyflies takeoff 1 m
+  stop
+Also: status, help, help omni. Tab completes; Ctrl-D leaves."""
+
+
+async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: int) -> int:
+    """Run the demonstration until input ends or somebody leaves. Return the exit status.
+
+    With a script instead of a person, each line's orders end before the next line is read; 1 is
+    returned if one of them did not end in time.
+    """
+    profiles = fleet()
+    messenger = TerminalMessenger(clock=clock, plain=plain)
+    messenger.know(profiles)
+    gateway = gateway_of(profiles, messenger, clock, entropy)
+    await gateway.open()
+    late = 0
+    script = not is_terminal(sys.stdin)
+
+    async def wait_for_line() -> None:
+        nonlocal late
+        if not await until_quiet(gateway, clock, seconds=LINE_WITHIN_S):
+            late += 1
+            messenger.show(f"Still under way after {LINE_WITHIN_S:.0f} s; going on.")
+
+    if script:
+        messenger.pace = wait_for_line
+    try:
+        took_s = (clock.monotonic_ns() - begun_ns) / 1e9
+        messenger.show(GREETING.format(took_s=took_s, fleet=", ".join(FLEET)))
+        await _until_over(gateway, messenger)
+        _say_farewell(gateway, messenger, script=script)
+    finally:
+        await close_in_time(gateway, CLOSE_WITHIN_S)
+    return 1 if late else 0
+
+
+def fleet() -> list[Profile]:
+    """Return the six profiles that ship, reached in this process."""
+    shipped, units = shipped_profiles(), known_units()
+    profiles = []
+    for name in FLEET:
+        read = read_profile(shipped[name], units, link="simulated")
+        if read.profile is None:
+            raise read.errors[0]
+        profiles.append(read.profile)
+    return profiles
+
+
+def gateway_of(
+    profiles: list[Profile], messenger: TerminalMessenger, clock: Clock, entropy: Entropy
+) -> Gateway:
+    """Make the gateway. Its one person may do everything, and is whoever started it."""
+    address = Address(messenger.platform, messenger.account)
+    you = Seed(name="you", addresses=(address,), roles=("admin",))
+    parts = Parts(
+        messengers=(messenger,),
+        robot_factory=robot_factory,
+        store=MemoryStore(),
+        latch=MemoryLatch(),
+        clock=clock,
+        entropy=entropy,
+        units=known_units(),
+        face=face_of(),
+    )
+    return Gateway(Settings(profiles=tuple(profiles), people=(you,)), parts)
+
+
+def _say_farewell(gateway: Gateway, messenger: TerminalMessenger, *, script: bool) -> None:
+    if script:
+        messenger.show("At the end:\n" + "\n".join(Operating(gateway).status()))
+    else:
+        messenger.show("Left. Nothing was kept. For real robots: rosic run")
+
+
+async def _until_over(gateway: Gateway, messenger: TerminalMessenger) -> None:
+    """Listen until the input ends, somebody leaves, or a signal comes."""
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        loop.add_signal_handler(number, messenger.ended.set)
+    listening = asyncio.create_task(gateway.run())
+    ended = asyncio.create_task(messenger.ended.wait())
+    await asyncio.wait((listening, ended), return_when=asyncio.FIRST_COMPLETED)
+    try:
+        if listening.done():
+            listening.result()
+    finally:
+        for task in (listening, ended):
+            task.cancel()
+        await asyncio.gather(listening, ended, return_exceptions=True)

@@ -1,0 +1,239 @@
+"""``--try ROBOT``: the robot moves a little, and its stop and its watchdog are measured."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+from rosic.app.adapters import robot_factory
+from rosic.app.doctor.findings import Finding, Verdict
+from rosic.app.people import OPERATOR
+from rosic.app.profiles import known_units
+from rosic.app.start import latch_of
+from rosic.core.gate import Gate
+from rosic.core.identity import COMMAND_ID_BYTES
+from rosic.core.language import Vocabulary
+from rosic.core.order import Ending, Order, Outcome, Permit, Report, Rest, Stop
+from rosic.core.record import Claimed, Concluded, Stopped, Told
+from rosic.errors import RosicError
+from rosic.stores.database import DatabaseStore
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from rosic.app.config import Config
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.robot import Robot, Tell
+    from rosic.contracts.store import Store
+    from rosic.core.robot import Profile
+    from rosic.core.skill import Argument, Skill
+
+THERE_WITHIN_S = 5.0
+MOVING_WITHIN_S = 2.0
+UP_TO_SPEED_S = 0.5
+LIVES_S = 10.0
+EVERY_S = 0.02
+# Slow enough to be harmless in a free space, fast enough to be told from rest.
+SLOW_M_S = 0.1
+SLOW_RAD_S = 0.2
+STREAM_S = 2.0
+
+
+@runtime_checkable
+class FallsSilent(Protocol):
+    """A robot link that can try out the robot's own watchdog."""
+
+    async def fall_silent(self, order: Order, tell: Tell) -> Rest:
+        """Stream as `execute` does, then cease without a zero, and wait for measured rest.
+
+        Returns:
+            The seconds from the last message to rest, or to giving up.
+        """
+        ...
+
+
+class Trial:
+    """One robot, opened by itself, with the record open so that no gateway can start meanwhile."""
+
+    def __init__(
+        self, profile: Profile, robot: Robot, store: Store, clock: Clock, entropy: Entropy
+    ) -> None:
+        self._profile = profile
+        self._robot = robot
+        self._store = store
+        self._clock = clock
+        self._entropy = entropy
+        self._skill = streaming_skill(profile)
+
+    async def run(self) -> AsyncIterator[Finding]:
+        """Measure, one thing after another."""
+        about = self._profile.id
+        if not await self._until(
+            lambda: self._robot.presence().online is not False, THERE_WITHIN_S
+        ):
+            text = f"{self._profile.shown} is not there; nothing was measured"
+            yield Finding(about, Verdict.LOOK, text)
+            return
+        if self._robot.gate.latched:
+            text = f"{self._profile.shown} is stopped, so it was not moved; resume it first"
+            yield Finding(about, Verdict.NOT_MEASURED, text)
+            return
+        yield await self._stop()
+        yield await self._watchdog()
+
+    async def _stop(self) -> Finding:
+        moved = await self._move_until_stopped() if self._skill is not None else None
+        rest = moved or await self._apply_stop()
+        how = "from a slow drive" if moved else "it was not moving"
+        about = self._profile.id
+        if not rest.confirmed:
+            text = f"stop: not confirmed within {rest.seconds:.1f} s ({how})"
+            return Finding(about, Verdict.LOOK, text)
+        return Finding(about, Verdict.GOOD, f"stop: at rest after {rest.seconds:.2f} s ({how})")
+
+    async def _move_until_stopped(self) -> Rest | None:
+        """Let it move slowly and stop it; None if it did not move."""
+        order = await self._claim()
+        moving = asyncio.create_task(self._robot.execute(order, _unheard))
+        try:
+            seen = await self._until(
+                lambda: self._robot.presence().at_rest is False, MOVING_WITHIN_S
+            )
+            if seen:
+                await self._clock.sleep(UP_TO_SPEED_S)
+            rest = await self._apply_stop()
+        finally:
+            moving.cancel()
+            await asyncio.gather(moving, return_exceptions=True)
+        await self._conclude(order, Outcome(Ending.CANCELLED))
+        return rest if seen else None
+
+    async def _apply_stop(self) -> Rest:
+        generation = self._robot.gate.generation + 1
+        rest = await self._robot.stop(Stop(self._profile.id, generation))
+        self._store.note(
+            Stopped(
+                robot=self._profile.id, generation=generation, principal=OPERATOR,
+                at_ns=self._clock.wall_ns(),
+            )
+        )  # fmt: skip
+        await self._robot.resume(generation)
+        return rest
+
+    async def _watchdog(self) -> Finding:
+        about, robot = self._profile.id, self._robot
+        if self._skill is None:
+            return Finding(about, Verdict.NOT_MEASURED, "watchdog: no skill streams a velocity")
+        if not isinstance(robot, FallsSilent):
+            text = "watchdog: this link cannot fall silent on purpose"
+            return Finding(about, Verdict.NOT_MEASURED, text)
+        order = await self._claim()
+        rest = await robot.fall_silent(order, _unheard)
+        await self._conclude(order, Outcome(Ending.DONE))
+        stated = f"the profile says {self._profile.watchdog_s:g} s"
+        if not rest.confirmed:
+            text = f"watchdog: still moving {rest.seconds:.1f} s after the last message; {stated}"
+            return Finding(about, Verdict.LOOK, text)
+        text = f"watchdog: at rest {rest.seconds:.2f} s after the last message; {stated}"
+        return Finding(about, Verdict.GOOD, text)
+
+    async def _claim(self) -> Order:
+        """Decide a slow motion, on disk before it begins, like every other (I9)."""
+        assert self._skill is not None  # noqa: S101 - callers looked
+        gate, clock = self._robot.gate, self._clock
+        permit = Permit(
+            OPERATOR, "", self._profile.id, self._skill.id, gate.fence + 1, True,
+            gate.generation, 0,
+        )  # fmt: skip
+        order = Order(
+            self._entropy.token(COMMAND_ID_BYTES), self._profile.id, self._skill,
+            slow_arguments(self._profile, self._skill), gate.n + 1,
+            clock.monotonic_ns() + int(LIVES_S * 1e9), permit,
+        )  # fmt: skip
+        now_ns = clock.wall_ns()
+        await self._store.write(
+            Claimed(
+                cid=order.cid, principal=OPERATOR, key="", robot=order.robot,
+                skill=self._skill.id, n=order.n, fence=permit.fence, new_fence=True,
+                stop_generation=permit.stop_generation, epoch=0, digest=b"",
+                accepted_ns=now_ns, expires_ns=now_ns + int(LIVES_S * 1e9),
+            )
+        )  # fmt: skip
+        return order
+
+    async def _conclude(self, order: Order, outcome: Outcome) -> None:
+        now_ns = self._clock.wall_ns()
+        await self._store.write(Concluded(cid=order.cid, ending=outcome.ending.value, at_ns=now_ns))
+        self._store.note(Told(cid=order.cid, at_ns=now_ns))
+
+    async def _until(self, condition: Callable[[], bool], seconds: float) -> bool:
+        deadline_ns = self._clock.monotonic_ns() + int(seconds * 1e9)
+        while not condition():
+            if self._clock.monotonic_ns() > deadline_ns:
+                return False
+            await self._clock.sleep(EVERY_S)
+        return True
+
+
+async def try_robot(
+    config: Config, name: str, clock: Clock, entropy: Entropy
+) -> AsyncIterator[Finding]:
+    """Open one robot of a configuration, try it, and close it. It moves.
+
+    Raises:
+        RosicError: It could not be opened, or a gateway runs on this data.
+    """
+    profile = next((p for p in config.robots if p.id == name), None)
+    if profile is None:
+        known = ", ".join(p.id for p in config.robots)
+        yield Finding(name, Verdict.LOOK, f"there is no such robot; there are: {known}")
+        return
+    store, latch = DatabaseStore(config.data, clock=clock), latch_of(config)
+    memory = await store.open()
+    try:
+        n, fence = memory.numbers.get(name, (0, 0))
+        generation, latched = latch.read().get(name, (0, False))
+        generation = max(generation, memory.generations.get(name, 0))
+        gate = Gate(name, n=n, fence=fence, generation=generation, latched=latched)
+        robot = robot_factory(profile.link.kind)(profile, gate, clock)
+        await robot.open(lambda _text: None)
+        try:
+            async for finding in Trial(profile, robot, store, clock, entropy).run():
+                yield finding
+        except RosicError as error:
+            yield Finding(name, Verdict.LOOK, str(error))
+        finally:
+            await robot.close()
+    finally:
+        await latch.close()
+        await store.close()
+
+
+def streaming_skill(profile: Profile) -> Skill | None:
+    """Return the skill that sends the robot velocities, if it has one."""
+    for skill in profile.skills.values():
+        if skill.topic is not None and skill.topic.stream_hz > 0:
+            return skill
+    return None
+
+
+def slow_arguments(profile: Profile, skill: Skill) -> dict[str, Argument]:
+    """Return SI arguments for a slow motion: the first speed a little, the others as they are."""
+    vocabulary = Vocabulary.build([profile], known_units())
+    compiled = vocabulary.compiled_skill(profile.id, skill.id)
+    arguments: dict[str, Argument] = {}
+    slow: float | None = None
+    for parameter in compiled.parameters if compiled else ():
+        value = parameter.default
+        if parameter.unit.dimension == "time":
+            value = min(max(STREAM_S, parameter.low), parameter.high)
+        elif slow is None and parameter.unit.dimension in {"speed", "turning speed"}:
+            slow = SLOW_M_S if parameter.unit.dimension == "speed" else SLOW_RAD_S
+            value = min(max(slow, parameter.low), parameter.high)
+        arguments[parameter.name] = parameter.low if value is None else value
+    return arguments
+
+
+def _unheard(_report: Report) -> None:
+    """Nobody follows the steps of a trial."""

@@ -1,0 +1,126 @@
+"""A gateway at work: from opening it to the signal that ends it."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import signal
+from typing import TYPE_CHECKING
+
+from rosic.app.closing import CLOSE_WITHIN_S, close_in_time
+from rosic.app.control import ControlServer, socket_path
+from rosic.app.gateway import Gateway, Parts
+from rosic.app.operating import Operating
+from rosic.app.start import Checking, latch_of, parts_of, settings_of
+from rosic.errors import MessengerFault
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.app.config import Config
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.messenger import Messenger
+
+CHECK_WITHIN_S = 5.0
+
+log = logging.getLogger("rosic.gateway")
+
+
+class Serving:
+    """One gateway, from its configuration to its end.
+
+    Args:
+        config: What the gateway is seeded with, and where its data is.
+        begun_ns: Monotonic clock when this process began; for saying how long the start took.
+
+    Raises:
+        ConfigurationError: An adapter is not there or does not take its settings, or the data
+            folder's path is too long. Nothing was opened.
+    """
+
+    def __init__(self, config: Config, clock: Clock, entropy: Entropy, *, begun_ns: int) -> None:
+        self._config = config
+        self._clock = clock
+        self._begun_ns = begun_ns
+        self._ended = asyncio.Event()
+        socket_path(config.data)
+        self._latch = latch_of(config)
+        self._parts: Parts = parts_of(config, self._latch, clock, entropy)
+        self._gateway = Gateway(settings_of(config), self._parts)
+
+    async def run(self) -> None:
+        """Run until SIGTERM, SIGINT or SIGHUP, then bring motion to rest and tell what is untold.
+
+        Raises:
+            RosicError: It could not start, or a messenger failed for good. Whatever was opened is
+                closed again, robots are at rest.
+        """
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            asyncio.get_running_loop().add_signal_handler(number, self._ended.set)
+        try:
+            if await self._open():
+                try:
+                    await self._serve()
+                finally:
+                    await close_in_time(self._gateway)
+        finally:
+            await self._latch.close()
+
+    async def _open(self) -> bool:
+        """Open the gateway, unless a signal comes first. Return whether it is open."""
+        opening = asyncio.create_task(self._gateway.open())
+        ending = asyncio.create_task(self._ended.wait())
+        await asyncio.wait((opening, ending), return_when=asyncio.FIRST_COMPLETED)
+        ending.cancel()
+        if not opening.done():
+            opening.cancel()
+            await asyncio.wait((opening,), timeout=CLOSE_WITHIN_S)
+            return False
+        opening.result()
+        return True
+
+    async def _serve(self) -> None:
+        control = ControlServer(self._config.data, Operating(self._gateway))
+        await control.open()
+        working = asyncio.create_task(self._work())
+        ending = asyncio.create_task(self._ended.wait())
+        try:
+            await asyncio.wait((working, ending), return_when=asyncio.FIRST_COMPLETED)
+            if working.done():
+                working.result()
+            log.info("closing: motion is brought to rest")
+        finally:
+            await control.close()
+            for task in (working, ending):
+                task.cancel()
+            await asyncio.gather(working, ending, return_exceptions=True)
+
+    async def _work(self) -> None:
+        messengers = self._parts.messengers
+        await check_accounts(messengers)
+        took_s = (self._clock.monotonic_ns() - self._begun_ns) / 1e9
+        robots = len(self._config.robots)
+        log.info(
+            "ready in %.2f s: %d %s, by %s",
+            took_s,
+            robots,
+            "robot" if robots == 1 else "robots",
+            ", ".join(messenger.name for messenger in messengers),
+        )
+        await self._gateway.run()
+
+
+async def check_accounts(messengers: Iterable[Messenger]) -> None:
+    """Find a wrong token before saying that everything is ready. A platform may be away for now.
+
+    Raises:
+        ConfigurationError: An account cannot be used.
+    """
+    for messenger in messengers:
+        if isinstance(messenger, Checking):
+            try:
+                async with asyncio.timeout(CHECK_WITHIN_S):
+                    await messenger.check()
+            except (MessengerFault, TimeoutError):
+                log.warning("%s does not answer; I go on trying", messenger.name)

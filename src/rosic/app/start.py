@@ -1,0 +1,129 @@
+"""From a configuration to a gateway: which adapters, which record, whose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+from rosic.app.adapters import messenger_factory, robot_factory
+from rosic.app.face import face_of
+from rosic.app.gateway import Parts, Settings
+from rosic.app.profiles import known_units
+from rosic.core.secret import Secret
+from rosic.errors import ConfigurationError
+from rosic.stores.database import DatabaseStore
+from rosic.stores.latch import FileLatch
+
+if TYPE_CHECKING:
+    from rosic.app.config import Config, MessengerSettings
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.robot import Profile
+
+STOPS = "stops"
+
+
+@runtime_checkable
+class Completing(Protocol):
+    """A messenger that helps people type, and wants to know the fleet for it."""
+
+    def know(self, profiles: Iterable[Profile]) -> None:
+        """Take the robots over."""
+        ...
+
+
+@runtime_checkable
+class Checking(Protocol):
+    """A messenger whose account can be looked at without listening."""
+
+    async def check(self) -> str:
+        """Return whose account it is, in a few words: ``this is @lab_robots_bot``.
+
+        Raises:
+            ConfigurationError: The account cannot be used (a wrong token).
+            MessengerFault: The platform did not answer; it may work later.
+        """
+        ...
+
+
+def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -> Parts:
+    """Make the adapters of a configuration. Nothing is opened, nothing is written.
+
+    Args:
+        config: What it is seeded with.
+        latch: Of its data folder; whoever made it closes it, after the gateway.
+        clock: The gateway's.
+        entropy: The gateway's.
+
+    Raises:
+        ConfigurationError: An adapter is not there, or does not take its settings.
+    """
+    messengers = messengers_of(config.messengers, clock)
+    for messenger in messengers:
+        if isinstance(messenger, Completing):
+            messenger.know(config.robots)
+    return Parts(
+        messengers=messengers,
+        robot_factory=robot_factory,
+        store=DatabaseStore(config.data, clock=clock),
+        latch=latch,
+        clock=clock,
+        entropy=entropy,
+        units=known_units(),
+        face=face_of(),
+    )
+
+
+def latch_of(config: Config) -> FileLatch:
+    """Return where the stops of a gateway are kept, besides its record."""
+    return FileLatch(config.data / STOPS)
+
+
+def settings_of(config: Config) -> Settings:
+    """Return what a gateway is made with, besides its adapters."""
+    return Settings(
+        profiles=config.robots,
+        people=config.people,
+        roles=config.roles,
+        limit=config.limits,
+        lease_idle_s=config.lease_idle_s,
+    )
+
+
+def messengers_of(tables: Iterable[MessengerSettings], clock: Clock) -> tuple[Messenger, ...]:
+    """Make the messengers. Nothing is opened.
+
+    Raises:
+        ConfigurationError: The first that is wrong, with its file and line.
+    """
+    return tuple(messenger_of(table, clock) for table in tables)
+
+
+def messenger_of(table: MessengerSettings, clock: Clock) -> Messenger:
+    """Make one messenger.
+
+    Raises:
+        ConfigurationError: It is not there, or does not take its settings; with file and line.
+    """
+    try:
+        return messenger_factory(table.kind)(table.name, table.settings, clock)
+    except ConfigurationError as wrong:
+        if wrong.where:
+            raise
+        raise ConfigurationError(str(wrong), where=table.where) from wrong
+
+
+def secrets_of(config: Config) -> list[Secret]:
+    """Return every secret of the configuration, for masking them."""
+    return [secret for table in config.messengers for secret in _secrets(table.settings)]
+
+
+def _secrets(value: object) -> list[Secret]:
+    if isinstance(value, Secret):
+        return [value]
+    if isinstance(value, Mapping):
+        value = list(value.values())
+    if isinstance(value, list | tuple):
+        return [secret for item in value for secret in _secrets(item)]
+    return []

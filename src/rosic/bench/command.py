@@ -1,0 +1,33 @@
+"""``rosic bench NAME [--json]``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from rosic.bench.report import Report, as_json, as_text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+
+def _pipeline(quick: bool) -> Report:
+    from rosic.bench.pipeline import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick)
+
+
+BENCHES: dict[str, Callable[[bool], Report]] = {"pipeline": _pipeline}
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run one bench and print its report. Return the exit status."""
+    parser = argparse.ArgumentParser(prog="rosic bench", description="Measure ROSIC here.")
+    parser.add_argument("name", choices=sorted(BENCHES))
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("--quick", action="store_true", help="one short run of each case")
+    chosen = parser.parse_args(arguments)
+    report = BENCHES[chosen.name](chosen.quick)
+    sys.stdout.write((as_json(report) if chosen.json else as_text(report)) + "\n")
+    return 0

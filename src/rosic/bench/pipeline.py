@@ -1,0 +1,245 @@
+"""How many orders a second pass the whole way, and how long one takes.
+
+Nothing is left out but the messenger's and the robot's own work: the message is understood, its
+author authenticated and admitted, the lease taken, the order claimed, relayed, acted on once at a
+robot, concluded and told.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+import tempfile
+from itertools import count, cycle
+from pathlib import Path
+from time import perf_counter_ns
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.app.face import face_of
+from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.people import Seed
+from rosic.app.units import compile_units
+from rosic.bench.report import Case, Report, case_of, machine
+from rosic.core.identity import Address
+from rosic.core.message import Chat, Inbound, Outbound
+from rosic.core.rate import RateLimit
+from rosic.core.robot import Busy, Link, Profile
+from rosic.core.skill import Parameter, Skill
+from rosic.robots.memory import MemoryRobot
+from rosic.stores.database import DatabaseStore
+from rosic.stores.latch import MemoryLatch
+from rosic.stores.memory import MemoryStore
+from rosic.system import SystemClock, SystemEntropy
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.contracts.adapter import RobotFactory
+    from rosic.contracts.messenger import Receive
+    from rosic.contracts.store import Latch, Store
+
+ROBOTS = 50
+TURN_MESSAGES = 4
+METHOD = (
+    "Orders that ended done at a robot with a distinct number, each counted once its author was "
+    "told. People take turns: one sends {turn} messages on each of the slots in flight at a robot, "
+    "then the lease passes to the next. {robots} robots in memory, {runs} runs, median. "
+    "The sending side runs in the same process and thread and is part of the time."
+)
+
+
+class Load(msgspec.Struct, frozen=True, kw_only=True):
+    """One case."""
+
+    name: str
+    orders: int
+    skills: int = 500
+    people: int = 1_000
+    in_flight: int = 256
+    durable: bool = False
+
+
+CASES = (
+    Load(name="memory, 256 in flight", orders=40_000),
+    Load(name="memory, 1 in flight", orders=5_000, in_flight=1),
+    Load(name="memory, 5 skills", orders=40_000, skills=5),
+    Load(name="memory, 5000 skills", orders=40_000, skills=5_000),
+    Load(name="memory, 10 people", orders=40_000, people=10),
+    Load(name="memory, 10000 people", orders=40_000, people=10_000),
+    Load(name="durable, 256 in flight", orders=20_000, durable=True),
+    Load(name="durable, 1 in flight", orders=1_000, in_flight=1, durable=True),
+)
+
+
+class BenchMessenger:
+    """Hands messages over and notices when their author is told the end."""
+
+    platform = "bench"
+    name = "bench"
+    assurance = "local"
+    edits = True
+
+    def __init__(self) -> None:
+        self.ended: dict[str, asyncio.Future[None]] = {}
+        self._shows: dict[str, str] = {}
+        self._ids = count(1)
+
+    async def run(self, receive: Receive) -> None:
+        """Nothing to listen to: the load calls ``receive`` itself."""
+
+    async def send(self, outbound: Outbound) -> str:
+        """Take the first message of a life."""
+        message = str(next(self._ids))
+        self._shows[message] = outbound.reply_to
+        return message
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Take an edit; the one that says done ends the wait."""
+        if "\ndone " in outbound.text:
+            ended = self.ended.pop(self._shows.pop(message), None)
+            if ended is not None:
+                ended.set_result(None)
+
+    async def answer_tap(self, inbound: Inbound, text: str) -> None:
+        """Nobody taps."""
+
+
+def measure(*, quick: bool = False) -> Report:
+    """Run every case in turns, so that a slow moment of the machine hits all alike."""
+    runs = 1 if quick else 5
+    seen: dict[str, list[tuple[float, list[int]]]] = {load.name: [] for load in CASES}
+    for _ in range(runs):
+        for load in CASES:
+            if quick:
+                load = msgspec.structs.replace(load, orders=max(500, load.orders // 10))  # noqa: PLW2901
+            seen[load.name].append(asyncio.run(_run(load)))
+    cases: tuple[Case, ...] = tuple(case_of(name, found) for name, found in seen.items())
+    method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs)
+    return Report(machine=machine(), method=method, cases=cases)
+
+
+async def _run(load: Load) -> tuple[float, list[int]]:
+    with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
+        messenger = BenchMessenger()
+        store: Store = (
+            DatabaseStore(Path(folder), clock=SystemClock()) if load.durable else MemoryStore()
+        )
+        gateway = _gateway(load, messenger, store, MemoryLatch())
+        await gateway.open()
+        try:
+            gc.collect()
+            gc.freeze()
+            times, seconds = await _drive(gateway, messenger, load)
+            acted = [robot.acted for robot in _robots(gateway)]
+            distinct = sum(len(set(numbers)) for numbers in acted)
+            if distinct != len(times):
+                raise AssertionError(f"{len(times)} told done, {distinct} acted")
+        finally:
+            await gateway.close()
+            gc.unfreeze()
+    return len(times) / seconds, times
+
+
+def _robots(gateway: Gateway) -> Iterator[MemoryRobot]:
+    for robot in gateway.robots.values():
+        if isinstance(robot, MemoryRobot):
+            yield robot
+
+
+async def _drive(
+    gateway: Gateway, messenger: BenchMessenger, load: Load
+) -> tuple[list[int], float]:
+    """Keep ``in_flight`` messages under way; return every latency and the whole time."""
+    times: list[int] = []
+    robots = min(ROBOTS, load.skills, load.in_flight)
+    slots = [load.in_flight // robots + (i < load.in_flight % robots) for i in range(robots)]
+    people = cycle(range(load.people))
+    ids = count(1)
+    skills = max(1, load.skills // ROBOTS)
+
+    async def slot(robot: int, person: int) -> None:
+        for _ in range(TURN_MESSAGES):
+            number = next(ids)
+            inbound = _inbound(robot, person, number, number % skills)
+            ended = asyncio.get_running_loop().create_future()
+            messenger.ended[inbound.message] = ended
+            began_ns = perf_counter_ns()
+            await gateway.pipeline.receive(messenger, inbound)
+            await ended
+            times.append(perf_counter_ns() - began_ns)
+
+    async def lane(robot: int, width: int) -> None:
+        while len(times) < load.orders:
+            person = next(people)
+            if width == 1:
+                await slot(robot, person)
+            else:
+                await asyncio.gather(*(slot(robot, person) for _ in range(width)))
+
+    began_ns = perf_counter_ns()
+    await asyncio.gather(*(lane(robot, width) for robot, width in enumerate(slots)))
+    return times, (perf_counter_ns() - began_ns) / 1e9
+
+
+CLOCK = SystemClock()
+
+
+def _inbound(robot: int, person: int, number: int, skill: int) -> Inbound:
+    now_ns = CLOCK.wall_ns()
+    who = str(person)
+    return Inbound(
+        sender=Address("bench", who),
+        chat=Chat("bench", who),
+        message=str(number),
+        text=f"robot{robot} skill{skill} forward 0.5 m",
+        sent_ns=now_ns,
+        received_ns=now_ns,
+    )
+
+
+def _gateway(load: Load, messenger: BenchMessenger, store: Store, latch: Latch) -> Gateway:
+    def factory(_kind: str) -> RobotFactory:
+        return MemoryRobot
+
+    settings = Settings(
+        profiles=tuple(_profile(robot, load) for robot in range(ROBOTS)),
+        people=tuple(
+            Seed(f"person {n}", (Address("bench", str(n)),), ("operator",))
+            for n in range(load.people)
+        ),
+        limit=RateLimit(burst=1e9, per_s=1e9),
+        lease_idle_s=0.0,
+    )
+    parts = Parts(
+        messengers=(messenger,),
+        robot_factory=factory,
+        store=store,
+        latch=latch,
+        clock=CLOCK,
+        entropy=SystemEntropy(),
+        units=compile_units(),
+        face=face_of(),
+    )
+    return Gateway(settings, parts)
+
+
+def _profile(robot: int, load: Load) -> Profile:
+    share = max(1, load.skills // ROBOTS)
+    return Profile(
+        id=f"robot{robot}",
+        link=Link(kind="memory"),
+        busy=Busy.QUEUE,
+        queue_length=64,
+        skills={
+            f"skill{n}": Skill(
+                id=f"skill{n}",
+                parameters={
+                    "direction": Parameter(choices={"forward": (), "back": ()}, default="forward"),
+                    "distance": Parameter(unit="m", min=0.01, max=5.0),
+                },
+            )
+            for n in range(share)
+        },
+    )

@@ -1,0 +1,82 @@
+"""What a bench reports: on which machine, how, and what was seen."""
+
+from __future__ import annotations
+
+import os
+import platform
+from pathlib import Path
+from statistics import median
+from typing import TYPE_CHECKING
+
+import msgspec
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+class Case(msgspec.Struct, frozen=True, kw_only=True):
+    """One measured case; the median of its runs.
+
+    Attributes:
+        p50_us, p99_us: From handing the message over until its author is told that it is done.
+    """
+
+    name: str
+    rate_per_s: float
+    p50_us: float
+    p99_us: float
+
+
+class Report(msgspec.Struct, frozen=True, kw_only=True):
+    """Everything one bench saw."""
+
+    machine: str
+    method: str
+    cases: tuple[Case, ...]
+
+
+def machine() -> str:
+    """Return what this was measured on."""
+    return f"{_processor()}, {os.cpu_count()} cores, Python {platform.python_version()}"
+
+
+def _processor() -> str:
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        for line in cpuinfo.read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def case_of(name: str, runs: Sequence[tuple[float, Sequence[int]]]) -> Case:
+    """Return the medians over runs of (orders per second, latencies in nanoseconds)."""
+    return Case(
+        name=name,
+        rate_per_s=round(median(rate for rate, _ in runs), 1),
+        p50_us=round(median(quantile(times, 0.50) for _, times in runs) / 1e3, 1),
+        p99_us=round(median(quantile(times, 0.99) for _, times in runs) / 1e3, 1),
+    )
+
+
+def quantile(values: Sequence[int], share: float) -> float:
+    """Return the value below which a share of the values lies (nearest rank)."""
+    ranked = sorted(values)
+    return float(ranked[min(len(ranked) - 1, int(share * len(ranked)))])
+
+
+def as_json(report: Report) -> str:
+    """Return one JSON object."""
+    return msgspec.json.encode(report).decode()
+
+
+def as_text(report: Report) -> str:
+    """Return a table for people."""
+    width = max(len(case.name) for case in report.cases)
+    lines = [report.machine, report.method, ""]
+    lines += [
+        f"{case.name:<{width}}  {case.rate_per_s:>10.0f} /s   p50 {case.p50_us:>8.1f} us   "
+        f"p99 {case.p99_us:>9.1f} us"
+        for case in report.cases
+    ]
+    return "\n".join(lines)

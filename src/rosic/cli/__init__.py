@@ -1,0 +1,7 @@
+"""What a person meets outside the chat: the ``rosic`` command."""
+
+from __future__ import annotations
+
+from rosic.cli.entry import main
+
+__all__ = ["main"]

@@ -1,0 +1,116 @@
+"""The ``rosic`` command: finds the sub-command, and imports that one alone."""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import import_module
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic import __version__
+from rosic.errors import ConfigurationError, RosicError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+FAILED = 1
+WRONG = 2
+INTERRUPTED = 130
+
+
+class Command(NamedTuple):
+    """A sub-command.
+
+    Attributes:
+        module: Has ``run(arguments) -> exit status``.
+        summary: One line for the overview.
+    """
+
+    module: str
+    summary: str
+
+
+COMMANDS: dict[str, Command] = {
+    "demo": Command("rosic.cli.demo", "six simulated robots in this terminal; no account, no ROS"),
+    "run": Command("rosic.cli.run", "start the gateway of a configuration file"),
+    "check": Command("rosic.cli.check", "say everything that is wrong with a configuration file"),
+    "robot check": Command("rosic.cli.robot_check", "say everything that is wrong with a profile"),
+    "robot discover": Command("rosic.cli.robot_discover", "draft a profile from the ROS 2 graph"),
+    "status": Command("rosic.cli.status", "how the robots of the running gateway are"),
+    "stop": Command("rosic.cli.stop", "stop robots of the running gateway; all, if none is named"),
+    "people": Command("rosic.cli.people", "who is known, with which roles"),
+    "revoke": Command("rosic.cli.revoke", "take somebody's access back, for ever"),
+    "doctor": Command("rosic.cli.doctor", "measure this machine; with --try, a robot"),
+    "sim": Command("rosic.cli.sim", "the simulated robots as ROS 2 nodes"),
+    "bench": Command("rosic.cli.bench", "measure how fast ROSIC is here"),
+}
+
+USAGE = """usage: rosic COMMAND ...
+
+Chat messages move ROS 2 robots, safely.
+
+{commands}
+
+rosic COMMAND --help says more about one of them. Try first: rosic demo"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command. Return the exit status: 0 good, 1 it did not work, 2 wrong input."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        status = _run(words)
+        sys.stdout.flush()
+    except ConfigurationError as wrong:
+        return _complain(str(wrong), WRONG)
+    except RosicError as fault:
+        return _complain(str(fault), FAILED)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read our output has gone (``rosic status | head``): nothing more can be said.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    return status
+
+
+def _run(words: list[str]) -> int:
+    for count in (2, 1):
+        name = " ".join(words[:count])
+        if len(words) >= count and name in COMMANDS:
+            run = import_module(COMMANDS[name].module).run
+            return int(run(words[count:]))
+    return _overview(words)
+
+
+def _overview(words: list[str]) -> int:
+    asked = words[0] if words else "--help"
+    if asked in {"-h", "--help", "help"}:
+        print(_usage(""))
+        return 0
+    if asked in {"-V", "--version", "version"}:
+        print(f"rosic {__version__}")
+        return 0
+    within = f"{asked} "
+    if any(name.startswith(within) for name in COMMANDS):
+        helps = len(words) > 1 and words[1] in {"-h", "--help"}
+        print(_usage(within), file=sys.stdout if helps else sys.stderr)
+        return 0 if helps else WRONG
+    return _complain(f"There is no command {asked!r}.{_meant(asked)}", WRONG)
+
+
+def _usage(prefix: str) -> str:
+    shown = {name: what for name, what in COMMANDS.items() if name.startswith(prefix)}
+    width = max(map(len, shown))
+    lines = [f"  {name:<{width}}  {command.summary}" for name, command in shown.items()]
+    return USAGE.format(commands="\n".join(lines))
+
+
+def _meant(asked: str) -> str:
+    # Seldom needed, so not imported at the top: `rosic --help` has to be quick.
+    near: list[str] = import_module("difflib").get_close_matches(asked, COMMANDS, n=1)
+    return f" Did you mean {near[0]}?" if near else " See: rosic --help"
+
+
+def _complain(sentence: str, status: int) -> int:
+    print(f"rosic: {sentence}", file=sys.stderr)
+    return status

@@ -1,0 +1,47 @@
+"""``rosic run``: the gateway itself."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import sys
+from typing import TYPE_CHECKING
+
+from rosic.app.config import Config, load_config
+from rosic.app.face import face_of
+from rosic.app.logs import log_to_standard_error
+from rosic.app.serving import Serving
+from rosic.app.start import secrets_of
+from rosic.cli.asking import CONFIG
+from rosic.cli.begun import begun_ns
+from rosic.errors import RosicError
+from rosic.system import SystemClock, SystemEntropy
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ABOUT = """Start the gateway of a configuration file, and keep it running until SIGTERM or Ctrl-C.
+Then robots are brought to rest, what is untold is told, and it ends within 5 seconds."""
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the gateway. Return 0 after a signal, 1 when it could not start or go on.
+
+    Raises:
+        ConfigurationError: The configuration is wrong; nothing was started.
+    """
+    parser = argparse.ArgumentParser(prog="rosic run", description=ABOUT)
+    parser.add_argument("-c", "--config", metavar="FILE", default=CONFIG)
+    options = parser.parse_args(arguments)
+    config = load_config(options.config)
+    log_to_standard_error(config.log_level.value, face_of(), secrets_of(config))
+    try:
+        asyncio.run(_serve(config))
+    except RosicError as error:
+        print(f"rosic: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+async def _serve(config: Config) -> None:
+    await Serving(config, SystemClock(), SystemEntropy(), begun_ns=begun_ns()).run()

@@ -1,0 +1,31 @@
+"""``rosic sim``: the simulated robots as ROS 2 nodes, with their own watchdogs."""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from rosic.robots.ros2.ros import load_ros
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ABOUT = """Run simulated robots as ROS 2 nodes, for gateways that reach them over ROS 2, until
+Ctrl-C. Without names: kuka1, omni, yumi, cf1, cf2 and cf3. To try them without ROS: rosic demo."""
+NODES = "rosic.robots.ros2.simulation"
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the nodes.
+
+    Raises:
+        RosMissing: ROS 2 is not here.
+    """
+    parser = argparse.ArgumentParser(prog="rosic sim", description=ABOUT)
+    parser.add_argument("robots", metavar="ROBOT", nargs="*")
+    parser.add_argument("--ros2", action="store_true", help="as ROS 2 nodes; the only way so far")
+    options = parser.parse_args(arguments)
+    load_ros()
+    status = import_module(NODES).main(list(options.robots))
+    return status if isinstance(status, int) else 0

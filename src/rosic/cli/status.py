@@ -1,0 +1,23 @@
+"""``rosic status``: how the robots of the running gateway are."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from rosic.app.control import Ask, Verb
+from rosic.cli.asking import add_where, ask, data_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Ask the gateway."""
+    parser = argparse.ArgumentParser(
+        prog="rosic status", description="How the robots of the running gateway are."
+    )
+    parser.add_argument("robots", metavar="ROBOT", nargs="*")
+    add_where(parser)
+    options = parser.parse_args(arguments)
+    return ask(data_of(options), Ask(Verb.STATUS, tuple(options.robots)))

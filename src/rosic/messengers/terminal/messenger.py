@@ -1,0 +1,211 @@
+"""The messenger itself. Its one person is whoever may use this process's terminal."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from typing import TYPE_CHECKING, Any, TextIO
+
+from rosic.core.identity import Address
+from rosic.core.language.stopping import hears_stop
+from rosic.core.message import Chat, Inbound, Outbound
+from rosic.errors import ConfigurationError, MessengerFault
+from rosic.messengers.terminal.choices import Choices
+from rosic.messengers.terminal.completing import Completer
+from rosic.messengers.terminal.screen import PlainScreen, Screen, standard_input, write
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Receive
+    from rosic.core.robot import Profile
+
+CHAT = "terminal"
+WAITING_AT_MOST = 256
+
+
+class TerminalMessenger:
+    """One terminal, one person: the local user, by number.
+
+    A line is handed over when it is complete; a stop overtakes lines that still wait. A script
+    piped into it is a person like any other, only faster.
+
+    Args:
+        screen: Where to read and show; None finds out when it is first needed.
+        account: The local user's number; None takes that of this process.
+        plain: No colours, no prompt that redraws itself.
+
+    Attributes:
+        ended: Set when there is nothing more to read. `run` goes on: others may still talk.
+        pace: Awaited after each line, before the next is read; for scripts.
+    """
+
+    platform = "terminal"
+    assurance = "local"
+    edits = False
+
+    def __init__(
+        self,
+        name: str = "terminal",
+        *,
+        clock: Clock,
+        screen: Screen | None = None,
+        account: str | None = None,
+        plain: bool = False,
+    ) -> None:
+        self.name = name
+        self.ended = asyncio.Event()
+        self.pace: Callable[[], Awaitable[None]] | None = None
+        self.account = str(os.getuid()) if account is None else account
+        self._clock = clock
+        self._plain = plain
+        self._screen = screen
+        self._completer = Completer()
+        self._choices = Choices()
+        self._chat = Chat(self.platform, CHAT)
+        self._serial = 0
+        # Ids must not come again in another run: the record remembers them (I1).
+        self._run_id = f"{clock.wall_ns():x}-{os.getpid()}"
+        self._since_ns = 0
+        self._waiting: asyncio.Queue[Inbound] = asyncio.Queue(WAITING_AT_MOST)
+
+    def know(self, profiles: Iterable[Profile]) -> None:
+        """Complete the names and skills of these robots from now on."""
+        self._completer = Completer(profiles)
+
+    async def run(self, receive: Receive) -> None:
+        """Listen until cancelled. See the contract."""
+        self._since_ns = self._clock.wall_ns()
+        try:
+            if self._screen is None:
+                self._screen = self._find_screen()
+            with self._screen as screen:
+                async with asyncio.TaskGroup() as group:
+                    group.create_task(self._hand_over(receive))
+                    await self._listen(screen, receive, group)
+                    self.ended.set()
+                    await asyncio.Event().wait()
+        except ExceptionGroup as several:
+            raise several.exceptions[0] from None
+
+    async def _listen(self, screen: Screen, receive: Receive, group: asyncio.TaskGroup) -> None:
+        while (line := await screen.read()) is not None:
+            if not line.strip():
+                continue
+            inbound = self._inbound(line)
+            if self.pace is not None:
+                await receive(inbound)
+                await self.pace()
+            elif hears_stop(inbound.text or inbound.nonce or "") is not None:
+                group.create_task(_received(receive, inbound))
+            elif self._waiting.full():
+                screen.show("Too many lines at once. Wait a moment.")
+            else:
+                self._waiting.put_nowait(inbound)
+
+    async def _hand_over(self, receive: Receive) -> None:
+        while True:
+            await receive(await self._waiting.get())
+
+    def _inbound(self, line: str) -> Inbound:
+        now_ns = self._clock.wall_ns()
+        message = self._next_id()
+        choice = self._choices.take(line)
+        return Inbound(
+            sender=Address(self.platform, self.account),
+            chat=self._chat,
+            message=message,
+            text="" if choice else line,
+            nonce=choice.button.nonce if choice else None,
+            tap=f"tap-{message}" if choice else "",
+            under=choice.message if choice else "",
+            sent_ns=now_ns,
+            received_ns=now_ns,
+            listening_since_ns=self._since_ns,
+        )
+
+    async def send(self, outbound: Outbound) -> str:
+        """Show a text and its choices. See the contract."""
+        message = self._next_id()
+        choices = self._choices.show(message, outbound, self._clock.monotonic_ns())
+        self.show(f"{outbound.text}\n{choices}" if choices else outbound.text)
+        return message
+
+    async def edit(self, message: str, outbound: Outbound) -> None:  # noqa: ARG002 - the contract
+        """Refuse: what was printed stays printed.
+
+        Raises:
+            MessengerFault: Always.
+        """
+        raise MessengerFault("A terminal cannot change what it has shown.")
+
+    async def answer_tap(self, inbound: Inbound, text: str) -> None:  # noqa: ARG002 - the contract
+        """Show the answer, if there is one."""
+        if text:
+            try:
+                self.show(text)
+            except MessengerFault:
+                self.ended.set()
+
+    def show(self, text: str) -> None:
+        """Show something that need not be part of a conversation: a greeting, a farewell.
+
+        Raises:
+            MessengerFault: There is nobody to show it to.
+        """
+        if self._screen is not None:
+            self._screen.show(text)
+        else:
+            write(text, colour=self._colour())  # nobody listens yet, so there is no prompt yet
+
+    def _next_id(self) -> str:
+        self._serial += 1
+        return f"{self._run_id}-{self._serial}"
+
+    def _colour(self) -> bool:
+        return not self._plain and is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
+
+    def _find_screen(self) -> Screen:
+        colour = self._colour()
+        at_hand = is_terminal(sys.stdin)
+        if at_hand and is_terminal(sys.stdout) and not self._plain and _can_draw():
+            from rosic.messengers.terminal.prompt import PromptScreen  # noqa: PLC0415 - 0.3 s
+
+            return PromptScreen(self._completer, colour=colour)
+        return PlainScreen(standard_input(), echo=not at_hand, colour=colour)
+
+
+async def _received(receive: Receive, inbound: Inbound) -> None:
+    await receive(inbound)
+
+
+def is_terminal(stream: TextIO | None) -> bool:
+    """Whether a person is at the other end of a standard stream."""
+    try:
+        return stream is not None and stream.isatty()
+    except ValueError:
+        return False  # closed
+
+
+def _can_draw() -> bool:
+    return os.environ.get("TERM", "dumb") != "dumb"
+
+
+def terminal_messenger(name: str, settings: Mapping[str, Any], clock: Clock) -> TerminalMessenger:
+    """Make it from its table in the configuration: ``plain = true`` is all there is to set.
+
+    Raises:
+        ConfigurationError: A setting is unknown or wrong; the sentence names it.
+    """
+    unknown = sorted(set(settings) - {"kind", "name", "plain"})
+    if unknown:
+        raise ConfigurationError(
+            f"The messenger {name} does not know the setting {unknown[0]}.",
+            hint="It knows: plain.",
+        )
+    plain = settings.get("plain", False)
+    if not isinstance(plain, bool):
+        raise ConfigurationError(f"plain of the messenger {name} must be true or false.")
+    return TerminalMessenger(name, clock=clock, plain=plain)

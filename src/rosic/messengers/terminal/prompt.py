@@ -1,0 +1,105 @@
+"""The prompt: completion, history, and output above the line that is being typed."""
+
+from __future__ import annotations
+
+from shutil import get_terminal_size
+from textwrap import fill
+from typing import TYPE_CHECKING, Self
+
+from prompt_toolkit import PromptSession
+from prompt_toolkit.completion import Completer as ToolkitCompleter
+from prompt_toolkit.completion import Completion as ToolkitCompletion
+from prompt_toolkit.history import InMemoryHistory
+from prompt_toolkit.output import ColorDepth
+from prompt_toolkit.patch_stdout import patch_stdout
+
+from rosic.messengers.terminal.screen import write
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from contextlib import AbstractContextManager
+    from types import TracebackType
+
+    from prompt_toolkit.completion import CompleteEvent
+    from prompt_toolkit.document import Document
+
+    from rosic.messengers.terminal.completing import Completer
+
+PROMPT = "> "
+NARROWEST = 20
+LEAVE = frozenset({"exit", "quit"})
+
+
+class _Completing(ToolkitCompleter):
+    def __init__(self, completer: Completer) -> None:
+        self.ours = completer
+
+    def get_completions(
+        self,
+        document: Document,
+        complete_event: CompleteEvent,  # noqa: ARG002 - its signature
+    ) -> Iterator[ToolkitCompletion]:
+        for found in self.ours.complete(document.text_before_cursor):
+            yield ToolkitCompletion(
+                found.text, start_position=-found.replaces, display_meta=found.meta
+            )
+
+
+class PromptScreen:
+    """A terminal with a person in front of it. What was typed before is kept for this run only."""
+
+    def __init__(self, completer: Completer, *, colour: bool) -> None:
+        self._colour = colour
+        self._session: PromptSession[str] = PromptSession(
+            PROMPT,
+            completer=_Completing(completer),
+            complete_while_typing=True,
+            history=InMemoryHistory(),
+            color_depth=None if colour else ColorDepth.DEPTH_1_BIT,
+            reserve_space_for_menu=6,
+        )
+        self._above: AbstractContextManager[None] = patch_stdout(raw=True)
+
+    def __enter__(self) -> Self:
+        self._above.__enter__()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        self._above.__exit__(kind, error, at)
+
+    async def read(self) -> str | None:
+        """Return the next line; None after Ctrl-D, Ctrl-C on an empty line, exit or quit."""
+        while True:
+            try:
+                line = await self._session.prompt_async(
+                    handle_sigint=False, set_exception_handler=False
+                )
+            except EOFError:
+                return None
+            except KeyboardInterrupt:
+                if self._session.default_buffer.text:
+                    continue
+                return None
+            return None if line.strip().casefold() in LEAVE else line
+
+    def show(self, text: str) -> None:
+        """Print above the prompt, broken between words where the terminal would break a word."""
+        width = get_terminal_size().columns
+        lines = [wrapped(line, width) for line in text.split("\n")]
+        write("\n".join(lines), colour=self._colour)
+
+
+def wrapped(line: str, width: int) -> str:
+    """Return a line of at most ``width`` columns each; a word longer than that stays whole."""
+    if len(line) < width or width < NARROWEST:
+        return line
+    indent = " " * (len(line) - len(line.lstrip()) + 2)
+    return fill(
+        line, width - 1, subsequent_indent=indent, break_long_words=False,
+        break_on_hyphens=False, replace_whitespace=False, drop_whitespace=True,
+    )  # fmt: skip

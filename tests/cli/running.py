@@ -1,0 +1,146 @@
+"""The real command, as a person runs it: in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+ROSIC = (sys.executable, "-m", "rosic")
+SOURCE = Path(__file__).parents[2] / "src"
+
+
+class Ran(NamedTuple):
+    """What a command said and returned."""
+
+    status: int
+    out: str
+    err: str
+
+
+def environment(extra: Mapping[str, str] | None = None) -> dict[str, str]:
+    own = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+    paths = [str(SOURCE), *filter(None, [own.get("PYTHONPATH")])]
+    return own | {"PYTHONPATH": os.pathsep.join(paths), "TZ": "UTC"} | dict(extra or {})
+
+
+def rosic(
+    *arguments: str | Path,
+    stdin: str = "",
+    cwd: Path | None = None,
+    within_s: float = 50,
+    env: Mapping[str, str] | None = None,
+) -> Ran:
+    """Run a command to its end."""
+    done = subprocess.run(  # noqa: S603 - our own command
+        [*ROSIC, *map(str, arguments)],
+        input=stdin,
+        capture_output=True,
+        text=True,
+        timeout=within_s,
+        check=False,
+        cwd=cwd,
+        env=environment(env),
+    )
+    return Ran(done.returncode, done.stdout, done.stderr)
+
+
+class Gateway:
+    """A running ``rosic run``.
+
+    Attributes:
+        process: Its standard input stays open until it is closed.
+    """
+
+    def __init__(self, process: subprocess.Popen[str], log: Path, out: Path) -> None:
+        self.process = process
+        self._log = log
+        self._out = out
+
+    def err(self) -> str:
+        return self._log.read_text()
+
+    def out(self) -> str:
+        return self._out.read_text()
+
+    def say(self, line: str) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{line}\n")
+        self.process.stdin.flush()
+
+    def wait_for(self, text: str, *, within_s: float = 20, log: bool = False) -> None:
+        end_s = time.monotonic() + within_s
+        while text not in (self.err() if log else self.out()):
+            assert self.process.poll() is None, f"it ended: {self.err()}"
+            assert time.monotonic() < end_s, f"no {text!r} in: {self.err()}{self.out()}"
+            time.sleep(0.02)
+
+    def end(self, number: signal.Signals = signal.SIGTERM, *, within_s: float = 5) -> int:
+        self.process.send_signal(number)
+        return self.process.wait(within_s)
+
+
+@contextmanager
+def gateway(
+    config: Path, env: Mapping[str, str] | None = None, *, ready: bool = True
+) -> Iterator[Gateway]:
+    """Let a gateway run while inside."""
+    log, out = config.with_suffix(".err"), config.with_suffix(".out")
+    with log.open("w") as err, out.open("w") as told:
+        process = subprocess.Popen(  # noqa: S603 - our own command
+            [*ROSIC, "run", "-c", str(config)],
+            stdin=subprocess.PIPE,
+            stdout=told,
+            stderr=err,
+            text=True,
+            env=environment(env),
+        )
+        running = Gateway(process, log, out)
+        try:
+            if ready:
+                running.wait_for("ready in", log=True, within_s=30)
+            yield running
+        finally:
+            process.kill()
+            process.wait()
+            if process.stdin is not None:
+                process.stdin.close()
+
+
+CONFIG = """
+[[messenger]]
+kind = "terminal"
+
+[[robot]]
+profile = "omni"
+link = "simulated"
+
+[[robot]]
+profile = "kuka1"
+link = "simulated"
+
+[[principal]]
+name = "Ada"
+address = "terminal:{uid}"
+role = "admin"
+
+[[principal]]
+name = "Bob"
+address = "terminal:99999"
+role = "operator"
+"""
+
+
+def write_config(folder: Path, text: str = CONFIG, **changes: str) -> Path:
+    """Write a configuration and return where it is."""
+    path = folder / "rosic.toml"
+    path.write_text(text.format(uid=os.getuid(), **changes))
+    return path

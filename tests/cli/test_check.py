@@ -1,0 +1,75 @@
+"""`rosic check` and `rosic robot check`: everything that is wrong, at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.app.profiles import shipped_profiles
+from rosic.cli.entry import main
+from tests.cli.running import CONFIG, write_config
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import pytest
+
+
+def test_a_good_configuration_is_told_what_is_in_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write_config(tmp_path)
+
+    assert main(["check", "-c", str(path)]) == 0
+
+    assert capsys.readouterr().out == f"{path} is good: 1 messenger, 2 robots, 2 people.\n"
+    assert not (tmp_path / "rosic-data").exists()
+
+
+def test_everything_that_is_wrong_is_said_at_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = CONFIG.replace('kind = "terminal"', 'kind = "terminal"\nbells = true')
+    text += '\n[[messenger]]\nkind = "telegramm"\n[[robot]]\nprofile = "yumi"\nlink = "ros3"\n'
+
+    assert main(["check", "-c", str(write_config(tmp_path, text))]) == 2
+
+    said = capsys.readouterr().err
+    assert "rosic.toml:2: The messenger terminal does not know the setting bells." in said
+    assert "There is no messenger of the kind 'telegramm'. Did you mean telegram?" in said
+    assert "There is no robot link of the kind 'ros3'. Did you mean ros2?" in said
+    assert said.endswith("3 things are wrong.\n")
+
+
+def test_what_could_be_better_is_said_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = CONFIG.replace('"admin"', '"viewer"').replace('"operator"', '"viewer"')
+    text = text.replace('"terminal:99999"', '"telegram:1001"')
+
+    assert main(["check", "-c", str(write_config(tmp_path, text))]) == 0
+
+    said = capsys.readouterr().out
+    assert "Nobody of this file may move omni." in said
+    assert "Bob has no address on a messenger of this file." in said
+
+
+def test_shipped_profiles_are_good(capsys: pytest.CaptureFixture[str]) -> None:
+    files = [str(path) for path in shipped_profiles().values()]
+
+    assert main(["robot", "check", *files]) == 0
+
+    assert capsys.readouterr().out.count(" is good: ") == len(files)
+
+
+def test_a_wrong_profile_is_told_with_its_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "omni.yaml"
+    path.write_text("id: Omni\nlink: { kind: ros2 }\nbusy: perhaps\n")
+
+    assert main(["robot", "check", str(path), str(tmp_path / "nowhere.yaml")]) == 2
+
+    lines = capsys.readouterr().err.splitlines()
+    assert any(line.startswith(f"{path}:1: ") for line in lines)
+    assert any(line.startswith(f"{path}:3: ") for line in lines)
+    assert any("nowhere.yaml" in line for line in lines)

@@ -1,0 +1,216 @@
+"""The control socket: who may use it, for what, and how little of it a stranger gets."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import socket
+import stat
+from typing import TYPE_CHECKING, cast
+
+import pytest
+
+from rosic.app.control import (
+    ASK_BYTES,
+    AT_ONCE,
+    LONGEST_PATH_BYTES,
+    Ask,
+    ControlServer,
+    NotRunning,
+    Verb,
+    ask_gateway,
+    peer_uid,
+    socket_path,
+)
+from rosic.errors import ConfigurationError, Fault, NotUnderstood
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+    from rosic.app.operating import Operating
+
+
+class Desk:
+    """Stands where the operator's desk is: answers, and lets a test decide when."""
+
+    def __init__(self) -> None:
+        self.stopped: list[tuple[str, ...]] = []
+        self.hold = asyncio.Event()
+        self.hold.set()
+
+    def status(self, names: tuple[str, ...]) -> tuple[str, ...]:
+        if "kuka2" in names:
+            raise NotUnderstood("There is no robot called kuka2.")
+        if "crash" in names:
+            raise RuntimeError("a fault of ours")
+        return ("omni: at rest", *names)
+
+    async def stop(self, names: tuple[str, ...]) -> AsyncIterator[str]:
+        self.stopped.append(names)
+        yield "STOP sent to omni."
+        yield "STOP: omni at rest (0.08 s)."
+
+    async def revoke(self, name: str) -> str:
+        await self.hold.wait()
+        return f"{name} has no access any more, also after a restart."
+
+
+@pytest.fixture
+def desk() -> Desk:
+    return Desk()
+
+
+@pytest.fixture
+async def server(tmp_path: Path, desk: Desk) -> AsyncIterator[ControlServer]:
+    server = ControlServer(tmp_path, cast("Operating", desk))
+    await server.open()
+    yield server
+    await server.close()
+
+
+async def answers(folder: Path, verb: Verb, *names: str) -> list[tuple[str, bool]]:
+    return [(one.text, one.good) async for one in ask_gateway(folder, Ask(verb, names))]
+
+
+async def raw(folder: Path, sent: bytes) -> bytes:
+    reader, writer = await asyncio.open_unix_connection(str(folder / "control.sock"))
+    writer.write(sent)
+    try:
+        return await asyncio.wait_for(reader.read(), 5)
+    except ConnectionResetError:
+        return b""
+    finally:
+        writer.close()
+
+
+@pytest.mark.usefixtures("server")
+async def test_questions_are_answered_line_by_line(tmp_path: Path, desk: Desk) -> None:
+    assert await answers(tmp_path, Verb.STATUS, "omni") == [("omni: at rest\nomni", True)]
+    assert await answers(tmp_path, Verb.STOP) == [
+        ("STOP sent to omni.", True),
+        ("STOP: omni at rest (0.08 s).", True),
+    ]
+    assert desk.stopped == [()]
+    assert await answers(tmp_path, Verb.STATUS, "kuka2") == [
+        ("There is no robot called kuka2.", False)
+    ]
+    [(sentence, good)] = await answers(tmp_path, Verb.STATUS, "crash")
+    assert not good
+    assert "a fault of ours" not in sentence
+
+
+@pytest.mark.usefixtures("server")
+@pytest.mark.parametrize(
+    "sent",
+    [b"\n", b"{}\n", b"[]\n", b'{"verb":"fly"}\n', b'{"verb":"stop","more":1}\n', b"\xff\xfe\n",
+     b'{"verb":"status","names":' + b"[" * 2000 + b"\n",
+     b'{"verb":"status","names":["' + b"x" * (2 * ASK_BYTES) + b'"]}\n'],
+)  # fmt: skip
+async def test_what_is_no_request_is_turned_away(tmp_path: Path, sent: bytes, desk: Desk) -> None:
+    answer = await raw(tmp_path, sent)
+
+    assert b"no request" in answer
+    assert desk.stopped == []
+    assert (await answers(tmp_path, Verb.STATUS))[0][1]
+
+
+@pytest.mark.usefixtures("server")
+async def test_a_stop_gets_through_when_everything_else_must_wait(
+    tmp_path: Path, desk: Desk
+) -> None:
+    desk.hold.clear()
+    waiting = [
+        asyncio.create_task(answers(tmp_path, Verb.REVOKE, "Bob")) for _ in range(AT_ONCE + 2)
+    ]
+    done, _ = await asyncio.wait(waiting, timeout=5, return_when=asyncio.FIRST_COMPLETED)
+    assert done
+    assert next(iter(done)).result() == [("Too many commands at once. Try again.", False)]
+
+    assert len(await answers(tmp_path, Verb.STOP)) == 2
+    desk.hold.set()
+    await asyncio.gather(*waiting)
+
+
+async def test_only_its_owner_can_reach_it(tmp_path: Path, server: ControlServer) -> None:
+    mode = (tmp_path / "control.sock").stat().st_mode
+    assert stat.S_ISSOCK(mode)
+    assert stat.S_IMODE(mode) == 0o600
+    await server.close()
+    assert not (tmp_path / "control.sock").exists()
+
+
+def test_the_kernel_says_who_asks() -> None:
+    ours, theirs = socket.socketpair(socket.AF_UNIX)
+    with ours, theirs:
+        assert peer_uid(ours) == os.getuid()
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can ask as somebody else")
+async def test_another_user_is_turned_away(tmp_path: Path, desk: Desk) -> None:
+    server = ControlServer(tmp_path, cast("Operating", desk))
+    await server.open()
+    # The folder and the socket let everybody in: what is left is to look at who they are.
+    for path in (tmp_path / "control.sock", tmp_path, *tmp_path.parents[:3]):
+        path.chmod(0o777)
+    try:
+        assert await asyncio.to_thread(ask_as, 65534, tmp_path / "control.sock") == b""
+        assert desk.stopped == []
+        assert b"STOP" in await asyncio.to_thread(ask_as, 0, tmp_path / "control.sock")
+    finally:
+        await server.close()
+
+
+def ask_as(uid: int, path: Path) -> bytes:
+    """Ask for a stop as another user, in a process of its own; return the answer."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            os.setgroups([])
+            os.setuid(uid)
+            with socket.socket(socket.AF_UNIX) as connection:
+                connection.settimeout(5)
+                connection.connect(str(path))
+                connection.sendall(b'{"verb":"stop"}\n')
+                while chunk := connection.recv(4096):
+                    os.write(writing, chunk)
+        finally:
+            os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as file:
+        answer = file.read()
+    os.waitpid(child, 0)
+    return answer
+
+
+async def test_where_nobody_listens_it_says_so(tmp_path: Path) -> None:
+    with pytest.raises(NotRunning, match="No gateway is running"):
+        await answers(tmp_path, Verb.STATUS)
+    with socket.socket(socket.AF_UNIX) as left_behind:
+        left_behind.bind(str(tmp_path / "control.sock"))
+    with pytest.raises(NotRunning, match="No gateway is running"):
+        await answers(tmp_path, Verb.STATUS)
+
+
+async def test_a_gateway_that_dies_while_asked_is_a_fault(tmp_path: Path) -> None:
+    async def die(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.close()
+
+    async with await asyncio.start_unix_server(die, str(tmp_path / "control.sock")):
+        with pytest.raises(Fault):
+            await answers(tmp_path, Verb.STOP)
+
+
+async def test_what_is_no_socket_is_left_where_it_is(tmp_path: Path, desk: Desk) -> None:
+    (tmp_path / "control.sock").write_text("precious")
+
+    with pytest.raises(ConfigurationError, match="in the way"):
+        await ControlServer(tmp_path, cast("Operating", desk)).open()
+
+    assert (tmp_path / "control.sock").read_text() == "precious"
+
+
+def test_a_path_too_long_for_a_socket_is_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(ConfigurationError, match=f"at most {LONGEST_PATH_BYTES}"):
+        socket_path(tmp_path / ("é" * 60))

@@ -1,0 +1,184 @@
+"""The demonstration, as a script and by hand."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import pty
+import re
+import select
+import signal
+import struct
+import subprocess
+import termios
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.cli.running import ROSIC, environment, rosic
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+SCRIPT = """omni move forward 0.5 m
+kuka1 grasp
+yumi handover
+crazyflies takeoff 1 m
+status
+stop
+omni move 1 m
+resume omni
+omni move 1 m
+"""
+
+
+@pytest.mark.limit(100)
+def test_every_life_of_the_demonstration_is_printed() -> None:
+    ran = rosic("demo", "--plain", stdin=SCRIPT, within_s=90)
+
+    assert ran.status == 0
+    assert ran.err == ""
+    assert "\x1b" not in ran.out
+    parts = re.split(r"^> .*\n", ran.out, flags=re.MULTILINE)
+    move, grasp, handover, takeoff, status, stop, refused, resumed, last = parts[1:]
+    for life, who in ((move, "omni"), (grasp, "KUKA iiwa"), (handover, "YuMi")):
+        steps = [line.removeprefix(f"{who}: ") for line in life.splitlines()]
+        assert steps[0].endswith(": accepted")
+        assert steps[1:3] == ["sent", "received by the robot"]
+        assert any("%" in step for step in steps[3:-1])
+        assert steps[-1].startswith("done ")
+    assert "moved 0.50 m forward" in move
+    assert "object held" in grasp
+    assert takeoff.count("received by the robot") == 3
+    assert takeoff.count(": done ") == 3
+    assert "omni: at rest · taken by you · battery 100 % · x 0.50 m · y 0.00 m" in status
+    assert status.count("z 1.00 m") == 3
+    assert stop.startswith("STOP: ")
+    assert "has not confirmed" not in stop
+    assert "omni is stopped, by you" in refused
+    assert "accepted" not in refused
+    assert resumed == "omni is ready again.\n"
+    assert "moved 1.00 m forward" in last
+    assert "x 1.50 m · y 0.00 m" in last.partition("At the end:")[2]
+
+
+def test_without_any_line_it_ends_by_itself() -> None:
+    ran = rosic("demo", "--plain", within_s=30)
+
+    assert ran.status == 0
+    assert "Six simulated robots" in ran.out
+    assert ran.err == ""
+
+
+@pytest.mark.limit(90)
+def test_bad_lines_are_answered_and_hold_nothing_up() -> None:
+    lines = [
+        "omin move 1 m", "omni mvoe 1 m", "omni move 40 m", "omni move nan m", "omni move -1 m",
+        "omni move 1e400 m", "omni move 1 parsec", "omni move colour=red", "\u202etxet", "\x1b[2J",
+        "x" * 100_000, "omni move 10^400 m",
+    ]  # fmt: skip
+    ran = rosic("demo", "--plain", stdin="\n".join(lines), within_s=80)
+
+    assert ran.status == 0
+    assert ran.err == ""
+    assert "accepted" not in ran.out
+    assert "x 0.00 m · y 0.00 m" in ran.out.partition("At the end:")[2]
+    assert "\x1b" not in ran.out
+    answers = re.split(r"^> .*\n", ran.out, flags=re.MULTILINE)[1:]
+    assert len(answers) == len(lines)
+    assert all(answer.strip() for answer in answers)
+
+
+# ---- by hand ----
+
+
+class Hand:
+    """A person at a terminal: what they type, and everything that was drawn."""
+
+    def __init__(self) -> None:
+        self.drawn = ""
+        self._master, slave = pty.openpty()
+        # A real terminal has a size, and tells where its cursor is when asked; this one does not.
+        fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 100, 0, 0))
+        self.process = subprocess.Popen(  # noqa: S603 - our own command
+            [*ROSIC, "demo"],
+            stdin=slave,
+            stdout=slave,
+            stderr=slave,
+            start_new_session=True,
+            preexec_fn=_make_it_ours,  # noqa: PLW1509 - one system call
+            env=environment({"TERM": "xterm", "PROMPT_TOOLKIT_NO_CPR": "1"}),
+        )
+        os.close(slave)
+
+    def type(self, text: str) -> None:
+        os.write(self._master, text.encode())
+
+    def see(self, text: str, within_s: float = 20) -> None:
+        """Read until a text was drawn since the last look; colours are left out."""
+        end_s = time.monotonic() + within_s
+        while text not in plain(self.drawn):
+            assert time.monotonic() < end_s, f"no {text!r} in {plain(self.drawn)!r}"
+            if select.select([self._master], [], [], 0.1)[0]:
+                try:
+                    self.drawn += os.read(self._master, 65536).decode(errors="replace")
+                except OSError:
+                    break  # the other side has closed
+        assert text in plain(self.drawn)
+        self.drawn = ""
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait()
+        os.close(self._master)
+
+
+def _make_it_ours() -> None:
+    """Make standard input the terminal of the session, so that Ctrl-C is a signal in between."""
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+
+def plain(drawn: str) -> str:
+    return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", drawn)
+
+
+@pytest.fixture
+def hand() -> Iterator[Hand]:
+    hand = Hand()
+    yield hand
+    hand.close()
+
+
+def test_by_hand_it_completes_asks_and_leaves(hand: Hand) -> None:
+    hand.see("\n>")
+    hand.type("omni mo")
+    hand.see("Move in a straight line")
+    hand.type("ve 10 cm left\r")
+    hand.see("received by the robot")
+    hand.see("moved 0.10 m left")
+    hand.type("omni move 40 m\r")
+    hand.see("[1] ")
+    hand.type("use omni\r")
+    hand.see("] STOP")
+    hand.type("\x04")
+    hand.see("Left. Nothing was kept.")
+    assert hand.process.wait(5) == 0
+
+
+def test_ctrl_c_clears_a_line_and_leaves_an_empty_one(hand: Hand) -> None:
+    hand.see("\n>")
+    hand.type("omni tu")
+    hand.see("Turn on the spot")
+    hand.type("\x03status\r")
+    hand.see("x 0.00 m")
+    hand.type("\x03")
+    hand.see("Left.")
+    assert hand.process.wait(5) == 0
+
+
+def test_a_signal_ends_it(hand: Hand) -> None:
+    hand.see("\n>")
+    hand.process.send_signal(signal.SIGTERM)
+
+    assert hand.process.wait(5) == 0

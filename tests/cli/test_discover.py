@@ -1,0 +1,129 @@
+"""Drafting a profile from what is on a ROS 2 graph. The graph itself is met in tests/real."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.app.discovering import robots_in
+from rosic.app.drafting import Seen, drafted, robot_id
+from rosic.app.profiles import read_profile
+from rosic.robots.ros2.graph import Offer, Snapshot, Topic
+from tests.cli.running import SOURCE, rosic
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from rosic.core.robot import Profile
+
+MOVE = "rosic_interfaces/action/Move"
+SEEN = Seen(
+    namespace="/omni",
+    heard={
+        "/omni/cmd_vel": "geometry_msgs/msg/Twist",
+        "/omni/to_robot_topic": "std_msgs/msg/String",
+    },
+    said={
+        "/omni/odom": "nav_msgs/msg/Odometry",
+        "/omni/battery": "sensor_msgs/msg/BatteryState",
+        "/omni/camera": "sensor_msgs/msg/CompressedImage",
+        "/omni/from_robot_topic": "std_msgs/msg/String",
+    },
+    services={"/omni/stop": "std_srvs/srv/Trigger", "/omni/dock": "std_srvs/srv/Trigger"},
+    actions={"/omni/move": MOVE, "/omni/dance": "acme_msgs/action/Dance"},
+)
+
+
+def fields(kind: str) -> Mapping[str, str] | None:
+    known = {"distance_m": "double", "speed_m_s": "float", "joint": "int32", "direction": "string"}
+    return known if kind == MOVE else None
+
+
+def profile_of(text: str, folder: Path) -> Profile:
+    path = folder / "draft.yaml"
+    path.write_text(text)
+    read = read_profile(path)
+    assert read.errors == []
+    assert read.profile is not None
+    return read.profile
+
+
+def test_a_draft_is_a_profile_with_careful_bounds(tmp_path: Path) -> None:
+    text = drafted(SEEN, fields)
+
+    profile = profile_of(text, tmp_path)
+    assert profile.id == "omni"
+    assert profile.link.namespace == "/omni"
+    assert profile.link.dialogue
+    assert profile.stop is not None
+    assert (profile.stop.service, profile.stop.zero) == ("/omni/stop", "/omni/cmd_vel")
+    assert profile.at_rest is not None
+    assert set(profile.telemetry) == {"battery", "x", "y"}
+    assert profile.camera is not None
+    assert set(profile.skills) == {"move", "dance", "dock", "drive"}
+    move = profile.skills["move"].parameters
+    assert {name: (p.unit, p.max) for name, p in move.items()} == {
+        "distance": ("m", 1), "speed": ("m/s", 0.2), "joint": ("", 10),
+    }  # fmt: skip
+    assert profile.watchdog_s is not None
+    assert "--try omni" in text
+
+
+def test_a_robot_without_velocities_states_no_watchdog(tmp_path: Path) -> None:
+    text = drafted(SEEN._replace(heard={}), fields)
+
+    assert "watchdog" not in text
+    assert "drive" not in profile_of(text, tmp_path).skills
+
+
+def test_what_cannot_be_guessed_is_missing_and_the_check_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "draft.yaml"
+    path.write_text(drafted(SEEN._replace(namespace="", said={}), fields))
+
+    sentences = " ".join(str(error) for error in read_profile(path).errors)
+
+    assert "namespace" in sentences
+    assert "at_rest" in sentences
+
+
+def test_names_become_ids() -> None:
+    assert robot_id("/Omni-2") == "omni_2"
+    assert robot_id("/2nd") == "robot_2nd"
+    assert len(robot_id("/" + "x" * 80)) == 32
+
+
+def test_what_neither_moves_nor_tells_is_no_robot() -> None:
+    found = Snapshot(
+        nodes=("/omni/base", "/map_server"),
+        topics=(
+            Topic("/omni/cmd_vel", ("geometry_msgs/msg/Twist",), 0, 1),
+            Topic("/omni/odom", ("nav_msgs/msg/Odometry",), 1, 0),
+            Topic("/map/map", ("nav_msgs/msg/OccupancyGrid",), 1, 0),
+        ),
+        services=(Offer("/map/load", ("std_srvs/srv/Trigger",)),),
+        actions=(Offer("/kuka1/grasp", (MOVE,)),),
+        complete=True,
+    )
+
+    robots = robots_in(found)
+
+    assert [robot.namespace for robot in robots] == ["/kuka1", "/omni"]
+    assert robots[1].heard == {"/omni/cmd_vel": "geometry_msgs/msg/Twist"}
+    assert robots[1].said == {"/omni/odom": "nav_msgs/msg/Odometry"}
+
+
+@pytest.mark.parametrize("command", [("robot", "discover"), ("sim", "--ros2", "omni")])
+def test_without_ros_it_says_how_to_get_it(tmp_path: Path, command: tuple[str, ...]) -> None:
+    absent = tmp_path / "rclpy"
+    absent.mkdir()
+    (absent / "__init__.py").write_text("raise ImportError(\"No module named 'rclpy'\")")
+
+    ran = rosic(*command, env={"PYTHONPATH": f"{SOURCE}{os.pathsep}{tmp_path}"})
+
+    assert ran.status == 2
+    assert ran.err.startswith("rosic: ROS 2 cannot be used by this Python")
+    assert "pip install rosic[ros2]" in ran.err
+    assert len(ran.err.splitlines()) == 1

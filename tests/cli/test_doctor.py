@@ -1,0 +1,138 @@
+"""`rosic doctor`: figures that were measured, and an honest word where none was."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.app.config import load_config
+from rosic.app.doctor.findings import Finding, Verdict
+from rosic.app.doctor.machine import examine_clock, examine_disk
+from rosic.app.doctor.trying import slow_arguments, streaming_skill, try_robot
+from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.stores.database import DatabaseStore
+from rosic.system import SystemClock, SystemEntropy
+from tests.cli.running import gateway, rosic, write_config
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def test_the_disk_is_measured_and_left_as_it_was(tmp_path: Path) -> None:
+    disk, record, space = examine_disk(tmp_path)
+
+    figures = re.fullmatch(r"fsync (\S+) ms p50, (\S+) ms p99 over \d+ writes of 4 KiB", disk.text)
+    assert figures is not None
+    assert 0 < float(figures[1]) <= float(figures[2])
+    assert record == Finding(
+        "record", Verdict.GOOD, "journal mode wal, synchronous 2 (2 is FULL), as read back"
+    )
+    assert "GB free" in space.text
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_not_there_yet_is_measured_beside(tmp_path: Path) -> None:
+    disk, *_ = examine_disk(tmp_path / "rosic-data")
+
+    assert f"measured in {tmp_path}" in disk.text
+
+
+class BackwardsClock(SystemClock):
+    """Its monotonic clock is not."""
+
+    def __init__(self) -> None:
+        self._readings = 0
+
+    def monotonic_ns(self) -> int:
+        self._readings += 1
+        return super().monotonic_ns() - (10**9 if self._readings % 5000 == 0 else 0)
+
+
+async def test_a_clock_that_goes_back_is_noticed() -> None:
+    assert (await examine_clock(SystemClock())).verdict is Verdict.GOOD
+
+    bad = await examine_clock(BackwardsClock())
+
+    assert bad.verdict is Verdict.LOOK
+    assert "went back 20 times" in bad.text
+
+
+def test_a_trial_is_slow_whatever_the_profile_allows() -> None:
+    omni = load_profile(shipped_profiles()["omni"])
+    skill = streaming_skill(omni)
+    assert skill is not None
+
+    assert slow_arguments(omni, skill) == {
+        "linear": 0.1, "lateral": 0.0, "angular": 0.0, "duration": 2.0,
+    }  # fmt: skip
+    assert streaming_skill(load_profile(shipped_profiles()["kuka1"])) is None
+
+
+async def test_a_robot_is_tried_on_the_record(tmp_path: Path) -> None:
+    config, clock = load_config(write_config(tmp_path)), SystemClock()
+
+    stop, watchdog = [f async for f in try_robot(config, "omni", clock, SystemEntropy())]
+
+    assert stop.verdict is Verdict.GOOD
+    measured = re.fullmatch(r"stop: at rest after (\d\.\d\d) s \(from a slow drive\)", stop.text)
+    assert measured is not None
+    assert 0.05 < float(measured[1]) < 1
+    assert watchdog.text.startswith("watchdog: ")
+    store = DatabaseStore(config.data, clock=clock)
+    memory = await store.open()
+    await store.close()
+    assert memory.numbers["omni"][0] >= 1
+    assert memory.generations["omni"] == 1
+    assert memory.unfinished == ()
+
+
+async def test_a_robot_that_streams_nothing_is_stopped_at_rest(tmp_path: Path) -> None:
+    config = load_config(write_config(tmp_path))
+
+    stop, watchdog = [f async for f in try_robot(config, "kuka1", SystemClock(), SystemEntropy())]
+
+    assert "(it was not moving)" in stop.text
+    assert watchdog.verdict is Verdict.NOT_MEASURED
+
+
+def test_the_command_prints_a_line_for_each(tmp_path: Path) -> None:
+    ran = rosic("doctor", cwd=tmp_path)
+
+    assert ran.err == ""
+    assert [line.split()[0] for line in ran.out.splitlines()] == [
+        "disk", "record", "space", "clock", "ROS"
+    ]  # fmt: skip
+
+
+def test_with_a_running_gateway_the_robot_is_only_stopped(tmp_path: Path) -> None:
+    config = write_config(tmp_path)
+    with gateway(config):
+        ran = rosic("doctor", "-c", config, "--try", "omni")
+
+        assert "STOP: omni at rest" in ran.out
+        assert "resume omni" in ran.out
+        assert "not measured: watchdog" in ran.out
+        assert "stopped by" in rosic("status", "omni", "-c", config).out
+
+
+def test_a_robot_that_is_not_in_the_file_is_a_sentence(tmp_path: Path) -> None:
+    config = write_config(tmp_path)
+
+    ran = rosic("doctor", "-c", config, "--try", "zed")
+
+    assert ran.status == 1
+    assert "there is no such robot; there are: omni, kuka1" in ran.out
+    assert rosic("doctor", "--try", "omni").status == 2
+
+
+@pytest.mark.parametrize(
+    ("verdict", "line"),
+    [
+        (Verdict.GOOD, "disk       fsync 1 ms"),
+        (Verdict.LOOK, "disk       look at this: fsync 1 ms"),
+    ],
+)
+def test_a_finding_reads_well(verdict: Verdict, line: str) -> None:
+    assert str(Finding("disk", verdict, "fsync 1 ms")) == line

@@ -1,0 +1,237 @@
+"""`rosic run` and the commands that reach it, as processes of their own."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import re
+import signal
+import stat
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.testing.telegram import FakeTelegram
+from tests.cli.running import CONFIG, Ran, gateway, rosic, write_config
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+MEMORY = CONFIG.replace('"simulated"', '"memory"')
+TELEGRAM = """
+[[messenger]]
+kind = "telegram"
+token = {{ env = "LAB_TOKEN" }}
+api_base = "{api_base}"
+[[robot]]
+profile = "omni"
+link = "memory"
+[[principal]]
+name = "Ada"
+address = "telegram:1001"
+role = "admin"
+"""
+
+
+def one_sentence(err: str) -> str:
+    """Return what was said on standard error, which must be one line and no trace."""
+    [line] = err.splitlines()
+    assert line.startswith("rosic: ")
+    assert line.endswith((".", "?"))
+    return line.removeprefix("rosic: ")
+
+
+def test_it_says_when_it_is_ready_and_ends_in_time(tmp_path: Path) -> None:
+    with gateway(write_config(tmp_path)) as running:
+        running.say("omni move 3 m")
+        running.wait_for("driving")
+        begun_s = time.monotonic()
+        assert running.end() == 0
+        took_s = time.monotonic() - begun_s
+
+        assert took_s < 5
+        assert re.search(r"^\d\d:\d\d:\d\d info rosic.gateway: ready in \d+\.\d\d s: 2 robots, "
+                         r"by terminal$", running.err(), re.MULTILINE)  # fmt: skip
+        assert "ROSIC was shut down" in running.out()
+        assert "Traceback" not in running.err()
+    assert not (tmp_path / "rosic-data/control.sock").exists()
+
+
+def test_commands_reach_it(tmp_path: Path) -> None:
+    config = write_config(tmp_path)
+    with gateway(config) as running:
+        socket = tmp_path / "rosic-data/control.sock"
+        assert stat.S_IMODE(socket.stat().st_mode) == 0o600
+
+        status = rosic("status", "-c", config)
+        assert status.status == 0
+        assert status.out.startswith("omni: at rest · free · battery 100 %")
+        assert "KUKA iiwa: at rest" in status.out
+        assert rosic("status", "kuka1", "-c", config).out == "KUKA iiwa: at rest · free\n"
+        assert rosic("status", "kuka2", "-c", config) == (
+            1, "", "There is no robot called kuka2. There are: omni, kuka1.\n"
+        )  # fmt: skip
+
+        running.say("omni move 3 m")
+        running.wait_for("driving")
+        stop = rosic("stop", "omni", "-c", config)
+        assert stop.status == 0
+        assert re.fullmatch(r"STOP sent to omni\.\nSTOP: omni at rest \(\d\.\d\d s\)\.\n", stop.out)
+        running.wait_for("omni: stopped before it ended")
+        assert "stopped by" in rosic("status", "omni", "-c", config).out
+        assert "at rest" in rosic("status", "kuka1", "-c", config).out
+
+        unknown = rosic("stop", "omin", "-c", config)
+        assert "There is no robot called omin." in unknown.out
+        assert "STOP sent to omni, KUKA iiwa." in unknown.out
+        assert rosic("status", "kuka1", "-c", config).out.startswith("KUKA iiwa: stopped by")
+        assert running.end(signal.SIGINT) == 0
+
+
+def test_a_stop_needs_nothing_but_the_data_folder(tmp_path: Path) -> None:
+    config = write_config(tmp_path, MEMORY)
+    with gateway(config):
+        config.write_text('[[messenger]]\nkind = "nonsense"\n[[robot]]\nprofile = "lost"\n')
+
+        assert rosic("stop", "-c", config).status == 0
+        assert rosic("stop", "--data", tmp_path / "rosic-data").status == 0
+
+
+def test_somebody_revoked_stays_revoked(tmp_path: Path) -> None:
+    config = write_config(tmp_path, MEMORY)
+    with gateway(config) as running:
+        people = rosic("people", "-c", config).out
+        assert re.search(
+            rf"^Ada: as admin · terminal:{os.getuid()} · p[0-9a-f]{{16}}$", people, re.MULTILINE
+        )
+        running.say("omni arm home")
+        running.wait_for("omni: done")
+
+        assert rosic("revoke", "ada", "-c", config).out == (
+            "Ada has no access any more, also after a restart.\n"
+        )
+        running.say("omni arm home")
+        running.wait_for("Your access here has ended.")
+        assert "access ended" in rosic("people", "-c", config).out
+        assert rosic("revoke", "ada", "-c", config).out == (
+            "Ada has no access already. Nothing was changed.\n"
+        )
+        assert rosic("revoke", "Zed", "-c", config) == (
+            1, "", "Nobody is called Zed. There are: Ada, Bob.\n"
+        )  # fmt: skip
+        running.end()
+    with gateway(config) as again:
+        again.say("omni arm home")
+        again.wait_for("Your access here has ended.")
+
+
+def test_somebody_revoked_before_the_first_start_never_gets_in(tmp_path: Path) -> None:
+    config = write_config(tmp_path, MEMORY)
+    assert "Ada: not taken over yet" in rosic("people", "-c", config).out
+
+    assert rosic("revoke", "Ada", "-c", config).status == 0
+
+    assert "Ada: access ended" in rosic("people", "-c", config).out
+    with gateway(config) as running:
+        running.say("omni arm home")
+        running.wait_for("Your access here has ended.")
+
+
+def test_without_a_gateway_commands_say_so(tmp_path: Path) -> None:
+    config = write_config(tmp_path, MEMORY)
+
+    for command in ("status", "stop"):
+        assert rosic(command, "-c", config) == (
+            1, "", f"rosic: No gateway is running on {tmp_path}/rosic-data.\n"
+        )  # fmt: skip
+
+
+# ---- what keeps it from starting ----
+
+
+def test_a_second_gateway_on_the_same_data_gives_way(tmp_path: Path) -> None:
+    config = write_config(tmp_path, MEMORY)
+    with gateway(config) as first:
+        second = rosic("run", "-c", config)
+
+        assert second.status == 1
+        assert "already running on this data" in one_sentence(second.err)
+        assert rosic("status", "-c", config).status == 0
+        assert first.end() == 0
+    with gateway(config) as next_one:
+        assert next_one.end() == 0
+
+
+def test_what_a_gateway_that_was_killed_leaves_behind_is_in_nobodys_way(tmp_path: Path) -> None:
+    config = write_config(tmp_path, MEMORY)
+    with gateway(config) as running:
+        running.process.kill()
+    assert (tmp_path / "rosic-data/control.sock").exists()
+    assert rosic("status", "-c", config).status == 1
+
+    with gateway(config):
+        assert rosic("status", "-c", config).status == 0
+
+
+def unwritable(folder: Path) -> str:
+    """Return a folder in which this user may make nothing; nobody may in /sys."""
+    if os.geteuid() == 0:
+        return "/sys/rosic-data"
+    locked = folder / "locked"
+    locked.mkdir(mode=0o500)
+    return str(locked / "data")
+
+
+@pytest.mark.parametrize(
+    ("text", "status", "sentence"),
+    [
+        ("[gateway", 2, "This is not TOML"),
+        ('[gateway]\nnmae = "lab"', 2, "nmae"),
+        ('[gateway]\ndata = "{unwritable}"\n' + MEMORY, 1, "cannot be written"),
+        ('[gateway]\ndata = "{long}"\n' + MEMORY, 1, "path of the data folder is too long"),
+        (MEMORY.replace('"terminal"', '"terminall"'), 1, "Did you mean terminal?"),
+        (MEMORY.replace('"omni"', '"broken.yaml"'), 2, "broken.yaml:2"),
+        (MEMORY.replace('"memory"', '"nothing"'), 1, "no robot link of the kind 'nothing'"),
+        (MEMORY.replace('"admin"', '"amdin"'), 2, "No role is called 'amdin'."),
+        (TELEGRAM, 2, "LAB_TOKEN is not set"),
+    ],
+)
+def test_bad_input_is_one_sentence(tmp_path: Path, text: str, status: int, sentence: str) -> None:
+    (tmp_path / "broken.yaml").write_text("id: omni\n  link: [\n")
+    changes = {
+        "unwritable": unwritable(tmp_path),
+        "long": "d" * 120,
+        "api_base": "http://127.0.0.1:1",
+    }
+    ran = rosic("run", "-c", write_config(tmp_path, text, **changes))
+
+    assert ran.status == status
+    assert sentence in one_sentence(ran.err)
+    assert ran.out == ""
+
+
+def test_a_missing_file_is_one_sentence(tmp_path: Path) -> None:
+    for command in ("run", "status"):
+        ran = rosic(command, cwd=tmp_path)
+        assert ran.status == 2
+        assert "rosic.toml" in one_sentence(ran.err)
+    assert "rosic.toml" in rosic("check", cwd=tmp_path).err
+
+
+async def test_a_wrong_token_is_one_sentence_and_never_shown(tmp_path: Path) -> None:
+    async with FakeTelegram() as server:
+        text = write_config(tmp_path, TELEGRAM, api_base=server.api_base)
+        env = {"LAB_TOKEN": "4242424242:wrong-wrong-wrong-wrong-wrong-wrong"}
+        ran = await run_beside(text, env)
+
+        assert ran.status == 1
+        last = ran.err.splitlines()[-1]
+        assert "does not accept the token" in last
+        assert "Traceback" not in ran.err
+        assert "wrong-wrong" not in ran.err
+
+
+async def run_beside(config: Path, env: dict[str, str]) -> Ran:
+    """Run the gateway while the server in this process goes on answering."""
+    return await asyncio.to_thread(lambda: rosic("run", "-c", config, env=env))
