@@ -133,10 +133,10 @@ FAULTS = (
     Fault(
         name="I10 a stop waits for the record",
         file="pipeline/stopping.py",
-        guard="        halting = self._linker.stop(robots, by)\n        self._spawn",
+        guard="        halting = self.stop_robots(robots, by)\n",
         without=(
             "        await self._store.write(Stopped(robot=robots[0], generation=0, principal=by,"
-            " at_ns=0))\n        halting = self._linker.stop(robots, by)\n        self._spawn"
+            " at_ns=0))\n        halting = self.stop_robots(robots, by)\n"
         ),
         caught_by=(f"{STOPPING}::test_a_stop_needs_no_record_and_says_what_was_not_written",),
     ),

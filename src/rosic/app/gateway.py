@@ -223,8 +223,14 @@ class Gateway:
         self.rooms.linker.epoch = organiser.policy.epoch
         held = organiser.release_all(principal)
         if held:
-            self.rooms.linker.stop(held, by)
+            self.stop_lane.stop_robots(held, by)
         return True
+
+    @property
+    def quiet(self) -> bool:
+        """Whether no order is under way, no stop is being measured and nothing is left to say."""
+        told = self._teller is None or self._teller.quiet
+        return told and self.stop_lane.quiet and not len(self.pipeline.lives)
 
     def _robot_says(self, profile: Profile, text: str) -> None:
         """Bring a robot's own words to everybody who chose it, as inert text (Algorithm 8)."""
@@ -244,8 +250,7 @@ class Gateway:
             await self.stop_lane.close()
         if self._teller is not None:
             await self._teller.flush(FLUSH_S)
-        for robot in self._opened:
-            await robot.close()
+        await asyncio.gather(*(robot.close() for robot in self._opened))
         self._opened = []
         await self._parts.store.close()
 

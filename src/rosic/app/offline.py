@@ -6,9 +6,10 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from rosic.app.operating import people_lines, revoked, the_one
-from rosic.app.people import OPERATOR, Seed, remember, seed
+from rosic.app.people import Seed, remember, seed
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
+from rosic.core.identity import OPERATOR
 from rosic.core.language import clean
 from rosic.core.record import KeyRevoked, Memory
 from rosic.stores.database import DatabaseStore

@@ -9,8 +9,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from rosic.app.people import OPERATOR
 from rosic.core import words
+from rosic.core.identity import OPERATOR
 from rosic.core.language import clean
 from rosic.core.order import Rest
 from rosic.errors import NotUnderstood
@@ -78,9 +78,7 @@ class Operating:
         except NotUnderstood as unknown:
             robots = tuple(rooms.profiles)
             misheard = f"{unknown} Everything is stopped.\n"
-        lane = self._gateway.stop_lane
-        everything = len(robots) == len(rooms.profiles)
-        halting = lane.stop_all(OPERATOR) if everything else rooms.linker.stop(robots, OPERATOR)
+        halting = self._gateway.stop_lane.stop_robots(robots, OPERATOR)
         yield misheard + words.stopping([rooms.profiles[robot].shown for robot in robots])
         rests = await asyncio.gather(*(halting.rests.values()), return_exceptions=True)
         found = [

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.identity import Address, AuthorisationKey, Principal, PrincipalId
+from rosic.core.identity import OPERATOR, Address, AuthorisationKey, Principal, PrincipalId
 from rosic.core.record import Enrolled, KeyIssued, Letter, Memory, PersonalCard, Record, Seeded
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
 
 ID_BYTES = 8
-OPERATOR = "operator-of-this-machine"
 
 _encode_card = msgspec.msgpack.Encoder().encode
 _decode_card = msgspec.msgpack.Decoder(PersonalCard).decode

@@ -11,17 +11,10 @@ if TYPE_CHECKING:
 EVERY_S = 0.02
 
 
-def is_quiet(gateway: Gateway) -> bool:
-    """Whether no order is under way, no stop is being measured and nothing is left to say."""
-    teller, lane = gateway._teller, gateway.stop_lane  # noqa: SLF001
-    silent = teller is None or not teller._busy()  # noqa: SLF001
-    return silent and not len(gateway.pipeline.lives) and not lane._tasks  # noqa: SLF001
-
-
 async def until_quiet(gateway: Gateway, clock: Clock, *, seconds: float) -> bool:
     """Wait until everything has ended and was told. Return whether it has, in time."""
     deadline_ns = clock.monotonic_ns() + int(seconds * 1e9)
-    while not is_quiet(gateway):
+    while not gateway.quiet:
         if clock.monotonic_ns() > deadline_ns:
             return False
         await clock.sleep(EVERY_S)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.core.identity import OPERATOR
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -71,7 +73,9 @@ class Directory:
     def name(self, principal: PrincipalId) -> str:
         """Return how a person is shown."""
         person = self._people.get(principal)
-        return person.name if person else "somebody"
+        if person is not None:
+            return person.name
+        return "the operator" if principal == OPERATOR else "somebody"
 
     def people(self) -> Iterable[Principal]:
         """Return everybody."""

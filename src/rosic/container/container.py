@@ -13,8 +13,8 @@ import msgspec
 
 from rosic.container import letters
 from rosic.container.unit import PersonContainer, RobotContainer
-from rosic.core.language import Vocabulary, bind
-from rosic.core.order import Order, Outcome, Permit, Request
+from rosic.core.language import bind, show
+from rosic.core.order import Order, Outcome, Permit, Request, Spoken
 from rosic.core.record import (
     Claimed,
     Concluded,
@@ -25,6 +25,7 @@ from rosic.core.record import (
     Selected,
     Told,
 )
+from rosic.core.skill import Argument
 from rosic.errors import RecordUnavailable, Refusal, StoreFault
 
 if TYPE_CHECKING:
@@ -33,12 +34,21 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
     from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.language import Vocabulary
     from rosic.core.message import Chat
     from rosic.core.robot import RobotId
-    from rosic.core.skill import Argument
 
 DIGEST_BYTES = 16
+COMPLETED_KEPT = 8_192
 _digest_form = msgspec.json.Encoder(order="sorted").encode
+
+
+class Completed(msgspec.Struct, frozen=True, gc=False):
+    """What a request comes to: values in SI that nobody changes, how it reads, and a digest."""
+
+    arguments: dict[str, Argument]
+    words: str
+    digest: bytes
 
 
 class Containers:
@@ -55,17 +65,32 @@ class Containers:
         self._store = store
         self._clock = clock
         self._people: dict[PrincipalId, PersonContainer] = {}
+        self._completed: dict[tuple[RobotId, str, tuple[Spoken, ...]], Completed] = {}
         self._robots = {robot: RobotContainer(robot, n) for robot, n in numbers.items()}
 
-    def complete(self, request: Request) -> dict[str, Argument]:
+    def complete(self, request: Request) -> Completed:
         """Return every parameter of the skill in SI, within its bounds.
+
+        Pure but for a bounded memory: people repeat themselves.
 
         Raises:
             NotUnderstood, OutOfBounds: With what would be accepted. Nothing was written.
         """
-        return bind(
-            self._vocabulary, request.robot, request.skill, request.spoken, group=request.group
-        )
+        robot, skill, spoken = request.robot, request.skill, request.spoken
+        key = (robot, skill.id, spoken)
+        completed = self._completed.get(key)
+        if completed is None:
+            arguments = bind(self._vocabulary, robot, skill, spoken, group=request.group)
+            said = _digest_form((skill.id, arguments))
+            completed = Completed(
+                arguments,
+                show(self._vocabulary, robot, skill, arguments),
+                blake2b(said, digest_size=DIGEST_BYTES).digest(),
+            )
+            if len(self._completed) >= COMPLETED_KEPT:
+                self._completed.clear()
+            self._completed[key] = completed
+        return completed
 
     async def prepare(
         self,
@@ -82,22 +107,22 @@ class Containers:
             Repeated: This message was claimed or refused before. Nothing was written.
             RecordUnavailable: The record cannot be written; nothing may move.
         """
-        arguments = [self.complete(request) for request in requests]
+        completed = [self.complete(request) for request in requests]
         orders = tuple(
             [
                 Order(
-                    request.cid, request.robot, request.skill, values,
+                    request.cid, request.robot, request.skill, values.arguments,
                     self._robots[request.robot].next_number(), request.deadline_ns, permit,
-                    start_ns, request.sequel,
+                    start_ns, request.sequel, values.words,
                 )
-                for permit, request, values in zip(permits, requests, arguments, strict=True)
+                for permit, request, values in zip(permits, requests, completed, strict=True)
             ]
         )  # fmt: skip
         content = letters.encode(reply_to)
         accepted_ns = self._clock.wall_ns()
         claims = [
-            _claim(order, request, accepted_ns, content)
-            for order, request in zip(orders, requests, strict=True)
+            _claim(order, request.sent_ns, values.digest, accepted_ns, content)
+            for order, request, values in zip(orders, requests, completed, strict=True)
         ]
         try:
             await self._store.write(*claims)
@@ -168,9 +193,10 @@ class Containers:
                 f"I cannot write this down, so {robot} stays stopped."
             ) from fault
 
-    def told(self, cid: bytes) -> None:
-        """Note that the author knows how it ended."""
-        self._store.note(Told(cid=cid, at_ns=self._clock.wall_ns()))
+    def told(self, *cids: bytes) -> None:
+        """Note that the author knows how these ended; all of them, or none, is on disk."""
+        at_ns = self._clock.wall_ns()
+        self._store.note(*[Told(cid=cid, at_ns=at_ns) for cid in cids])
 
     def selected(self, principal: PrincipalId, chat: Chat) -> str:
         """Return the robot or group that a person chose in a chat, empty for none."""
@@ -196,14 +222,12 @@ def chat_digest(chat: Chat) -> bytes:
     return blake2b(f"{chat.platform}:{chat.id}".encode(), digest_size=DIGEST_BYTES).digest()
 
 
-def _claim(order: Order, request: Request, accepted_ns: int, content: bytes) -> Claimed:
+def _claim(order: Order, sent_ns: int, digest: bytes, accepted_ns: int, content: bytes) -> Claimed:
     permit = order.permit
-    lifetime_ns = int(order.skill.order_lifetime_s * 1e9)
-    said = _digest_form((order.skill.id, order.arguments))
     return Claimed(
         cid=order.cid, principal=permit.principal, key=permit.key, robot=order.robot,
         skill=order.skill.id, n=order.n, fence=permit.fence, new_fence=permit.new_fence,
-        stop_generation=permit.stop_generation, epoch=permit.epoch,
-        digest=blake2b(said, digest_size=DIGEST_BYTES).digest(), accepted_ns=accepted_ns,
-        expires_ns=request.sent_ns + lifetime_ns, letter=Letter(permit.principal, content),
+        stop_generation=permit.stop_generation, epoch=permit.epoch, digest=digest,
+        accepted_ns=accepted_ns, expires_ns=sent_ns + int(order.skill.order_lifetime_s * 1e9),
+        letter=Letter(permit.principal, content),
     )  # fmt: skip

@@ -16,8 +16,11 @@ CommandId: TypeAlias = bytes
 
 COMMAND_ID_BYTES = 16
 
+OPERATOR: PrincipalId = "operator"
+"""Whoever owns the machine: seeds people, uses the control socket. No chat speaks for them."""
 
-class Address(msgspec.Struct, frozen=True):
+
+class Address(msgspec.Struct, frozen=True, gc=False):
     """A principal's account on a messenger.
 
     Attributes:
@@ -65,7 +68,7 @@ class Principal(msgspec.Struct, frozen=True, kw_only=True):
     addresses: tuple[Address, ...] = ()
 
 
-class Caller(msgspec.Struct, frozen=True):
+class Caller(msgspec.Struct, frozen=True, gc=False):
     """Somebody the authoriser recognised, in one conversation.
 
     Attributes:

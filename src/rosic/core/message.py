@@ -12,6 +12,8 @@ from rosic.core.identity import Address
 class ChatKind(enum.Enum):
     """How many can read along."""
 
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
+
     PRIVATE = "private"
     GROUP = "group"
     CHANNEL = "channel"
@@ -19,6 +21,8 @@ class ChatKind(enum.Enum):
 
 class Standing(enum.Enum):
     """Whether a message may change anything (I17). Only a fresh one may; any of them may stop."""
+
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
 
     FRESH = "fresh"
     EDITED = "edited"
@@ -28,7 +32,7 @@ class Standing(enum.Enum):
     ANONYMOUS = "anonymous"
 
 
-class Chat(msgspec.Struct, frozen=True):
+class Chat(msgspec.Struct, frozen=True, gc=False):
     """Where a conversation takes place.
 
     Attributes:
@@ -40,7 +44,7 @@ class Chat(msgspec.Struct, frozen=True):
     kind: ChatKind = ChatKind.PRIVATE
 
 
-class Inbound(msgspec.Struct, frozen=True, kw_only=True):
+class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """One message or one tap on a button, as an adapter received it.
 
     Attributes:
@@ -68,7 +72,7 @@ class Inbound(msgspec.Struct, frozen=True, kw_only=True):
     under: str = ""
 
 
-class Button(msgspec.Struct, frozen=True):
+class Button(msgspec.Struct, frozen=True, gc=False):
     """A button under a message.
 
     Attributes:
@@ -82,7 +86,7 @@ class Button(msgspec.Struct, frozen=True):
     nonce: str = ""
 
 
-class Outbound(msgspec.Struct, frozen=True, kw_only=True):
+class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """A message to a chat. The text is plain: an adapter never reads markup out of it.
 
     Attributes:

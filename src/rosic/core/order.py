@@ -11,7 +11,7 @@ from rosic.core.robot import RobotId
 from rosic.core.skill import Argument, Skill
 
 
-class Spoken(msgspec.Struct, frozen=True):
+class Spoken(msgspec.Struct, frozen=True, gc=False):
     """One value as it was said: ``50 cm``, ``force=20``, ``left``.
 
     Attributes:
@@ -25,7 +25,7 @@ class Spoken(msgspec.Struct, frozen=True):
     word: str
 
 
-class Request(msgspec.Struct, frozen=True, kw_only=True):
+class Request(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """What a person asked of one robot.
 
     Attributes:
@@ -55,7 +55,7 @@ class Request(msgspec.Struct, frozen=True, kw_only=True):
         return self.received_ns - self.age_ns + int(self.skill.order_lifetime_s * 1e9)
 
 
-class Permit(msgspec.Struct, frozen=True):
+class Permit(msgspec.Struct, frozen=True, gc=False):
     """The organiser's decision that a principal may do this now. It travels with the order.
 
     Attributes:
@@ -83,6 +83,7 @@ class Order(msgspec.Struct, frozen=True):
         n: The robot's order number; only grows.
         deadline_ns: Monotonic clock; not acted on later.
         start_ns: Monotonic clock of a common start for several robots; None starts at once.
+        words: How it reads: ``move, 0.50 m left``.
     """
 
     cid: CommandId
@@ -94,10 +95,13 @@ class Order(msgspec.Struct, frozen=True):
     permit: Permit
     start_ns: int | None = None
     sequel: bool = False
+    words: str = ""
 
 
 class Stage(enum.Enum):
     """Where an order is in its life. ``RECEIVED`` and later are said by the robot side only."""
+
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
 
     ACCEPTED = "accepted"
     QUEUED = "queued"
@@ -106,7 +110,7 @@ class Stage(enum.Enum):
     RUNNING = "running"
 
 
-class Report(msgspec.Struct, frozen=True):
+class Report(msgspec.Struct, frozen=True, gc=False):
     """A step in the life of an order.
 
     Attributes:
@@ -126,6 +130,8 @@ class Ending(enum.Enum):
     said of a robot that does not acknowledge: at most one actuation, like ``UNKNOWN``.
     ``REFUSED`` means that the robot has not moved.
     """
+
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
 
     DONE = "done"
     FAILED = "failed"
@@ -150,7 +156,7 @@ class Outcome(msgspec.Struct, frozen=True):
     code: str = ""
 
 
-class Stop(msgspec.Struct, frozen=True):
+class Stop(msgspec.Struct, frozen=True, gc=False):
     """A stop of one robot. Never queued, limited, expired or void.
 
     Attributes:
@@ -161,7 +167,7 @@ class Stop(msgspec.Struct, frozen=True):
     generation: int
 
 
-class Rest(msgspec.Struct, frozen=True):
+class Rest(msgspec.Struct, frozen=True, gc=False):
     """The robot side's answer to a stop.
 
     Attributes:

@@ -14,7 +14,7 @@ from rosic.core.identity import Address, AuthorisationKey, CommandId, KeyId, Pri
 from rosic.core.robot import RobotId
 
 
-class Letter(msgspec.Struct, frozen=True):
+class Letter(msgspec.Struct, frozen=True, gc=False):
     """Personal content, and the container it belongs to.
 
     Attributes:
@@ -25,7 +25,7 @@ class Letter(msgspec.Struct, frozen=True):
     content: bytes
 
 
-class Claimed(msgspec.Struct, frozen=True, kw_only=True, tag=True):
+class Claimed(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
     """An order was decided. Durable before the robot hears of it (I1, I9).
 
     Attributes:
@@ -49,7 +49,7 @@ class Claimed(msgspec.Struct, frozen=True, kw_only=True, tag=True):
     letter: Letter | None = None
 
 
-class Refused(msgspec.Struct, frozen=True, kw_only=True, tag=True):
+class Refused(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
     """A request was refused. Durable before it is told, so that a resend finds the same answer."""
 
     cid: CommandId
@@ -59,7 +59,7 @@ class Refused(msgspec.Struct, frozen=True, kw_only=True, tag=True):
     letter: Letter | None = None
 
 
-class Concluded(msgspec.Struct, frozen=True, kw_only=True, tag=True):
+class Concluded(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
     """An order ended. Durable before it is told."""
 
     cid: CommandId
@@ -68,14 +68,14 @@ class Concluded(msgspec.Struct, frozen=True, kw_only=True, tag=True):
     letter: Letter | None = None
 
 
-class Placed(msgspec.Struct, frozen=True, kw_only=True, tag=True):
+class Placed(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
     """The message that shows a life exists; later words about it are edits of that message."""
 
     cid: CommandId
     letter: Letter
 
 
-class Told(msgspec.Struct, frozen=True, kw_only=True, tag=True):
+class Told(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
     """The end of a life was told to its author."""
 
     cid: CommandId

@@ -19,6 +19,8 @@ ROBOT_ID = re.compile(r"[a-z][a-z0-9_]{0,31}\Z")
 class Busy(enum.Enum):
     """What happens to an order for a robot that is at work."""
 
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
+
     REFUSE = "refuse"
     QUEUE = "queue"
     REPLACE = "replace"
@@ -26,6 +28,8 @@ class Busy(enum.Enum):
 
 class LinkLoss(enum.Enum):
     """What the robot itself does when it hears nothing more; ROSIC only says so."""
+
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
 
     HOLD = "hold"
     LAND = "land"

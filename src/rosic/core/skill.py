@@ -14,6 +14,8 @@ Argument: TypeAlias = float | int | str
 class SkillClass(enum.Enum):
     """Decides lifetime, lease and limits."""
 
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
+
     OBSERVE = "observe"
     TASK = "task"
     MOTION = "motion"

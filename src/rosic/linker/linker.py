@@ -61,6 +61,10 @@ class Linker:
         self._clock = clock
         self._latching: set[asyncio.Task[bool]] = set()
 
+    def try_turn(self, order: Order) -> bool:
+        """Take the turn at a robot that is free, without waiting; ``leave`` must follow."""
+        return self._mailboxes[order.robot].try_turn(order)
+
     async def turn(self, order: Order, tell: Tell) -> None:
         """Wait until the robot may be given this order. ``leave`` must follow.
 

@@ -37,6 +37,13 @@ class Mailbox:
     def __len__(self) -> int:
         return len(self._waiting)
 
+    def try_turn(self, order: Order) -> bool:
+        """Take the turn if the robot is free."""
+        if self.current is not None:
+            return False
+        self.current = order
+        return True
+
     async def turn(self, order: Order, tell: Tell) -> None:
         """Wait for this order's turn. Whoever got it must call ``leave``.
 

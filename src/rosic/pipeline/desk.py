@@ -92,7 +92,12 @@ class Desk:
 
     def _examples(self, visible: Iterable[RobotId]) -> list[str]:
         examples: list[str] = []
+        known: set[frozenset[str]] = set()
         for robot in sorted(visible):
+            kind = frozenset(self._profiles[robot].skills)
+            if kind in known:
+                continue  # one of each kind of robot
+            known.add(kind)
             for skill in self._profiles[robot].skills.values():
                 given = [p for p in skill.parameters.values() if p.default is None]
                 if not given:

@@ -17,7 +17,8 @@ from rosic.linker.linker import Linker, PolicyMoved
 if TYPE_CHECKING:
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
-    from rosic.core.identity import Caller
+    from rosic.contracts.robot import Tell
+    from rosic.core.identity import Caller, CommandId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.cards import Card
     from rosic.pipeline.telling import Teller
@@ -77,13 +78,17 @@ class Lives:
         """RELAYCOMMAND: return what the robot did, whatever happens."""
         if len(self._tasks) > AT_MOST:
             return Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code="full")
-        tell = partial(self._report, card, order)
+        tell = partial(self._report, card, order.cid)
+        linker = self._linker
         try:
-            await self._linker.turn(order, tell)
+            if not linker.try_turn(order):
+                await linker.turn(order, tell)
             try:
-                return inert(await self._relay_in_turn(order, caller, card))
+                return inert(await linker.dispatch(order, tell))
+            except PolicyMoved:
+                return inert(await self._relay_anew(order, caller, tell))
             finally:
-                self._linker.leave(order)
+                linker.leave(order)
         except Refusal as refusal:
             return Outcome(Ending.REFUSED, str(refusal), code=refusal.code)
         except RobotUnreachable as fault:
@@ -93,19 +98,20 @@ class Lives:
             log.exception("order %d of %s", order.n, order.robot)
             return Outcome(Ending.UNKNOWN, "Something went wrong here. Please look.", code="fault")
 
-    async def _relay_in_turn(self, order: Order, caller: Caller, card: Card) -> Outcome:
-        tell = partial(self._report, card, order)
+    async def _relay_anew(self, order: Order, caller: Caller, tell: Tell) -> Outcome:
+        """Admit an order once more under the present policy, and relay it; its turn is kept."""
         while True:
+            permit = self._organiser.readmit(caller, order)
             try:
-                return await self._linker.dispatch(order, tell)
+                renewed = msgspec.structs.replace(order, permit=permit)
+                return await self._linker.dispatch(renewed, tell)
             except PolicyMoved:
-                permit = self._organiser.readmit(caller, order)
-                order = msgspec.structs.replace(order, permit=permit)
+                continue
 
-    def _report(self, card: Card, order: Order, report: Report) -> None:
+    def _report(self, card: Card, cid: CommandId, report: Report) -> None:
         if report.note:
             report = Report(report.stage, report.fraction, clean(report.note)[:NOTE_AT_MOST])
-        card.step(order.cid, report, self._clock.wall_ns())
+        card.step(cid, report, self._clock.wall_ns())
         self._teller.update(card)
 
     async def close(self) -> None:

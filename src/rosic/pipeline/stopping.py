@@ -52,15 +52,19 @@ class StopLane:
         robots, _ = self._vocabulary.to_stop(names, visible)
         if not robots:
             return
-        halting = self._linker.stop(robots, by)
+        halting = self.stop_robots(robots, by)
         self._spawn(self._answer(messenger, inbound, halting))
-        self._note(robots, by)
 
-    def stop_all(self, by: PrincipalId) -> Halting:
-        """Stop everything, for the operator's own commands."""
-        halting = self._linker.stop(tuple(self._profiles), by)
-        self._note(tuple(self._profiles), by)
+    def stop_robots(self, robots: tuple[RobotId, ...], by: PrincipalId) -> Halting:
+        """Stop robots for somebody who does not ask in a chat: the operator, a revocation."""
+        halting = self._linker.stop(robots, by)
+        self._note(robots, by)
         return halting
+
+    @property
+    def quiet(self) -> bool:
+        """Whether every stop has been answered."""
+        return not self._tasks
 
     def _whose(self, inbound: Inbound) -> tuple[PrincipalId, frozenset[RobotId]]:
         try:

@@ -130,8 +130,7 @@ class Teller:
         loop = asyncio.get_running_loop()
         while True:
             while voice.items:
-                item = voice.items.popleft()
-                await self._speak(item)
+                await self._speak(voice.items.popleft())
             voice.wake = loop.create_future()
             await voice.wake
 
@@ -139,7 +138,12 @@ class Teller:
         wait_s = FIRST_WAIT_S
         for _ in range(TRIES):
             try:
-                await (self._show(item) if isinstance(item, Card) else self._say(item))
+                if not isinstance(item, Card):
+                    await self._say(item)
+                elif item.messenger.edits:
+                    await self._show_in_place(item)
+                else:
+                    await self._show_line_by_line(item)
             except MessengerFault as fault:
                 log.warning("not told yet: %s", fault)
                 await self._clock.sleep(wait_s)
@@ -156,23 +160,17 @@ class Teller:
                 await note.messenger.send(note.outbound)
         except MessageGone:
             await note.messenger.send(note.outbound)
-        for cid in (note.cid, *note.also):
-            if cid is not None:
-                self._containers.told(cid)
-
-    async def _show(self, card: Card) -> None:
-        if card.messenger.edits:
-            await self._show_in_place(card)
-        else:
-            await self._show_line_by_line(card)
+        if note.cid is not None:
+            self._containers.told(note.cid, *note.also)
 
     async def _show_line_by_line(self, card: Card) -> None:
         while card.lines:
             text = card.lines[0]
             await card.messenger.send(Outbound(chat=card.chat, text=text))
             card.lines.pop(0)
-        while card.untold:
-            self._containers.told(card.untold.pop())
+        if card.settled and card.untold:
+            self._containers.told(*card.untold)
+            card.untold = []
 
     async def _show_in_place(self, card: Card) -> None:
         """Send once, write down which message it is, and say the ending only by editing it.
@@ -197,31 +195,32 @@ class Teller:
                 if isinstance(fault, MessageGone):
                     card.message = ""  # the person deleted it; the life goes on in a new one
                 raise
-            if not card.settled:
+            if card.dirty or not card.settled:
                 # A later run knows only lives that are not noted as told, and says them together.
                 card.untold = ended + card.untold
-                return
-            for cid in ended:
-                self._containers.told(cid)
+            elif ended:
+                self._containers.told(*ended)
 
     async def flush(self, seconds: float) -> None:
         """Wait until everything is said, or the time is over; then fall silent."""
         tasks = [voice.task for voice in self._voices.values() if voice.task is not None]
         deadline_ns = self._clock.monotonic_ns() + int(seconds * 1e9)
-        while self._busy() and self._clock.monotonic_ns() < deadline_ns:
+        while not self.quiet and self._clock.monotonic_ns() < deadline_ns:
             await self._clock.sleep(0.01)
         ticking = (self._ticking,) if self._ticking is not None else ()
         for task in (*tasks, *self._urgent, *ticking):
             task.cancel()
         await asyncio.gather(*tasks, *self._urgent, *ticking, return_exceptions=True)
 
-    def _busy(self) -> bool:
+    @property
+    def quiet(self) -> bool:
+        """Whether everything has been said."""
         speaking = any(
             voice.items or (voice.wake is not None and voice.wake.done()) or voice.wake is None
             for voice in self._voices.values()
             if voice.task is not None
         )
-        return speaking or bool(self._urgent)
+        return not speaking and not self._urgent
 
 
 def _matters(item: _Item) -> bool:

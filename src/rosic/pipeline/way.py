@@ -9,15 +9,12 @@ from typing import TYPE_CHECKING
 from rosic.container.letters import ReplyTo
 from rosic.core.identity import CommandId, command_id, robot_command_id
 from rosic.core.language import (
-    Context,
     Do,
     Halt,
     Misunderstood,
+    Reader,
     Resume,
     Use,
-    hears_stop,
-    show,
-    understand,
 )
 from rosic.core.message import Button, ChatKind, Standing
 from rosic.core.order import Order, Request
@@ -75,6 +72,7 @@ class Pipeline:
         organiser, container, linker = rooms.organiser, rooms.container, rooms.linker
         self._rooms = rooms
         self._vocabulary = rooms.vocabulary
+        self._reader = Reader(rooms.vocabulary)
         self._stop_lane = stop_lane
         self._teller = teller
         self._clock = clock
@@ -92,7 +90,7 @@ class Pipeline:
         Never raises: what is wrong with a message is said to its author.
         """
         said = inbound.text if inbound.nonce is None else inbound.nonce
-        stop = hears_stop(said, self._vocabulary.known)
+        stop = self._reader.stop(said)
         if stop is not None:
             await self._stop_lane.stop(messenger, inbound, stop)
         only_stop = stop is not None and "\n" not in said.strip()
@@ -135,11 +133,9 @@ class Pipeline:
 
     async def _lines(self, said: Said, text: str) -> None:
         caller, inbound = said.caller, said.inbound
-        context = Context(
-            self._rooms.container.selected(caller.principal, inbound.chat),
-            self._rooms.organiser.visible(caller.principal),
-        )
-        for number, line in enumerate(understand(text, self._vocabulary, context)):
+        selected = self._rooms.container.selected(caller.principal, inbound.chat)
+        visible = self._rooms.organiser.visible(caller.principal)
+        for number, line in enumerate(self._reader.lines(text, selected, visible)):
             cid = _command_id(inbound, number)
             try:
                 await self._follow(said, line, cid)
@@ -237,8 +233,7 @@ class Pipeline:
         now_ns = self._clock.wall_ns()
         for order in orders:
             shown = self._shown(order.robot)
-            words = show(self._vocabulary, order.robot, order.skill, order.arguments)
-            card.add(order, shown, f"{shown}: {words}", now_ns)
+            card.add(order, shown, f"{shown}: {order.words}", now_ns)
             self.audience.note(order.robot, said.messenger, chat, principal)
         return card
 

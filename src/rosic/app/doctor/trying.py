@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from rosic.app.adapters import robot_factory
 from rosic.app.doctor.findings import Finding, Verdict
-from rosic.app.people import OPERATOR
 from rosic.app.profiles import known_units
 from rosic.app.start import latch_of
 from rosic.core.gate import Gate
-from rosic.core.identity import COMMAND_ID_BYTES
+from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR
 from rosic.core.language import Vocabulary
 from rosic.core.order import Ending, Order, Outcome, Permit, Report, Rest, Stop
 from rosic.core.record import Claimed, Concluded, Stopped, Told

@@ -23,6 +23,7 @@ from rosic.core.language.lines import (
     Status,
     Use,
 )
+from rosic.core.language.reader import Reader
 from rosic.core.language.reading import MOST_WORDS
 from rosic.core.language.showing import show
 from rosic.core.language.stopping import hears_stop
@@ -40,6 +41,7 @@ __all__ = [
     "Help",
     "Line",
     "Misunderstood",
+    "Reader",
     "Resume",
     "Robots",
     "Start",
