@@ -10,13 +10,9 @@ import time
 class SystemClock:
     """The machine's clocks."""
 
-    def wall_ns(self) -> int:
-        """Return Unix time in nanoseconds."""
-        return time.time_ns()
-
-    def monotonic_ns(self) -> int:
-        """Return the monotonic clock in nanoseconds."""
-        return time.monotonic_ns()
+    # Asked a dozen times for every message: no frame of ours in between.
+    wall_ns = staticmethod(time.time_ns)
+    monotonic_ns = staticmethod(time.monotonic_ns)
 
     async def sleep(self, seconds: float) -> None:
         """Wait on the event loop."""

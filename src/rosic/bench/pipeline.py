@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.app import heap
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.people import Seed
@@ -129,8 +130,7 @@ async def _run(load: Load) -> tuple[float, list[int]]:
         gateway = _gateway(load, messenger, store, MemoryLatch())
         await gateway.open()
         try:
-            gc.collect()
-            gc.freeze()
+            heap.settle()
             times, seconds = await _drive(gateway, messenger, load)
             acted = [robot.acted for robot in _robots(gateway)]
             distinct = sum(len(set(numbers)) for numbers in acted)

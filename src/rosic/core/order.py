@@ -34,7 +34,7 @@ class Request(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         text: The line as typed, or as the button says it.
         sent_ns: Wall clock of the platform, never later than our receive time.
         age_ns: How old it was when we received it.
-        received_ns: Our monotonic clock.
+        deadline_ns: Monotonic clock after which no robot may act on it.
         sequel: An earlier line of the same message asked the same robot; wait for that one.
     """
 
@@ -45,14 +45,9 @@ class Request(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     text: str
     sent_ns: int
     age_ns: int
-    received_ns: int
+    deadline_ns: int
     group: str = ""
     sequel: bool = False
-
-    @property
-    def deadline_ns(self) -> int:
-        """Monotonic clock after which no robot may act on it."""
-        return self.received_ns - self.age_ns + int(self.skill.order_lifetime_s * 1e9)
 
 
 class Permit(msgspec.Struct, frozen=True, gc=False):

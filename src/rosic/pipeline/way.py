@@ -208,7 +208,9 @@ class Pipeline:
         inbound = said.inbound
         alone = len(line.robots) == 1
         sent_ns = min(inbound.sent_ns, inbound.received_ns)
+        age_ns = inbound.received_ns - sent_ns
         waited_ns = max(0, self._clock.wall_ns() - inbound.received_ns)
+        asked_ns = self._clock.monotonic_ns() - waited_ns - age_ns
         return [
             Request(
                 cid=cid if alone else robot_command_id(cid, robot),
@@ -217,8 +219,8 @@ class Pipeline:
                 spoken=line.spoken,
                 text=line.text,
                 sent_ns=sent_ns,
-                age_ns=inbound.received_ns - sent_ns,
-                received_ns=self._clock.monotonic_ns() - waited_ns,
+                age_ns=age_ns,
+                deadline_ns=asked_ns + int(skill.order_lifetime_s * 1e9),
                 group=line.group,
                 sequel=robot in said.asked,
             )

@@ -53,21 +53,22 @@ class MemoryRobot:
         self.gate.pass_order(order, self._clock.monotonic_ns())
         tell(SENT)
         self.acted.append(order.n)
-        loop = asyncio.get_running_loop()
         self._doing = order
-        self._end = end = loop.create_future()
-        timer: asyncio.Handle = (
-            loop.call_later(self.work_s, _finish, end)
-            if self.work_s
-            else loop.call_soon(_finish, end)
-        )
         tell(RECEIVED)
+        try:
+            await (self._work() if self.work_s else asyncio.sleep(0))
+        finally:
+            self._doing = None
+        return DONE if self.gate.still_allows(order) else CANCELLED
+
+    async def _work(self) -> None:
+        loop = asyncio.get_running_loop()
+        self._end = end = loop.create_future()
+        timer = loop.call_later(self.work_s, _finish, end)
         try:
             await end
         finally:
             timer.cancel()
-            self._doing = None
-        return DONE if self.gate.still_allows(order) else CANCELLED
 
     async def stop(self, stop: Stop) -> Rest:
         """Latch and end what is under way."""
