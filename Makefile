@@ -9,14 +9,14 @@
 #
 #   PYTHON=/path/to/python     choose the interpreter
 #   TESTS=tests/core           run a part;  PYTEST_ARGS='-x -k stop'  passes anything else on
-#   WORKERS=2                  run tests side by side; tests that share a group stay together
+#   WORKERS=0                  run tests one after another; else the files are shared out
 #   TEST_SECONDS=1800          the run of tests is over by then, whatever happens
 
 VENV := .venv
 BIN := $(VENV)/bin
 PYTHON ?=
 TESTS ?= tests
-WORKERS ?= 0
+WORKERS ?= 2
 PYTEST_ARGS ?=
 TEST_SECONDS ?= 1800
 CAMPAIGN_SECONDS ?= 21600
@@ -37,7 +37,7 @@ demo: $(VENV)/.core
 	@$(BIN)/rosic demo
 
 test: check
-	$(call bounded,$(TEST_SECONDS)) $(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup $(PYTEST_ARGS) $(TESTS)
+	$(call bounded,$(TEST_SECONDS)) $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile $(PYTEST_ARGS) $(TESTS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

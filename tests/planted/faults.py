@@ -123,7 +123,7 @@ FAULTS = (
         file="container/container.py",
         guard='            raise RecordUnavailable(\n                "I cannot write down what',
         without=(
-            "            return orders\n"
+            "            return tuple(orders)\n"
             '            raise RecordUnavailable(\n                "I cannot write down what'
         ),
         caught_by=(

@@ -45,6 +45,7 @@ FOREIGN_NAMES = (
     re.compile(r"\bNO_COLOR\b|--no-color\b|\bcolor_depth\b|\bColorDepth\b|\bpygments\.\w+"),
     re.compile(
         r"\bSTATUS_CANCELED\b|\bnum_goals_canceled\b|\bgoals_canceled\b|\bgoals_canceling\b"
+        r"|\bhandle\.canceled\(\)"
     ),
     re.compile(r"[\"']Authorization[\"']|\bAuthorization:|[\"']Unauthorized[\"']|</?center>"),
     re.compile(r"\binitializer="),

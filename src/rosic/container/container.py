@@ -108,22 +108,20 @@ class Containers:
             RecordUnavailable: The record cannot be written; nothing may move.
         """
         completed = [self.complete(request) for request in requests]
-        orders = tuple(
-            [
-                Order(
-                    request.cid, request.robot, request.skill, values.arguments,
-                    self._robots[request.robot].next_number(), request.deadline_ns, permit,
-                    start_ns, request.sequel, values.words,
-                )
-                for permit, request, values in zip(permits, requests, completed, strict=True)
-            ]
-        )  # fmt: skip
-        content = letters.encode(reply_to)
+        letter = Letter(permits[0].principal, letters.encode(reply_to))
         accepted_ns = self._clock.wall_ns()
-        claims = [
-            _claim(order, request.sent_ns, values.digest, accepted_ns, content)
-            for order, request, values in zip(orders, requests, completed, strict=True)
-        ]
+        orders: list[Order] = []
+        claims: list[Claimed] = []
+        for permit, request, values in zip(permits, requests, completed, strict=True):
+            robot = request.robot
+            n = self._robots[robot].next_number()
+            orders.append(
+                Order(
+                    request.cid, robot, request.skill, values.arguments, n, request.deadline_ns,
+                    permit, start_ns, request.sequel, values.words,
+                )
+            )  # fmt: skip
+            claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))
         try:
             await self._store.write(*claims)
         except StoreFault as fault:
@@ -131,7 +129,7 @@ class Containers:
                 "I cannot write down what is decided, so nothing may move. Stop still works. "
                 "The operator has to look at the disk."
             ) from fault
-        return orders
+        return tuple(orders)
 
     async def refuse(
         self, cid: bytes, caller: Caller, refusal: Refusal, answer: letters.Answer
@@ -222,12 +220,14 @@ def chat_digest(chat: Chat) -> bytes:
     return blake2b(f"{chat.platform}:{chat.id}".encode(), digest_size=DIGEST_BYTES).digest()
 
 
-def _claim(order: Order, sent_ns: int, digest: bytes, accepted_ns: int, content: bytes) -> Claimed:
-    permit = order.permit
+def _claim(
+    request: Request, permit: Permit, n: int, digest: bytes, accepted_ns: int, letter: Letter
+) -> Claimed:
+    skill = request.skill
     return Claimed(
-        cid=order.cid, principal=permit.principal, key=permit.key, robot=order.robot,
-        skill=order.skill.id, n=order.n, fence=permit.fence, new_fence=permit.new_fence,
+        cid=request.cid, principal=permit.principal, key=permit.key, robot=request.robot,
+        skill=skill.id, n=n, fence=permit.fence, new_fence=permit.new_fence,
         stop_generation=permit.stop_generation, epoch=permit.epoch, digest=digest,
-        accepted_ns=accepted_ns, expires_ns=sent_ns + int(order.skill.order_lifetime_s * 1e9),
-        letter=Letter(permit.principal, content),
+        accepted_ns=accepted_ns, expires_ns=request.sent_ns + int(skill.order_lifetime_s * 1e9),
+        letter=letter,
     )  # fmt: skip

@@ -77,6 +77,9 @@ def rights_of(
     return {robot: frozenset(names) for robot, names in table.items()}
 
 
+NOBODY: frozenset[RobotId] = frozenset()
+
+
 class Policy:
     """Roles expanded against the fleet, and who has which. Immutable by convention: no setters.
 
@@ -84,7 +87,7 @@ class Policy:
         epoch: Grows with every replacement.
     """
 
-    __slots__ = ("_holders", "_rights", "_roles", "epoch")
+    __slots__ = ("_holders", "_rights", "_roles", "_visible", "epoch")
 
     def __init__(
         self,
@@ -96,10 +99,14 @@ class Policy:
     ) -> None:
         self.epoch = epoch
         self._rights = {role.name: rights_of(role.scopes, skills) for role in roles}
-        self._roles = {
-            principal: tuple(self._rights[name] for name in names if name in self._rights)
-            for principal, names in people.items()
+        # People with the same roles share one entry: what they may, and what they see.
+        tables = {
+            names: tuple(self._rights[name] for name in names if name in self._rights)
+            for names in set(people.values())
         }
+        seen = {names: frozenset().union(*found) for names, found in tables.items()}
+        self._roles = {principal: tables[names] for principal, names in people.items()}
+        self._visible = {principal: seen[names] for principal, names in people.items()}
         self._holders = dict(people)
 
     def allows(self, principal: PrincipalId, robot: RobotId, skill: str) -> bool:
@@ -112,10 +119,7 @@ class Policy:
 
     def visible(self, principal: PrincipalId) -> frozenset[RobotId]:
         """Return the robots that the principal may see, and therefore stop."""
-        rights = self._roles.get(principal, ())
-        if len(rights) == 1:
-            return frozenset(rights[0])
-        return frozenset(robot for table in rights for robot in table)
+        return self._visible.get(principal, NOBODY)
 
     def who_can(self, robot: RobotId, skill: str) -> tuple[PrincipalId, ...]:
         """Return who has a right themselves; for refusals only, it looks at everybody."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from functools import partial
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -78,7 +77,7 @@ class Lives:
         """RELAYCOMMAND: return what the robot did, whatever happens."""
         if len(self._tasks) > AT_MOST:
             return Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code="full")
-        tell = partial(self._report, card, order.cid)
+        tell = self._reporter(card, order.cid)
         linker = self._linker
         try:
             if not linker.try_turn(order):
@@ -108,11 +107,17 @@ class Lives:
             except PolicyMoved:
                 continue
 
-    def _report(self, card: Card, cid: CommandId, report: Report) -> None:
-        if report.note:
-            report = Report(report.stage, report.fraction, clean(report.note)[:NOTE_AT_MOST])
-        card.step(cid, report, self._clock.wall_ns())
-        self._teller.update(card)
+    def _reporter(self, card: Card, cid: CommandId) -> Tell:
+        """Return what takes the reports of one order: a robot's words are made inert."""
+        step, update, wall_ns = card.step, self._teller.update, self._clock.wall_ns
+
+        def tell(report: Report) -> None:
+            if report.note:
+                report = Report(report.stage, report.fraction, clean(report.note)[:NOTE_AT_MOST])
+            step(cid, report, wall_ns())
+            update(card)
+
+        return tell
 
     async def close(self) -> None:
         """Cancel what is under way: robots come to rest, the outcomes are written and told."""
