@@ -64,7 +64,7 @@ def test_no_history_lets_a_wrong_order_act(history: list[tuple[object, ...]]) ->
                     acted.append(n)
             case ("stop", int(generation)):
                 gate.apply_stop(Stop("r", generation))
-                latched = latched or generation >= max(stops)
+                latched = latched or generation > max(stops)
                 stops.append(generation)
             case ("resume", int(generation)):
                 gate.resume(generation)
@@ -77,12 +77,13 @@ def test_a_good_order_passes() -> None:
     assert passes(Gate("r"), order(1, 1, 0, NOW_NS))
 
 
-def test_looking_needs_no_lease_but_obeys_stop_and_time() -> None:
+def test_looking_needs_no_lease_and_is_allowed_while_stopped_but_not_too_late() -> None:
     gate = Gate("r", fence=5)
     assert passes(gate, order(1, 0, 0, NOW_NS, LOOK))
     assert not passes(gate, order(2, 0, 0, NOW_NS - 1, LOOK))
     gate.apply_stop(Stop("r", 1))
-    assert not passes(gate, order(3, 0, 1, NOW_NS, LOOK))
+    assert passes(gate, order(3, 0, 0, NOW_NS, LOOK))
+    assert not passes(gate, order(4, 9, 1, NOW_NS, MOVE))
 
 
 def test_an_order_for_another_robot_is_void() -> None:

@@ -66,7 +66,7 @@ FAULTS = (
     Fault(
         name="I4 fence ignored",
         file="core/gate.py",
-        guard="if order.skill.actuates and permit.fence < self.fence:",
+        guard="if permit.fence < self.fence:",
         without="if False:",
         caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
     ),
@@ -208,7 +208,7 @@ FAULTS = (
     Fault(
         name="I5 an older resume undoes a younger stop",
         file="pipeline/resuming.py",
-        guard="if inbound.received_ns <= self._board[robot].at_ns:",
+        guard="if inbound.received_ns <= stopped_ns or inbound.sent_ns + SECOND_NS < stopped_ns:",
         without="if False:",
         caught_by=(f"{STOPPING}::test_a_resume_that_a_later_stop_overtook_undoes_nothing",),
     ),

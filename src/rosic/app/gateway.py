@@ -258,9 +258,12 @@ class Gateway:
 def _stops(
     found: Mapping[RobotId, tuple[int, bool]], generations: Mapping[RobotId, int]
 ) -> dict[RobotId, tuple[int, bool]]:
-    """Join what the latch and the record say; the higher generation counts (I13)."""
+    """Join what the latch and the record say; the higher generation counts (I13).
+
+    A stop that only the record knows holds: the latch could not be written when it was applied.
+    """
     joined = dict(found)
     for robot, generation in generations.items():
-        latched_generation, latched = joined.get(robot, (0, False))
-        joined[robot] = (max(latched_generation, generation), latched)
+        if generation > joined.get(robot, (0, False))[0]:
+            joined[robot] = (generation, True)
     return joined

@@ -80,10 +80,11 @@ class Operating:
             misheard = f"{unknown} Everything is stopped.\n"
         halting = self._gateway.stop_lane.stop_robots(robots, OPERATOR)
         yield misheard + words.stopping([rooms.profiles[robot].shown for robot in robots])
-        rests = await asyncio.gather(*(halting.rests.values()), return_exceptions=True)
+        # Waiting is all that may be cut off when whoever asked goes away; the stop goes on.
+        await asyncio.wait(halting.rests.values())
         found = [
-            rest if isinstance(rest, Rest) else Rest(robot, confirmed=False, seconds=0.0)
-            for robot, rest in zip(halting.rests, rests, strict=True)
+            Rest(robot, confirmed=False, seconds=0.0) if rest.exception() else rest.result()
+            for robot, rest in halting.rests.items()
         ]
         yield words.rests(rooms.profiles, found)
         if not await halting.latched:

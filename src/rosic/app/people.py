@@ -33,7 +33,7 @@ class Seed(msgspec.Struct, frozen=True):
 
 
 def remember(authoriser: Authoriser, memory: Memory) -> dict[PrincipalId, tuple[str, ...]]:
-    """Make everybody of the record known. Return who has which roles."""
+    """Make everybody of the record known. Return who has which roles, and a key still good."""
     for entry in memory.enrolled:
         card = _decode_card(entry.letter.content)
         authoriser.directory.enrol(
@@ -43,7 +43,8 @@ def remember(authoriser: Authoriser, memory: Memory) -> dict[PrincipalId, tuple[
         )
     for key in memory.keys:
         authoriser.directory.add_key(key)
-    return {entry.principal: entry.roles for entry in memory.enrolled}
+    good = authoriser.directory.has_good_key
+    return {entry.principal: entry.roles for entry in memory.enrolled if good(entry.principal)}
 
 
 async def seed(

@@ -81,6 +81,11 @@ class Directory:
         """Return everybody."""
         return self._people.values()
 
+    def has_good_key(self, principal: PrincipalId) -> bool:
+        """Whether somebody's key is not revoked."""
+        key = self._current.get(principal)
+        return key is not None and key.revoked_ns is None
+
     def key_of(self, principal: PrincipalId) -> AuthorisationKey | None:
         """Return a principal's current key."""
         return self._current.get(principal)

@@ -152,14 +152,14 @@ class Containers:
 
     async def conclude(self, order: Order, outcome: Outcome, words: str) -> bool:
         """Write an outcome down before it is told. Return whether it is on disk."""
+        concluded = Concluded(
+            cid=order.cid, ending=outcome.ending.value, at_ns=self._clock.wall_ns(),
+            letter=Letter(order.permit.principal, words.encode("utf-8", "replace")),
+        )  # fmt: skip
         try:
-            await self._store.write(
-                Concluded(
-                    cid=order.cid, ending=outcome.ending.value, at_ns=self._clock.wall_ns(),
-                    letter=Letter(order.permit.principal, words.encode("utf-8", "replace")),
-                )
-            )  # fmt: skip
+            await self._store.write(concluded)
         except StoreFault:
+            self._store.note(concluded)  # as soon as it can be: before it counts as told
             return False
         return True
 
@@ -206,6 +206,11 @@ class Containers:
         digest = chat_digest(chat)
         self.restore_selection(principal, digest, name)
         self._store.note(Selected(principal=principal, chat=digest, robot=name))
+
+    def company(self, chat: Chat) -> frozenset[PrincipalId]:
+        """Return who chose a robot in a chat; known after a restart, too."""
+        digest = chat_digest(chat)
+        return frozenset(p for p, unit in self._people.items() if unit.selected(digest))
 
     def restore_selection(self, principal: PrincipalId, chat: bytes, name: str) -> None:
         """Take over a choice from the record."""

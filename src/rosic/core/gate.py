@@ -56,10 +56,11 @@ class Gate:
             raise OrderVoid(f"This order is for {order.robot}. Nothing was done.")
         permit = order.permit
         self.fence = max(self.fence, permit.fence)
-        if self.latched or permit.stop_generation < self.generation:
-            raise OrderVoid(f"{order.robot} was stopped before this could begin.")
-        if order.skill.actuates and permit.fence < self.fence:
-            raise OrderVoid(f"Somebody else has {order.robot} now. Nothing was done.")
+        if order.skill.actuates:
+            if self.latched or permit.stop_generation < self.generation:
+                raise OrderVoid(f"{order.robot} was stopped before this could begin.")
+            if permit.fence < self.fence:
+                raise OrderVoid(f"Somebody else has {order.robot} now. Nothing was done.")
         if order.n <= self.n:
             raise OrderVoid(f"{order.robot} has already acted on a later command.")
         if now_ns > order.deadline_ns:
@@ -67,13 +68,12 @@ class Gate:
         self.n = order.n
 
     def still_allows(self, order: Order) -> bool:
-        """Whether an order that passed may go on: no stop has come, no later lease (I4, I5)."""
-        permit = order.permit
-        return not self.latched and permit.stop_generation >= self.generation
+        """Whether an order that passed may go on: no stop has come (I5)."""
+        return not self.latched and order.permit.stop_generation >= self.generation
 
     def apply_stop(self, stop: Stop) -> None:
         """Latch. Applying the same stop again, or an older one, changes nothing."""
-        if stop.generation >= self.generation:
+        if stop.generation > self.generation:
             self.generation = stop.generation
             self.latched = True
 

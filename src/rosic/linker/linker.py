@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from rosic.core.order import Order, Outcome, Rest, Stop
+from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot import Busy, Presence, Profile, RobotId
 from rosic.errors import RosicError, StoreFault
 from rosic.linker.mailbox import Mailbox
@@ -60,6 +60,7 @@ class Linker:
         self._latch = latch
         self._clock = clock
         self._latching: set[asyncio.Task[bool]] = set()
+        self._resting: set[asyncio.Task[Rest]] = set()
 
     def try_turn(self, order: Order) -> bool:
         """Take the turn at a robot that is free, without waiting; ``leave`` must follow."""
@@ -91,10 +92,13 @@ class Linker:
         if robot.profile.busy is not Busy.REPLACE:
             return await robot.execute(order, tell)
         mailbox = self._mailboxes[order.robot]
-        task = asyncio.create_task(robot.execute(order, tell))
-        mailbox.running = task
+        mailbox.running = task = asyncio.create_task(robot.execute(order, tell))
         try:
             return await task
+        except asyncio.CancelledError:
+            if mailbox.replaced is not task:
+                raise
+            return Outcome(Ending.CANCELLED, "a later command took its place")
         finally:
             mailbox.running = None
 
@@ -110,7 +114,9 @@ class Linker:
             self._mailboxes[stop.robot].clear()
             robot = self._robots[stop.robot]
             robot.gate.apply_stop(stop)
-            rests[stop.robot] = asyncio.create_task(robot.stop(stop))
+            rests[stop.robot] = task = asyncio.create_task(robot.stop(stop))
+            self._resting.add(task)  # whoever asked may be gone before it has come to rest
+            task.add_done_callback(self._resting.discard)
         latched = asyncio.create_task(self._write_latch(stops))
         self._latching.add(latched)
         latched.add_done_callback(self._latching.discard)
@@ -128,15 +134,21 @@ class Linker:
 
         Raises:
             RobotUnreachable: The robot's side did not answer; it stays stopped.
-            StoreFault: The latch cannot be written; it stays stopped after a restart.
+            StoreFault: The latch cannot be written; it stays stopped.
         """
-        robot = self._robots[robot_id]
-        await robot.resume(generation)
+        # A stop's own entry must not be written after the one that undoes it; and the entry comes
+        # before the effect, so that a robot that moves again is never said to stay stopped.
+        if self._latching:
+            await asyncio.wait(self._latching)  # unlike gather, it leaves them be when cut off
+        if self._stops[robot_id].generation != generation:
+            return
+        await self._latch.write(robot_id, generation, latched=False)
+        try:
+            await self._robots[robot_id].resume(generation)
+        except RosicError:
+            await self.hold_for_good(robot_id, generation)
+            raise
         self._stops.resume(robot_id, generation)
-        # A stop's own entry must not be written after the one that undoes it.
-        await asyncio.gather(*self._latching)
-        if not self._stops[robot_id].latched:
-            await self._latch.write(robot_id, generation, latched=False)
 
     def hold(self, robot_id: RobotId) -> int:
         """Latch a robot without moving it: nobody knows what its last order did."""
@@ -150,6 +162,14 @@ class Linker:
             await self._latch.write(robot_id, generation, latched=True)
         except StoreFault:
             return
+
+    def check_free(self, robot_id: RobotId) -> None:
+        """See whether a robot would begin at once.
+
+        Raises:
+            RobotBusy: It is at work, and does not take more.
+        """
+        self._mailboxes[robot_id].check_free()
 
     def presence(self, robot: RobotId) -> Presence:
         """Return what the robot's side last said."""

@@ -140,7 +140,7 @@ class Organiser:
 
     def release_all(self, principal: PrincipalId) -> tuple[RobotId, ...]:
         """Take every robot away from somebody; return which."""
-        held = tuple(r for r, lease in self._leases.items() if lease.holder == principal)
+        held = tuple(robot for robot in self._leases if self.holder(robot) == principal)
         for robot in held:
             self._leases[robot].release()
         return held

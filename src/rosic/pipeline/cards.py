@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from rosic.core.message import Button, Chat
 
 
+# What a robot reports while nothing can be said is not worth more.
+LINES_AT_MOST = 100
+
+
 class Card:
     """One message and the lives in it.
 
@@ -62,7 +66,7 @@ class Card:
         news = life.step(report, at_ns)
         if self.messenger.edits:
             self.dirty = True
-        elif news:
+        elif news and (report.stage is not Stage.RUNNING or len(self.lines) < LINES_AT_MOST):
             self.lines.append(life.line(report))
 
     def wording(self, cid: CommandId, outcome: Outcome, at_ns: int) -> str:

@@ -9,6 +9,7 @@ import msgspec
 from rosic.core import words
 from rosic.core.language import Help, Line, Status, Use
 from rosic.core.message import Button, Chat
+from rosic.pipeline.replies import ASK_FIRST
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -79,7 +80,7 @@ class Desk:
         profile = self._profiles.get(line.name)
         if profile is None:
             return Reply(f"{line.name}: chosen. Its name may be left out now.")
-        buttons = [Button(words.label(s), f"?{line.name} {words.spoken(s)}")
+        buttons = [Button(words.label(s), f"{ASK_FIRST}{line.name} {words.spoken(s)}")
                    for s in profile.skills.values()
                    if self._organiser.policy.allows(caller.principal, profile.id, s.id)
                    and not any(p.text for p in s.parameters.values())]  # fmt: skip

@@ -25,6 +25,12 @@ if TYPE_CHECKING:
 AT_MOST = 20_000
 NOTE_AT_MOST = 400
 
+FULL = Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code="full")
+CUT_OFF = Outcome(Ending.CANCELLED, "ROSIC was shut down")
+NEVER_BEGUN = Outcome(
+    Ending.REFUSED, "ROSIC was shut down before this could begin. Nothing was done.", code="closed"
+)
+
 log = logging.getLogger("rosic.pipeline")
 
 
@@ -59,10 +65,8 @@ class Lives:
 
     async def _live(self, order: Order, caller: Caller, card: Card) -> None:
         try:
-            try:
-                outcome = await self._relay(order, caller, card)
-            except asyncio.CancelledError:
-                outcome = Outcome(Ending.CANCELLED, "ROSIC was shut down")
+            full = len(self._tasks) > AT_MOST
+            outcome = FULL if full else await self._relay(order, caller, card)
             self._moving.discard(asyncio.current_task())
             words = card.wording(order.cid, outcome, self._clock.wall_ns())
             await self._container.conclude(order, outcome, words)
@@ -75,13 +79,13 @@ class Lives:
 
     async def _relay(self, order: Order, caller: Caller, card: Card) -> Outcome:
         """RELAYCOMMAND: return what the robot did, whatever happens."""
-        if len(self._tasks) > AT_MOST:
-            return Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code="full")
         tell = self._reporter(card, order.cid)
         linker = self._linker
+        begun = False
         try:
             if not linker.try_turn(order):
                 await linker.turn(order, tell)
+            begun = True
             try:
                 return inert(await linker.dispatch(order, tell))
             except PolicyMoved:
@@ -90,6 +94,8 @@ class Lives:
                 linker.leave(order)
         except Refusal as refusal:
             return Outcome(Ending.REFUSED, str(refusal), code=refusal.code)
+        except asyncio.CancelledError:
+            return CUT_OFF if begun else NEVER_BEGUN
         except RobotUnreachable as fault:
             log.warning("order %d of %s: %s", order.n, order.robot, fault)
             return Outcome(Ending.UNKNOWN, f"{fault} Please look.", code=fault.code)

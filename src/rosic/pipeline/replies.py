@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from rosic.core.message import Inbound
     from rosic.pipeline.rooms import Rooms
 
+# What only a button says; typed, it means nothing.
 LEAVE = "leave it"
+ASK_FIRST = "?"
 STRANGERS = RateLimit(burst=5.0, per_s=0.2)
 
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 
 RESUME_LIFETIME_NS = 30_000_000_000
+SECOND_NS = 1_000_000_000
 
 
 class Resuming:
@@ -46,10 +47,12 @@ class Resuming:
         for robot in stopped:
             self._organiser.check_resume(caller, robot)
             self._check_later(inbound, robot)
-        for robot in stopped:
-            generation = self._board[robot].generation
+        # As they were when this was asked: what is stopped meanwhile stays stopped.
+        generations = {robot: self._board[robot].generation for robot in stopped}
+        for robot, generation in generations.items():
             robot_cid = robot_command_id(cid, robot)
             await self._container.resume(robot_cid, caller, robot, generation)
+            self._organiser.check_resume(caller, robot)  # the right may have ended meanwhile
             try:
                 await self._linker.resume(robot, generation)
             except Fault as fault:
@@ -66,7 +69,9 @@ class Resuming:
                 "You sent this while I could not listen. Nothing was done.",
                 offers=(f"resume {robot}",),
             )
-        if inbound.received_ns <= self._board[robot].at_ns:
+        stopped_ns = self._board[robot].at_ns
+        # A platform may give whole seconds: within one, the order of receiving decides.
+        if inbound.received_ns <= stopped_ns or inbound.sent_ns + SECOND_NS < stopped_ns:
             shown = self._linker.profile(robot).shown
             raise Expired(
                 f"{shown} was stopped after you sent this. It stays stopped.",

@@ -10,7 +10,7 @@ from rosic.core import words
 from rosic.core.message import Inbound, Outbound
 from rosic.core.order import Rest
 from rosic.core.record import Stopped
-from rosic.errors import MessengerFault, Unrecognised
+from rosic.errors import MessageGone, MessengerFault, Unrecognised
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from rosic.linker.linker import Halting
     from rosic.pipeline.rooms import Rooms
 
+# Stops are obeyed whatever their number; answering a flood of them helps nobody (I15).
+ANSWERS_AT_MOST = 256
+
 log = logging.getLogger("rosic.stop")
 
 
@@ -32,6 +35,7 @@ class StopLane:
     def __init__(self, rooms: Rooms, store: Store, clock: Clock) -> None:
         self._authoriser = rooms.authoriser
         self._organiser = rooms.organiser
+        self._container = rooms.container
         self._linker = rooms.linker
         self._board = rooms.board
         self._profiles = rooms.profiles
@@ -53,7 +57,8 @@ class StopLane:
         if not robots:
             return
         halting = self.stop_robots(robots, by)
-        self._spawn(self._answer(messenger, inbound, halting))
+        if len(self._tasks) < ANSWERS_AT_MOST:
+            self._spawn(self._answer(messenger, inbound, halting))
 
     def stop_robots(self, robots: tuple[RobotId, ...], by: PrincipalId) -> Halting:
         """Stop robots for somebody who does not ask in a chat: the operator, a revocation."""
@@ -73,6 +78,7 @@ class StopLane:
             if inbound.standing.value not in ("anonymous", "channel"):
                 return "", frozenset()
             company = self._authoriser.company(inbound.chat)
+            company |= self._container.company(inbound.chat)
             seen = [self._organiser.visible(principal) for principal in company]
             return "", frozenset().union(*seen)
         return caller.principal, self._organiser.visible(caller.principal)
@@ -116,6 +122,8 @@ class StopLane:
                     await messenger.edit(message, outbound)
                     return message
                 return await messenger.send(outbound)
+            except MessageGone:
+                message = ""
             except MessengerFault as fault:
                 log.warning("the answer to a stop was not told yet: %s", fault)
                 await self._clock.sleep(wait_s)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
 
 TRIES = 6
+LONGEST_WAIT_S = 60.0
 # Between two edits that only show progress; endings never wait.
 PROGRESS_EVERY_S = 0.5
 FIRST_WAIT_S = 0.5
@@ -135,22 +136,30 @@ class Teller:
             await voice.wake
 
     async def _speak(self, item: _Item) -> None:
-        wait_s = FIRST_WAIT_S
-        for _ in range(TRIES):
+        """Say one thing. What matters is tried until it is said; the rest is given up in time."""
+        tries, wait_s = 0, FIRST_WAIT_S
+        while True:
             try:
-                if not isinstance(item, Card):
-                    await self._say(item)
-                elif item.messenger.edits:
-                    await self._show_in_place(item)
-                else:
-                    await self._show_line_by_line(item)
+                await self._speak_once(item)
             except MessengerFault as fault:
                 log.warning("not told yet: %s", fault)
-                await self._clock.sleep(wait_s)
-                wait_s *= 2
+            except Exception:
+                log.exception("not told: a fault of the messenger")
             else:
                 return
-        log.error("gave up telling; the record still holds it, the next start tells it")
+            tries += 1
+            if tries >= TRIES and not _matters(item):
+                return
+            await self._clock.sleep(wait_s)
+            wait_s = min(2 * wait_s, LONGEST_WAIT_S)
+
+    async def _speak_once(self, item: _Item) -> None:
+        if not isinstance(item, Card):
+            await self._say(item)
+        elif item.messenger.edits:
+            await self._show_in_place(item)
+        else:
+            await self._show_line_by_line(item)
 
     async def _say(self, note: Note) -> None:
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import OrderedDict
 from typing import TYPE_CHECKING
 
 from rosic.container.letters import ReplyTo
@@ -24,7 +25,7 @@ from rosic.pipeline.cards import Card
 from rosic.pipeline.desk import Desk
 from rosic.pipeline.freshness import check_fresh
 from rosic.pipeline.lives import Lives
-from rosic.pipeline.replies import LEAVE, Replies, reply_id
+from rosic.pipeline.replies import ASK_FIRST, LEAVE, Replies, reply_id
 from rosic.pipeline.resuming import Resuming
 from rosic.pipeline.turns import Turns
 
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 # Robots commanded together start together: far enough ahead for all of them to have heard.
 TOGETHER_NS = 500_000_000
+FOLLOWED_KEPT = 10_000
+FAULT = "Something went wrong here. It is not known what was done; please look."
 
 log = logging.getLogger("rosic.pipeline")
 
@@ -49,12 +52,15 @@ log = logging.getLogger("rosic.pipeline")
 class Said:
     """One message on its way: who said it, where, and which robots its lines asked so far."""
 
-    __slots__ = ("asked", "caller", "inbound", "messenger")
+    __slots__ = ("arrived_ns", "asked", "caller", "inbound", "messenger")
 
-    def __init__(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> None:
+    def __init__(
+        self, messenger: Messenger, inbound: Inbound, caller: Caller, arrived_ns: int
+    ) -> None:
         self.messenger = messenger
         self.inbound = inbound
         self.caller = caller
+        self.arrived_ns = arrived_ns
         self.asked: set[RobotId] = set()
 
 
@@ -78,6 +84,7 @@ class Pipeline:
         self._clock = clock
         self._face = face
         self._turns = Turns()
+        self._followed: OrderedDict[CommandId, None] = OrderedDict()
         self._replies = Replies(rooms, teller, clock)
         self._resuming = Resuming(organiser, container, linker, rooms.board)
         self._desk = Desk(rooms)
@@ -89,6 +96,7 @@ class Pipeline:
 
         Never raises: what is wrong with a message is said to its author.
         """
+        arrived_ns = self._clock.monotonic_ns()
         said = inbound.text if inbound.nonce is None else inbound.nonce
         stop = self._reader.stop(said)
         if stop is not None:
@@ -102,13 +110,13 @@ class Pipeline:
             self._replies.say(messenger, inbound, str(refusal))
             return
         try:
-            await self._take(messenger, inbound)
+            await self._take(messenger, inbound, arrived_ns)
         finally:
             self._turns.give(inbound.chat)
 
-    async def _take(self, messenger: Messenger, inbound: Inbound) -> None:
+    async def _take(self, messenger: Messenger, inbound: Inbound, arrived_ns: int) -> None:
         try:
-            await self._authenticated(messenger, inbound)
+            await self._authenticated(messenger, inbound, arrived_ns)
         except Unrecognised as stranger:
             self._replies.turn_away(messenger, inbound, str(stranger))
         except Refusal as refusal:
@@ -116,20 +124,22 @@ class Pipeline:
                 self._replies.say(messenger, inbound, str(refusal))
         except Exception:
             log.exception("a message could not be handled")
-            self._replies.say(messenger, inbound, "Something went wrong here. Nothing was done.")
+            self._replies.say(messenger, inbound, FAULT)
 
-    async def _authenticated(self, messenger: Messenger, inbound: Inbound) -> None:
+    async def _authenticated(self, messenger: Messenger, inbound: Inbound, arrived_ns: int) -> None:
         """AUTHENTICATE and GENERATEKEY, then follow each line."""
         caller = self._rooms.authoriser.identify(inbound)
-        text = inbound.text
-        if inbound.nonce is not None:
-            text = await self._replies.redeem(messenger, inbound, caller)
-        if text == LEAVE:
+        said = Said(messenger, inbound, caller, arrived_ns)
+        if inbound.nonce is None:
+            await self._lines(said, inbound.text)
+            return
+        command = await self._replies.redeem(messenger, inbound, caller)
+        if command == LEAVE:
             self._replies.say(messenger, inbound, "Nothing was done.")
-        elif text.startswith("?"):
-            self._replies.ask_first(messenger, inbound, caller, text[1:])
+        elif command.startswith(ASK_FIRST):
+            self._replies.ask_first(messenger, inbound, caller, command[1:])
         else:
-            await self._lines(Said(messenger, inbound, caller), text)
+            await self._lines(said, command)
 
     async def _lines(self, said: Said, text: str) -> None:
         caller, inbound = said.caller, said.inbound
@@ -140,8 +150,10 @@ class Pipeline:
             try:
                 await self._follow(said, line, cid)
             except Refusal as refusal:
-                settled = _settled_under(cid, line)
-                await self._replies.refuse(said.messenger, inbound, caller, settled, refusal)
+                await self._replies.refuse(said.messenger, inbound, caller, cid, refusal)
+            except Exception:
+                log.exception("a line could not be followed")
+                self._replies.say(said.messenger, inbound, FAULT)
 
     async def _follow(self, said: Said, line: Line, cid: CommandId) -> None:
         """Follow one line.
@@ -150,7 +162,10 @@ class Pipeline:
             Refusal: Why not; no robot has moved because of this line.
         """
         if isinstance(line, Halt):
-            return  # obeyed before anything was understood
+            # Obeyed before anything was understood; what only the grammar takes for a stop is one.
+            if self._reader.stop(said.inbound.text) is None:
+                await self._stop_lane.stop(said.messenger, said.inbound, line.names)
+            return
         if isinstance(line, Misunderstood):
             if not self._addressed(said.inbound):
                 return  # people talk to each other in groups
@@ -159,11 +174,22 @@ class Pipeline:
         self._rooms.organiser.charge(said.caller)
         if isinstance(line, Do):
             await self._command(said, line, cid)
+        elif self._repeated(cid):
+            return
         elif isinstance(line, Resume):
             text = await self._resuming.resume(said.caller, said.inbound, line, cid)
             self._replies.say(said.messenger, said.inbound, text)
         else:
             self._question(said, line)
+
+    def _repeated(self, cid: CommandId) -> bool:
+        """Whether this line, which moves nothing, was followed before."""
+        if cid in self._followed:
+            return True
+        self._followed[cid] = None
+        if len(self._followed) > FOLLOWED_KEPT:
+            self._followed.popitem(last=False)
+        return False
 
     def _addressed(self, inbound: Inbound) -> bool:
         """Whether words that make no sense were meant for ROSIC at all."""
@@ -189,6 +215,9 @@ class Pipeline:
         now_ns = self._clock.monotonic_ns()
         for request in requests:
             check_fresh(said.inbound, request, now_ns)
+        if line.group:
+            for request in requests:
+                self._rooms.linker.check_free(request.robot)  # all of them begin, or none
         permits = organiser.admit(said.caller, requests)
         start_ns = now_ns + TOGETHER_NS if len(requests) > 1 else None
         title = f"{line.group or self._shown(line.robots[0])}: {line.text}"
@@ -206,14 +235,15 @@ class Pipeline:
 
     def _requests(self, said: Said, line: Do, cid: CommandId) -> list[Request]:
         inbound = said.inbound
-        alone = len(line.robots) == 1
         sent_ns = min(inbound.sent_ns, inbound.received_ns)
         age_ns = inbound.received_ns - sent_ns
         waited_ns = max(0, self._clock.wall_ns() - inbound.received_ns)
-        asked_ns = self._clock.monotonic_ns() - waited_ns - age_ns
+        # Whichever clock says that it is older: the wall clock may have been set back meanwhile.
+        asked_ns = min(said.arrived_ns, self._clock.monotonic_ns() - waited_ns) - age_ns
         return [
             Request(
-                cid=cid if alone else robot_command_id(cid, robot),
+                # The first carries the line's own id: understood anew, it is found all the same.
+                cid=robot_command_id(cid, robot) if at else cid,
                 robot=robot,
                 skill=skill,
                 spoken=line.spoken,
@@ -224,7 +254,7 @@ class Pipeline:
                 group=line.group,
                 sequel=robot in said.asked,
             )
-            for robot, skill in zip(line.robots, line.skills, strict=True)
+            for at, (robot, skill) in enumerate(zip(line.robots, line.skills, strict=True))
         ]
 
     def _card(self, said: Said, line: Do, orders: tuple[Order, ...]) -> Card:
@@ -253,14 +283,3 @@ def _command_id(inbound: Inbound, number: int) -> CommandId:
         return command_id("tap", inbound.nonce, str(number))
     sender, chat = inbound.sender, inbound.chat
     return command_id(sender.platform, sender.account, chat.id, inbound.message, str(number))
-
-
-def _settled_under(cid: CommandId, line: Line) -> CommandId:
-    """Return the identity under which a line is refused: one that its claims have, too.
-
-    Otherwise a group's command that was claimed before an interruption, and is given out again,
-    would be answered with "nothing was done".
-    """
-    if isinstance(line, Do) and len(line.robots) > 1:
-        return robot_command_id(cid, line.robots[0])
-    return cid

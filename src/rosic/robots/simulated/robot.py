@@ -117,11 +117,22 @@ class SimulatedRobot:
             raise CannotDo(self.profile.id, "cannot be driven by a velocity")
         given = order.arguments
         x, y, turn = (float(given.get(name, 0.0)) for name in ("linear", "lateral", "angular"))
-        duration_s = float(given.get("duration", 0.0))
-        begun_s = self._theatre.now_s()
-        machine.set_velocity(x, y, turn, begun_s)
+        machine.set_velocity(x, y, turn, self._theatre.now_s())
         tell(Report(Stage.RECEIVED))
         self._theatre.wake()
+        try:
+            return await self._stream(order, tell, machine, (x, y, turn))
+        except CannotDo as cannot:
+            await self._rest()
+            return Outcome(Ending.FAILED, cannot.reason)
+
+    async def _stream(
+        self, order: Order, tell: Tell, machine: Omni, velocity: tuple[float, float, float]
+    ) -> Outcome:
+        """Go on with a drive that has begun."""
+        x, y, turn = velocity
+        duration_s = float(order.arguments.get("duration", 0.0))
+        begun_s = self._theatre.now_s()
         while (past_s := self._theatre.now_s() - begun_s) < duration_s:
             if not self.gate.still_allows(order):
                 return Outcome(Ending.CANCELLED)

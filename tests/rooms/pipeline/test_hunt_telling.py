@@ -1,0 +1,74 @@
+"""An ending is not lost while ROSIC lives, and what waits to be said is bounded."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rosic.core.order import Report, Stage
+from rosic.robots.memory import DONE, MemoryRobot
+from tests.rooms.pipeline.place import Place
+
+if TYPE_CHECKING:
+    from rosic.contracts.robot import Tell
+    from rosic.core.message import Outbound
+    from rosic.core.order import Order, Outcome
+
+STEPS = 5_000
+BOUND = 600
+
+
+class Talkative(MemoryRobot):
+    """Works for ten seconds and has news all the time."""
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        self.gate.pass_order(order, self._clock.monotonic_ns())
+        self.acted.append(order.n)
+        for step in range(STEPS):
+            tell(Report(Stage.RUNNING, None, f"step {step}"))
+        await self._clock.sleep(10.0)
+        return DONE
+
+
+def talkative(*, edits: bool) -> Place:
+    place = Place(edits=edits)
+    parts = place.gateway._parts
+    place.gateway._parts = replace(parts, robot_factory=lambda _kind: Talkative)
+    return place
+
+
+async def test_an_ending_outlives_a_messenger_that_is_away_for_long() -> None:
+    async with talkative(edits=True).open() as place:
+        await place.say("omni move 1 m")
+        place.chat.down = True
+        await place.clock.advance(600.0)
+        place.chat.down = False
+        await place.clock.advance(600.0)
+        assert any("done" in told.outbound.text for told in place.chat.told)
+
+
+async def test_a_fault_of_the_messenger_that_nobody_foresaw_does_not_silence_a_chat() -> None:
+    async with Place().open() as place:
+        edit = place.chat.edit
+
+        async def fail(_message: str, _outbound: Outbound) -> None:
+            place.chat.edit = edit  # type: ignore[method-assign]
+            raise ZeroDivisionError
+
+        place.chat.edit = fail  # type: ignore[method-assign]
+        await place.say("omni move 1 m")
+        await place.clock.advance(60.0)
+        told = await place.say("omni wave")
+        assert "done" in told, "this chat is never answered again"
+
+
+async def test_what_a_robot_reports_is_bounded_when_it_cannot_be_said() -> None:
+    async with talkative(edits=False).open() as place:
+        place.chat.down = True
+        await place.say("omni move 1 m")
+        await place.clock.advance(9.0)
+        place.chat.down = False
+        before = len(place.chat.told)
+        await place.clock.advance(600.0)
+        assert len(place.chat.told) - before < BOUND
