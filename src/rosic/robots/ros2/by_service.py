@@ -1,0 +1,113 @@
+"""Skills that are service calls: the answer is the receipt, and says whether and what."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from rosic.core.order import Ending, Outcome
+from rosic.errors import RobotUnreachable
+from rosic.robots.ros2.errand import Answer, check_fields, filled
+from rosic.robots.ros2.faults import NoAnswer, NotSent
+from rosic.robots.ros2.messages import to_message
+
+if TYPE_CHECKING:
+    from rosic.core.skill import ServiceBinding
+    from rosic.robots.ros2.errand import Errand
+    from rosic.robots.ros2.messages import Values
+    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.ros2.runtime import RosRuntime
+    from rosic.robots.ros2.services import ServiceLink
+
+LAST_WORD_S = 1.0
+
+
+class ByService:
+    """Calls one service."""
+
+    def __init__(self, binding: ServiceBinding) -> None:
+        self._binding = binding
+        self._link: ServiceLink | None = None
+        self._cls: RosObject = None
+
+    def types(self) -> set[str]:
+        """Return the service's type."""
+        return {self._binding.type}
+
+    async def open(self, runtime: RosRuntime) -> None:
+        """Open the service's client and check the fields of the request."""
+        self._cls = runtime.types.service(self._binding.type)
+        check_fields(self._cls.Request, self._binding.request)
+        self._answer = Answer(self._cls.Response)
+        self._link = await runtime.service(self._binding.name, self._binding.type)
+
+    async def close(self) -> None:
+        """Leave the service."""
+        link, self._link = self._link, None
+        if link is not None:
+            await link.close()
+
+    async def carry(self, errand: Errand) -> Outcome:
+        """Call it once."""
+        link = self._link
+        if link is None:
+            raise errand.offline()
+        await errand.there(link.ready, link.name)
+        values = filled(self._binding.request, errand.order.arguments)
+        to_message(self._cls.Request, values)
+        answer = await ask(errand, link, values, self._binding.timeout_s, leave=True)
+        if answer is None:
+            return Outcome(Ending.CANCELLED)
+        errand.received()
+        words, facts = self._answer.words(answer), self._answer.facts(answer)
+        if self._answer.succeeded(answer):
+            return Outcome(Ending.DONE, words, facts)
+        ending = Ending.FAILED if errand.allowed() else Ending.CANCELLED
+        return Outcome(ending, words, facts)
+
+
+async def ask(
+    errand: Errand, link: ServiceLink, values: Values, timeout_s: float, *, leave: bool = False
+) -> RosObject:
+    """Call a service for an order; None when a stop brought the robot to rest meanwhile.
+
+    Args:
+        errand: The order.
+        link: The service.
+        values: Fields of the request.
+        timeout_s: For the answer.
+        leave: Pass the gate immediately before the request leaves.
+
+    Raises:
+        OrderVoid: The gate declined.
+        RobotOffline: Nothing was sent.
+        RobotUnreachable: It was sent, and nothing came in time.
+    """
+    call = asyncio.ensure_future(_call(errand, link, values, timeout_s, leave=leave))
+    halted = asyncio.ensure_future(errand.halted.wait())
+    try:
+        await asyncio.wait({call, halted}, return_when=asyncio.FIRST_COMPLETED)
+        if not call.done():
+            await asyncio.wait({call}, timeout=LAST_WORD_S)
+        if call.done():
+            return call.result()
+        if errand.rest is None or not errand.rest.confirmed:
+            raise RobotUnreachable(f"{errand.side.shown} has not confirmed the stop.")
+    except NotSent as fault:
+        raise errand.offline() from fault
+    except NoAnswer as fault:
+        raise RobotUnreachable(
+            f"{errand.side.shown} has not answered for {timeout_s:g} s."
+        ) from fault
+    finally:
+        call.cancel()
+        halted.cancel()
+    return None
+
+
+async def _call(
+    errand: Errand, link: ServiceLink, values: Values, timeout_s: float, *, leave: bool
+) -> RosObject:
+    if leave:
+        errand.leave()
+    return await link.call(values, timeout_s=timeout_s)

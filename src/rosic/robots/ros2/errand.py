@@ -1,0 +1,203 @@
+"""One order on its way through one binding, and what every binding has in common."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from rosic.core.order import Report, Stage
+from rosic.errors import RobotOffline
+from rosic.robots.ros2.faults import BadName, NotSent
+from rosic.robots.ros2.reading import Reader, compile_path
+from rosic.robots.ros2.services import wait_until
+from rosic.robots.ros2.text import clean_text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import Tell
+    from rosic.core.gate import Gate
+    from rosic.core.order import Order, Outcome
+    from rosic.core.skill import Argument
+    from rosic.robots.ros2.measuring import Measurements
+    from rosic.robots.ros2.rest import Brakes, Resting
+    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.ros2.runtime import RosRuntime
+
+NOTE_BYTES = 240
+DECLINED = "robot-declined"
+_MOST_FACTS = 64
+
+
+class Side(NamedTuple):
+    """One robot's side, as far as a binding needs it."""
+
+    shown: str
+    gate: Gate
+    clock: Clock
+    brakes: Brakes
+    measured: Measurements
+    namespace: str
+    rest_timeout_s: float
+
+
+class Carrier(Protocol):
+    """Carries orders of one skill through its binding."""
+
+    def types(self) -> set[str]:
+        """Return the types that the binding names."""
+        ...
+
+    async def open(self, runtime: RosRuntime) -> None:
+        """Open what it needs, so that nothing has to be found when an order comes.
+
+        Raises:
+            BadName: A name, a type or a field does not exist.
+        """
+        ...
+
+    async def close(self) -> None:
+        """Close it."""
+        ...
+
+    async def carry(self, errand: Errand) -> Outcome:
+        """Carry one order. See ``contracts.robot.Robot.execute``."""
+        ...
+
+
+class Errand:
+    """One order under way.
+
+    Attributes:
+        left: It has passed the gate: from here on the robot may move.
+        halted: Set when a stop has done what it could; ``rest`` then says what came of it.
+    """
+
+    def __init__(self, order: Order, tell: Tell, side: Side, patience_s: float) -> None:
+        self.order = order
+        self.side = side
+        self.left = False
+        self.halted = asyncio.Event()
+        self.rest: Resting | None = None
+        self._tell = tell
+        self._patience_s = patience_s
+        self._received = False
+        self._fraction: float | None = None
+
+    async def there(self, ready: Callable[[], bool], what: str) -> None:
+        """Make sure that somebody is there.
+
+        Raises:
+            RobotOffline: Nobody is, though discovery had its time.
+        """
+        if ready():
+            return
+        try:
+            await wait_until(ready, what, self._patience_s)
+        except NotSent as fault:
+            raise self.offline() from fault
+
+    def offline(self) -> RobotOffline:
+        """Return the refusal of a robot that is not there."""
+        return RobotOffline(f"{self.side.shown} is not there. Nothing was sent.")
+
+    def leave(self) -> None:
+        """Pass the gate and say that it is sent. The message must leave without suspension.
+
+        Raises:
+            OrderVoid: The gate declined.
+        """
+        self.side.gate.pass_order(self.order, self.side.clock.monotonic_ns())
+        self.left = True
+        self._tell(Report(Stage.SENT))
+
+    def allowed(self) -> bool:
+        """Tell whether it may go on: no stop has come."""
+        return self.side.gate.still_allows(self.order)
+
+    def received(self) -> None:
+        """The robot's side has it."""
+        if not self._received:
+            self._received = True
+            self._tell(Report(Stage.RECEIVED))
+
+    def running(self, fraction: float | None, note: str = "") -> None:
+        """The robot's side says how far it is; what falls back or comes too early is not told."""
+        if not self._received:
+            return
+        if fraction is not None and 0.0 <= fraction <= 1.0:
+            self._fraction = max(fraction, self._fraction or 0.0)
+        self._tell(Report(Stage.RUNNING, self._fraction, note))
+
+
+def filled(
+    values: Mapping[str, float | int | str | bool], arguments: Mapping[str, Argument]
+) -> dict[str, object]:
+    """Return the fields of a message with ``$name`` replaced by the order's arguments (SI).
+
+    Text from a chat is cleaned; everything is checked against the message's type afterwards.
+    """
+    found: dict[str, object] = {}
+    for field, value in values.items():
+        given = arguments[value[1:]] if isinstance(value, str) and value[:1] == "$" else value
+        found[field] = clean_text(given) if isinstance(given, str) else given
+    return found
+
+
+def check_fields(cls: RosObject, fields: Mapping[str, object]) -> None:
+    """Make sure that a message has the fields that a profile names.
+
+    Raises:
+        BadName: It has not.
+    """
+    for field in fields:
+        compile_path(cls, field)
+
+
+class Answer:
+    """What a result or a response says of success, and in which words, if it has such fields."""
+
+    def __init__(self, cls: RosObject, success: str = "", message: str = "") -> None:
+        self._success = _reader(cls, success, "success")
+        self._message = _reader(cls, message, "message")
+        self._facts = _reader(cls, "", "fact_names"), _reader(cls, "", "fact_values")
+
+    def succeeded(self, answer: RosObject) -> bool:
+        """Tell whether it says success; one that does not speak of it means it."""
+        return self._success is None or self._success(answer) is True
+
+    def words(self, answer: RosObject) -> str:
+        """Return the robot's words; inert, may be empty."""
+        return "" if self._message is None else note(self._message(answer))
+
+    def facts(self, answer: RosObject) -> dict[str, float]:
+        """Return what was measured, by name."""
+        names, values = self._facts
+        if names is None or values is None:
+            return {}
+        pairs = zip(_listed(names(answer)), _listed(values(answer)), strict=False)
+        return {
+            note(name): float(value)
+            for name, value in list(pairs)[:_MOST_FACTS]
+            if isinstance(value, (int, float))
+        }
+
+
+def note(words: object) -> str:
+    """Return a robot's words as a person may read them, on one line."""
+    return " ".join(clean_text(str(words), max_bytes=NOTE_BYTES).split())
+
+
+def _listed(value: object) -> list[object]:
+    return value if isinstance(value, list) else []
+
+
+def _reader(cls: RosObject, path: str, usual: str) -> Reader | None:
+    """Return the reader of a field; None when the profile does not insist and it is not there."""
+    try:
+        return compile_path(cls, path or usual)
+    except BadName:
+        if path not in {"", usual}:
+            raise
+        return None

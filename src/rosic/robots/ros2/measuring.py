@@ -1,0 +1,174 @@
+"""What a robot reports: the newest values in the profile's units, and whether it is at rest."""
+
+from __future__ import annotations
+
+import asyncio
+from math import isfinite, pi
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.robots.ros2.faults import BadName, BadValue
+from rosic.robots.ros2.reading import Plain, Reader, compile_path
+from rosic.robots.ros2.text import clean_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.core.robot import Profile
+    from rosic.robots.ros2.runtime import RosRuntime
+    from rosic.robots.ros2.topics import Latest
+
+# Robots report SI, and a battery as a fraction (REP 103, sensor_msgs/BatteryState).
+_FACTORS: Mapping[str, float] = MappingProxyType(
+    {
+        "%": 100.0,
+        "deg": 180.0 / pi,
+        "deg/s": 180.0 / pi,
+        "cm": 100.0,
+        "cm/s": 100.0,
+        "mm": 1000.0,
+        "mm/s": 1000.0,
+        "km": 0.001,
+        "km/h": 3.6,
+    }
+)
+# A robot at work that misses so many heartbeats is not waited for until its longest motion is over.
+_MISSED = 3.0
+_TEXT_BYTES = 200
+
+
+class _Value(NamedTuple):
+    name: str
+    source: Latest
+    read: Reader
+    factor: float
+
+
+class Measurements:
+    """Everything that is heard of one robot. Each topic is subscribed to once.
+
+    Attributes:
+        sources: The subscriptions, by topic and type.
+    """
+
+    def __init__(self, profile: Profile) -> None:
+        self._profile = profile
+        self.sources: dict[tuple[str, str], Latest] = {}
+        self._values: list[_Value] = []
+        self._rest: Latest | None = None
+        self._speeds: list[Reader] = []
+
+    def types(self) -> set[str]:
+        """Return the types of message that it takes."""
+        at_rest = self._profile.at_rest
+        named = {entry.type for entry in self._profile.telemetry.values() if entry.topic}
+        return named | ({at_rest.type} if at_rest is not None else set())
+
+    async def open(self, runtime: RosRuntime) -> None:
+        """Subscribe.
+
+        Raises:
+            BadName: A topic, a type or a field does not exist. What was opened goes with the node.
+        """
+        for name, entry in self._profile.telemetry.items():
+            if entry.topic:
+                source = await self._source(runtime, entry.topic, entry.type)
+                read = compile_path(runtime.types.message(entry.type), entry.field)
+                factor = _FACTORS.get(entry.unit, 1.0)
+                self._values.append(_Value(name, source, read, factor))
+        at_rest = self._profile.at_rest
+        if at_rest is None:
+            return
+        self._rest = await self._source(runtime, at_rest.topic, at_rest.type)
+        cls = runtime.types.message(at_rest.type)
+        for path in at_rest.field.split(","):
+            read = compile_path(cls, path.strip())
+            if read.shape not in {"number", "list"}:
+                raise BadName(f"{path.strip()} of {at_rest.type} holds no number.")
+            self._speeds.append(read)
+
+    async def close(self) -> None:
+        """Subscribe no more."""
+        for source in self.sources.values():
+            await source.close()
+        self.sources.clear()
+
+    async def _source(self, runtime: RosRuntime, topic: str, type_name: str) -> Latest:
+        key = topic, type_name
+        if key not in self.sources:
+            self.sources[key] = await runtime.latest(topic, type_name)
+        return self.sources[key]
+
+    # ---- what is known ----
+
+    @property
+    def measures_rest(self) -> bool:
+        """Whether the profile says how rest is measured."""
+        return self._rest is not None
+
+    @property
+    def silence_s(self) -> float:
+        """After how many seconds without a word a robot at work counts as out of reach."""
+        return _MISSED * self._profile.link.heartbeat_s
+
+    def age_s(self) -> float | None:
+        """Return for how many seconds nothing was heard; None when nothing ever was."""
+        ages = [age for source in self.sources.values() if (age := source.age_s) is not None]
+        return min(ages, default=None)
+
+    def at_rest(self, since_ns: int = 0) -> bool | None:
+        """Tell whether the newest message says rest; None when it is not newer than ``since_ns``.
+
+        A number that is missing, or not finite, is not rest.
+        """
+        source, at_rest = self._rest, self._profile.at_rest
+        if source is None or at_rest is None or (source.received_ns or 0) <= since_ns:
+            return None
+        try:
+            message = source.message()
+            speeds = [speed for read in self._speeds for speed in _numbers(read(message))]
+        except BadValue:
+            return None
+        return bool(speeds) and all(abs(speed) <= at_rest.below for speed in speeds)
+
+    async def next_word(self, timeout_s: float) -> None:
+        """Wait until the topic that shows rest says something, at most so long."""
+        if self._rest is None:
+            await asyncio.sleep(timeout_s)
+            return
+        try:
+            await self._rest.newer(self._rest.received, timeout_s=timeout_s)
+        except TimeoutError:
+            return
+
+    def values(self) -> dict[str, float | str]:
+        """Return the newest of everything the profile names; what cannot be read is left out."""
+        found: dict[str, float | str] = {}
+        for name, source, read, factor in self._values:
+            message = None
+            try:
+                message = source.message()
+                value = None if message is None else read(message)
+            except BadValue:
+                continue
+            shown = _shown(value, factor)
+            if shown is not None:
+                found[name] = shown
+        return found
+
+
+def _shown(value: Plain | None, factor: float) -> float | str | None:
+    if isinstance(value, str):
+        return clean_text(value, max_bytes=_TEXT_BYTES)
+    if isinstance(value, (bool, int, float)) and isfinite(value):
+        return float(value) * factor
+    return None
+
+
+def _numbers(value: Plain) -> list[float]:
+    """Return a number, or a list of numbers, as numbers; NaN is larger than any bound."""
+    entries = value if isinstance(value, list) else [value]
+    return [
+        float(entry) if isinstance(entry, (int, float)) and isfinite(entry) else float("inf")
+        for entry in entries
+    ]

@@ -1,0 +1,87 @@
+"""Faults to try, as ROS parameters: ``ros2 param set /kuka1/machine object false``."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from rosic.robots.simulated.machines.crazyflie import Crazyflie
+from rosic.robots.simulated.machines.world import CUBE
+
+if TYPE_CHECKING:
+    from rosic.robots.ros2.nodes.machine_node import MachineNode
+    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.simulated.machines.world import World
+    from rosic.robots.simulated.machines.yumi import Side
+
+LINK, BATTERY, OBJECT = "link", "battery", "object"
+ARMS: dict[str, Side] = {"left_arm": "left", "right_arm": "right"}
+
+
+class Faults:
+    """What can be broken, and mended, in one robot.
+
+    - ``link``: false cuts it; the robot holds or lands by itself, and nothing of it is heard.
+    - ``battery``: its charge from 0.0 to 1.0 (robots with one).
+    - ``object``: false takes the cube away, true puts one at its station (kuka).
+    - ``left_arm``, ``right_arm``: false lets one fail (yumi).
+    """
+
+    def __init__(self, owner: MachineNode, world: World) -> None:
+        self._owner = owner
+        self._world = world
+        self._result = import_module("rcl_interfaces.msg").SetParametersResult
+        names: dict[str, bool | float] = {LINK: True}
+        if owner.machine.battery is not None:
+            names[BATTERY] = 1.0
+        if owner.model == "kuka":
+            names[OBJECT] = True
+        if owner.model == "yumi":
+            names |= dict.fromkeys(ARMS, True)
+        for name, value in names.items():
+            owner.node.declare_parameter(name, value)
+        owner.node.add_on_set_parameters_callback(self._set)
+
+    def _set(self, parameters: list[RosObject]) -> RosObject:
+        for parameter in parameters:
+            reason = self._apply(parameter.name, parameter.value)
+            if reason:
+                return self._result(successful=False, reason=reason)
+        return self._result(successful=True)
+
+    def _apply(self, name: str, value: object) -> str:
+        """Do it; return why not, or nothing."""
+        now_s = self._owner.now_s()
+        if name == BATTERY:
+            if not isinstance(value, float) or not 0.0 <= value <= 1.0:
+                return "a battery is a number from 0.0 to 1.0"
+            self._world.set_battery(self._owner.id, value)
+        elif not isinstance(value, bool):
+            return "true or false"
+        elif name == LINK:
+            self._link(there=value, now_s=now_s)
+        elif name == OBJECT:
+            self._object(there=value)
+        elif name in ARMS:
+            self._arm(ARMS[name], works=value, now_s=now_s)
+        return ""
+
+    def _link(self, *, there: bool, now_s: float) -> None:
+        machine = self._owner.machine
+        if isinstance(machine, Crazyflie):
+            machine.silent = not there
+        if self._owner.linked and not there:
+            machine.link_lost(now_s)
+        self._owner.linked = there
+
+    def _object(self, *, there: bool) -> None:
+        if there:
+            self._world.put_back()
+        else:
+            self._world.remove_thing(CUBE)
+
+    def _arm(self, side: Side, *, works: bool, now_s: float) -> None:
+        if works:
+            self._world.repair_arm(side)
+        else:
+            self._world.fail_arm(side, now_s)

@@ -1,0 +1,149 @@
+"""One simulated robot as one ROS 2 node."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from rosic.robots.ros2.nodes.ends import subscribe
+from rosic.robots.ros2.nodes.faults import Faults
+from rosic.robots.ros2.nodes.goals import Goals
+from rosic.robots.ros2.nodes.offers import MODELS
+from rosic.robots.ros2.nodes.reports import Reports
+from rosic.robots.ros2.nodes.swarm_topic import SwarmTopic
+from rosic.robots.ros2.nodes.waiting_clock import NS, WaitingClock
+from rosic.robots.ros2.nodes.watch import LinkWatch
+from rosic.robots.simulated.machines.activity import CannotDo
+from rosic.robots.simulated.machines.crazyflie import Crazyflie
+from rosic.robots.simulated.machines.omni import Omni
+
+if TYPE_CHECKING:
+    from rosic.robots.ros2.nodes.actuations import Actuations
+    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.simulated.machines.world import World
+
+NODE_NAME = "machine"
+STEP_S = 0.02
+AT_REST_STEP_S = 0.1
+
+
+class MachineNode:
+    """A machine, and what it offers under ``/<robot>``: actions, a stop, topics, faults.
+
+    The node has no will of its own: every rule, from limits to landing when a peer is lost, is
+    the machine's. All of it runs on one thread, so nothing here is locked.
+
+    Attributes:
+        linked: False while its radio is cut on purpose: it hears nothing and says nothing.
+    """
+
+    def __init__(
+        self, ros_node: RosObject, robot: str, world: World, clock: WaitingClock, log: Actuations
+    ) -> None:
+        self.id = robot
+        self.node = ros_node
+        self.model = MODELS[robot]
+        self.machine = world.machines[robot]
+        self.linked = True
+        self._clock = clock
+        self._log = log
+        self._count = 0
+        self._due_s = 0.0
+        self._noted = ""
+        self._watch = LinkWatch()
+        self._goals = Goals(self)
+        self._reports = Reports(ros_node, self.machine)
+        self._faults = Faults(self, world)
+        drone = self.machine if isinstance(self.machine, Crazyflie) else None
+        self._swarm = None if drone is None else SwarmTopic(self, drone)
+        self._trigger = import_module("std_srvs.srv").Trigger
+        ros_node.create_service(self._trigger, "stop", self._stop)
+        header = import_module("std_msgs.msg").Header
+        subscribe(ros_node, header, "link", self._heard)
+        if isinstance(self.machine, Omni):
+            twist = import_module("geometry_msgs.msg").Twist
+            subscribe(ros_node, twist, "cmd_vel", self._velocity)
+
+    # ---- time ----
+
+    def now_s(self) -> float:
+        """Return the present on the machine's clock."""
+        return self._clock.now_s()
+
+    def when_s(self, stamp: RosObject) -> float:
+        """Return when something stamped was said, on the machine's clock."""
+        return self._clock.past_s(_ns(stamp))
+
+    def start_s(self, stamp: RosObject) -> float | None:
+        """Return a common start on the machine's clock; None when none was given."""
+        return self._clock.coming_s(_ns(stamp)) if _ns(stamp) else None
+
+    @property
+    def due_s(self) -> float:
+        """When it wants its next turn, on the machine's clock."""
+        return self._due_s
+
+    def turn(self) -> None:
+        """Step the machine and tell what there is to tell, if it is time."""
+        now_s = self.now_s()
+        if now_s < self._due_s:
+            return
+        self._due_s = now_s + (STEP_S if self.machine.moving else AT_REST_STEP_S)
+        self.machine.step(now_s)
+        if self.machine.moving and self._watch.lost(now_s):
+            self.machine.link_lost(now_s)
+        self._tell_note()
+        if not self.linked:
+            return
+        stamp = self.node.get_clock().now().to_msg()
+        self._goals.turn(now_s)
+        if self._swarm is not None:
+            self._swarm.turn(now_s, stamp)
+        if self._reports.due(now_s):
+            self._reports.publish(now_s, stamp)
+
+    def began(self, skill: str, goal: str) -> None:
+        """Take down that the machine begins to act."""
+        self._count += 1
+        self._watch.begin(self.now_s())
+        self._log.add(self.id, skill, goal, self._count)
+        self._due_s = 0.0
+
+    def _tell_note(self) -> None:
+        """Log what the machine did of its own accord: landed because a peer was lost."""
+        note = self.machine.note
+        if note != self._noted:
+            self._noted = note
+            if note:
+                self.node.get_logger().warning(note)
+
+    # ---- what rclpy calls ----
+
+    def _heard(self, header: RosObject) -> None:
+        if self.linked:
+            self._watch.heard(self.when_s(header.stamp))
+
+    def _stop(self, _request: RosObject, response: RosObject) -> RosObject:
+        response.success = self.linked
+        response.message = "coming to rest" if self.linked else "no link"
+        if self.linked:
+            self.machine.halt(self.now_s())
+            self._due_s = 0.0
+        return response
+
+    def _velocity(self, twist: RosObject) -> None:
+        if not self.linked or not isinstance(self.machine, Omni):
+            return
+        moved = self.machine.moving
+        velocity = twist.linear.x, twist.linear.y, twist.angular.z
+        try:
+            self.machine.set_velocity(*velocity, self.now_s())
+        except CannotDo as cannot:
+            self.node.get_logger().warning(cannot.reason, throttle_duration_sec=1.0)
+            return
+        if not moved and self.machine.moving:
+            self.began("drive", "-")
+
+
+def _ns(stamp: RosObject) -> int:
+    return int(stamp.sec) * NS + int(stamp.nanosec)

@@ -1,0 +1,46 @@
+"""What each simulated robot offers on the graph: exactly what the profiles that ship bind."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+MODELS: Mapping[str, str] = MappingProxyType(
+    {
+        "omni": "omni",
+        "kuka1": "kuka",
+        "yumi": "yumi",
+        "cf1": "crazyflie",
+        "cf2": "crazyflie",
+        "cf3": "crazyflie",
+    }
+)
+"""Robot to the kind of machine it is."""
+
+ACTIONS: Mapping[str, Mapping[str, str]] = MappingProxyType(
+    {
+        "omni": {"move": "Move", "turn": "Turn", "goto": "GoTo", "arm": "SetPose"},
+        "kuka": {
+            "home": "Perform",
+            "move_joint": "MoveJoint",
+            "grasp": "Grasp",
+            "release": "Perform",
+        },
+        "yumi": {"home": "Perform", "handover": "Perform"},
+        "crazyflie": {
+            "takeoff": "TakeOff",
+            "land": "Perform",
+            "goto": "GoTo",
+            "formation": "Formation",
+        },
+    }
+)
+"""Skill to the action of rosic_interfaces that carries it, by kind of machine."""
+
+INTERFACES = "rosic_interfaces"
+START = "start_at"
+# A goal always carries every field; for these, zero means that the robot decides.
+LEFT_TO_THE_ROBOT = frozenset({"speed_m_s", "speed_rad_s"})

@@ -1,0 +1,302 @@
+"""A robot on a ROS 2 graph, as its profile describes it."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from rosic.core.order import Ending, Order, Outcome, Rest, Stop
+from rosic.core.robot import Presence, Profile
+from rosic.errors import ConfigurationError
+from rosic.robots.ros2.by_action import ByAction
+from rosic.robots.ros2.by_parameters import ByParameters
+from rosic.robots.ros2.by_service import ByService
+from rosic.robots.ros2.by_topic import ByTopic
+from rosic.robots.ros2.dialogue import Dialogue
+from rosic.robots.ros2.errand import Carrier, Errand, Side
+from rosic.robots.ros2.faults import BadValue
+from rosic.robots.ros2.heartbeat import Heartbeat
+from rosic.robots.ros2.measuring import Measurements
+from rosic.robots.ros2.meeting import Meetings
+from rosic.robots.ros2.names import check_graph_name
+from rosic.robots.ros2.rest import Brakes, Resting
+from rosic.robots.ros2.station import others_under, station_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import Say, Tell
+    from rosic.core.gate import Gate
+    from rosic.core.skill import Skill
+    from rosic.robots.ros2.graph import Snapshot
+
+_log = logging.getLogger(__name__)
+
+# Nobody is missing yet for so long after the start.
+APPEARS_S = 3.0
+# Topics can be heard seconds before services are found: what gets lost in discovery is sent again
+# every 3 s (Fast DDS). An order waits for a robot's side that has just appeared.
+DISCOVERY_S = 8.0
+DEADLINE_MARGIN_S = 0.1
+# A gateway that ends has no more time than this for one robot.
+CLOSING_REST_S = 3.0
+UNFIT = "does-not-fit"
+_NS = 1_000_000_000
+
+
+class Ros2Robot:
+    """Carries orders to a robot over ROS 2 and its answers back. See ``contracts.robot.Robot``.
+
+    All robots of a process share one node, ``chat_interface``.
+    """
+
+    def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
+        """Make it; nothing is opened.
+
+        Raises:
+            ConfigurationError: The namespace is no name, or a skill says nothing of how.
+        """
+        self.profile = profile
+        self.gate = gate
+        self._clock = clock
+        self._station = station_of(clock)
+        self._namespace = check_graph_name(profile.link.namespace) if profile.link.namespace else ""
+        self._measured = Measurements(profile)
+        self._brakes = Brakes(profile, self._measured, clock)
+        self._heartbeat = Heartbeat(self._namespace, clock)
+        self._meetings = Meetings(profile.id)
+        self._dialogue = self._text_link()
+        self._carriers = {name: self._carrier(name, s) for name, s in profile.skills.items()}
+        self._opened_ns: int | None = None
+        self._appeared_ns = 0
+        self._was_online = False
+        self._seen: bool | None = None
+        self._errand: Errand | None = None
+
+    def _text_link(self) -> Dialogue | None:
+        if not self.profile.link.dialogue:
+            return None
+        if not self._namespace:
+            raise ConfigurationError(
+                f"{self.profile.id}: a dialogue needs a namespace.", hint="For example /talker."
+            )
+        return Dialogue(self.profile.shown, self._namespace, self._clock)
+
+    def _carrier(self, name: str, skill: Skill) -> Carrier:
+        if skill.action is not None:
+            return ByAction(skill.action)
+        if skill.service is not None:
+            return ByService(skill.service)
+        if skill.topic is not None:
+            return ByTopic(skill.topic)
+        if skill.set_parameters is not None:
+            return ByParameters(skill.set_parameters)
+        if self._dialogue is not None:
+            return self._dialogue
+        raise ConfigurationError(
+            f"{self.profile.id}: skill {name!r} does not say how it reaches the robot.",
+            hint="Give it a topic, a service, an action or set_parameters.",
+        )
+
+    # ---- opening and closing ----
+
+    async def open(self, say: Say) -> None:
+        """Join the graph and open everything the profile names. It waits for nobody there."""
+        parts = list(self._parts())
+        types = set().union(*(part.types() for part in parts))
+        try:
+            runtime = await self._station.enter(types, self._look)
+            for part in parts:
+                await part.open(runtime)
+        except ConfigurationError as error:
+            await self.close()
+            if error.where:
+                raise
+            raise ConfigurationError(str(error), where=self.profile.id) from error
+        except BaseException:
+            await self.close()
+            raise
+        self._opened_ns = self._appeared_ns = self._clock.monotonic_ns()
+        if self._dialogue is not None:
+            self._dialogue.begin(say)
+
+    async def close(self) -> None:
+        """Bring what is under way to rest, then leave the graph."""
+        if self._errand is not None and self._errand.left:
+            self._halted(await self._to_rest(limit_s=CLOSING_REST_S))
+        self._opened_ns = None
+        closing = [*(part.close() for part in self._parts()), self._station.leave(self._look)]
+        for step in closing:
+            try:
+                await step
+            except Exception:  # noqa: BLE001 - a contract: it never raises
+                _log.exception("%s was not closed cleanly", self.profile.id)
+
+    def _parts(self) -> Iterator[Measurements | Brakes | Heartbeat | Carrier]:
+        """Yield everything to be opened: first what stops the robot, last what moves it."""
+        yield self._measured
+        yield self._brakes
+        yield self._heartbeat
+        if self._dialogue is not None:
+            yield self._dialogue
+        for carrier in self._carriers.values():
+            if carrier is not self._dialogue:
+                yield carrier
+
+    # ---- orders ----
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Carry out one order."""
+        errand = self._errand = Errand(order, tell, self._side(), self._patience_s(order))
+        try:
+            return await self._carriers[order.skill.id].carry(errand)
+        except BadValue as fault:
+            _log.warning("an order for %s was not sent: %s", self.profile.id, fault)
+            sentence = f"{self.profile.shown} cannot take these values. Nothing was done."
+            return Outcome(Ending.REFUSED, sentence, code=UNFIT)
+        except asyncio.CancelledError:
+            if errand.left:
+                await _to_the_end(asyncio.create_task(self._to_rest()))
+            raise
+        finally:
+            self._errand = None
+
+    async def fall_silent(self, order: Order, tell: Tell) -> Rest:
+        """Stream as `execute` does, then cease without a zero, and wait for measured rest.
+
+        Returns:
+            The seconds from the last message to rest, or to giving up; then it is stopped.
+
+        Raises:
+            ConfigurationError: The skill streams nothing.
+            OrderVoid, RobotOffline: The robot has not moved.
+        """
+        carrier = self._carriers[order.skill.id]
+        if not isinstance(carrier, ByTopic):
+            raise ConfigurationError(f"{order.skill.id} of {self.profile.id} streams nothing.")
+        errand = self._errand = Errand(order, tell, self._side(), self._patience_s(order))
+        try:
+            resting = await carrier.fall_silent(errand)
+        finally:
+            if errand.left and not self._measured.at_rest():
+                await _to_the_end(asyncio.create_task(self._to_rest()))
+            self._errand = None
+        return Rest(self.profile.id, resting.confirmed, resting.seconds)
+
+    async def stop(self, stop: Stop) -> Rest:
+        """Latch, then apply everything that could stop it until rest is measured."""
+        self.gate.apply_stop(stop)
+        if self._dialogue is not None:
+            self._dialogue.tell_stop()
+        if self._opened_ns is None:
+            return Rest(stop.robot, confirmed=False, seconds=0.0)
+        resting = await self._to_rest(lambda: self._errand is None)
+        self._halted(resting)
+        return Rest(stop.robot, resting.confirmed, resting.seconds)
+
+    async def _to_rest(
+        self, quiet: Callable[[], bool] = lambda: True, limit_s: float | None = None
+    ) -> Resting:
+        """Apply the brakes; whatever goes wrong with them, it ends with an answer."""
+        begun_ns = self._clock.monotonic_ns()
+        try:
+            return await self._brakes.apply(quiet, limit_s=limit_s)
+        except Exception:  # noqa: BLE001 - a contract: it never raises
+            _log.exception("%s could not be brought to rest", self.profile.id)
+            seconds = (self._clock.monotonic_ns() - begun_ns) / _NS
+            return Resting(confirmed=False, seconds=seconds)
+
+    def _halted(self, resting: Resting) -> None:
+        if self._errand is not None:
+            self._errand.rest = resting
+            self._errand.halted.set()
+
+    async def resume(self, generation: int) -> None:
+        """Undo the latch. It is kept here, so the robot's side has nothing to answer."""
+        self.gate.resume(generation)
+
+    # ---- what is known of it ----
+
+    def presence(self) -> Presence:
+        """Return what was last heard."""
+        errand = self._errand
+        return Presence(
+            online=self._online(),
+            age_s=self._age_s(),
+            doing=errand.order.skill.id if errand is not None else "",
+            at_rest=self._at_rest(),
+            values=self._measured.values(),
+        )
+
+    def _age_s(self) -> float | None:
+        ages = (self._measured.age_s(), None if self._dialogue is None else self._dialogue.age_s())
+        return min((age for age in ages if age is not None), default=None)
+
+    def _online(self) -> bool | None:
+        """Tell from telemetry, else from the greeting, else from the graph."""
+        if self._opened_ns is None:
+            return None
+        if self._measured.sources:
+            age_s = self._measured.age_s()
+            if age_s is not None:
+                return age_s <= self.profile.link.heartbeat_s
+            return None if self._early() else False
+        if self._dialogue is not None:
+            return self._dialogue.answered
+        return None if self._early() and not self._seen else self._seen
+
+    def _at_rest(self) -> bool | None:
+        """Tell what was measured, if it is fresh enough to speak of now."""
+        fresh_ns = int(self.profile.link.heartbeat_s * _NS)
+        return self._measured.at_rest(self._clock.monotonic_ns() - fresh_ns)
+
+    def _look(self, seen: Snapshot) -> None:
+        """Take in what is on the graph."""
+        if self._namespace:
+            self._seen = others_under(seen, self._namespace)
+        self._notice()
+        self._meetings.look(seen, list(self._measured.sources.values()), self._brakes)
+        if self._dialogue is not None:
+            self._dialogue.look()
+
+    def _notice(self) -> None:
+        """Remember when the robot came back."""
+        online = self._online() is True
+        if online and not self._was_online:
+            self._appeared_ns = self._clock.monotonic_ns()
+        self._was_online = online
+
+    def _early(self) -> bool:
+        """Tell whether it is too early to miss anybody."""
+        opened_ns = self._opened_ns or 0
+        return self._clock.monotonic_ns() - opened_ns < APPEARS_S * _NS
+
+    def _patience_s(self, order: Order) -> float:
+        """Return how long an order may wait for an end that discovery has not found yet."""
+        self._notice()
+        now_ns = self._clock.monotonic_ns()
+        found_s = DISCOVERY_S - (now_ns - self._appeared_ns) / _NS
+        deadline_s = (order.deadline_ns - now_ns) / _NS - DEADLINE_MARGIN_S
+        return max(0.0, min(found_s, deadline_s))
+
+    def _side(self) -> Side:
+        return Side(
+            self.profile.shown,
+            self.gate,
+            self._clock,
+            self._brakes,
+            self._measured,
+            self._namespace,
+            self.profile.rest_timeout_s,
+        )
+
+
+async def _to_the_end(task: asyncio.Task[Resting]) -> Resting:
+    """Wait for a task that must not be cut short, however often the waiting is cancelled."""
+    while not task.done():
+        with suppress(asyncio.CancelledError):
+            await asyncio.shield(task)
+    return task.result()

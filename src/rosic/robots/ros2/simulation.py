@@ -1,0 +1,135 @@
+"""The simulated robots as real ROS 2 nodes: ``python -m rosic.robots.ros2.simulation omni kuka1``.
+
+One process, one node for each robot, under ``/omni``, ``/kuka1`` and so on. Several processes may
+share the robots between them; the drones of one swarm then meet over a topic.
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rosic.errors import ConfigurationError
+from rosic.robots.ros2.names import did_you_mean
+from rosic.robots.ros2.nodes.actuations import Actuations
+from rosic.robots.ros2.nodes.machine_node import NODE_NAME, MachineNode
+from rosic.robots.ros2.nodes.offers import MODELS
+from rosic.robots.ros2.nodes.waiting_clock import WaitingClock
+from rosic.robots.ros2.own_interfaces import find_own_interfaces
+from rosic.robots.ros2.ros import load_ros, make_executor
+from rosic.robots.simulated.machines.crazyflie import Crazyflie
+from rosic.robots.simulated.machines.swarm import Swarm
+from rosic.robots.simulated.machines.world import SWARM_PLACES, World, build_world
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from types import FrameType
+
+    from rosic.robots.ros2.ros import RosObject
+
+LONGEST_TURN_S = 0.1
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run robots until SIGTERM or Ctrl-C; says ``ready`` and their names once all are up.
+
+    Args:
+        arguments: Names of robots, all by default, and ``--actuations FILE``.
+
+    Raises:
+        ConfigurationError: ROS 2 is not here, or there is no such robot.
+    """
+    parser = argparse.ArgumentParser(
+        prog="python -m rosic.robots.ros2.simulation", description=__doc__
+    )
+    parser.add_argument("robots", nargs="*", metavar="ROBOT", help=f"of {', '.join(MODELS)}")
+    parser.add_argument(
+        "--actuations", type=Path, metavar="FILE", help="append a line whenever a robot acts"
+    )
+    asked = parser.parse_args(arguments)
+    robots = list(dict.fromkeys(asked.robots)) or list(MODELS)
+    for robot in robots:
+        if robot not in MODELS:
+            raise ConfigurationError(
+                f"There is no simulated robot called {robot!r}; {did_you_mean(robot, MODELS)}"
+            )
+    find_own_interfaces()
+    try:
+        log = Actuations(asked.actuations)
+    except OSError as error:
+        raise ConfigurationError(
+            f"{asked.actuations} cannot be written ({error.strerror})."
+        ) from error
+    stopping = _Stopping()
+    try:
+        _run(robots, log, stopping)
+    finally:
+        log.close()
+    return 0
+
+
+class _Stopping:
+    """Set by SIGTERM and Ctrl-C."""
+
+    def __init__(self) -> None:
+        self.asked = False
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._ask)
+
+    def _ask(self, _number: int, _frame: FrameType | None) -> None:
+        self.asked = True
+
+
+def _run(robots: Sequence[str], log: Actuations, stopping: _Stopping) -> None:
+    ros = load_ros()
+    context = ros.rclpy.Context()
+    ros.rclpy.init(context=context, signal_handler_options=ros.signals.SignalHandlerOptions.NO)
+    executor = make_executor(ros, context)
+    world, clock = _world(), WaitingClock()
+    nodes: list[MachineNode] = []
+    try:
+        for robot in robots:
+            ros_node = _node(ros, context, robot)
+            executor.add_node(ros_node)
+            nodes.append(MachineNode(ros_node, robot, world, clock, log))
+        sys.stdout.write(f"ready {' '.join(robots)}\n")
+        sys.stdout.flush()
+        while not stopping.asked:
+            now_s = clock.now_s()
+            wait_s = min(node.due_s for node in nodes) - now_s
+            executor.spin_once(timeout_sec=min(max(wait_s, 0.0), LONGEST_TURN_S))
+            for node in nodes:
+                node.turn()
+    finally:
+        executor.shutdown()
+        for node in nodes:
+            node.node.destroy_node()
+        context.try_shutdown()
+
+
+def _node(ros: RosObject, context: RosObject, robot: str) -> RosObject:
+    return ros.node.Node(
+        NODE_NAME, namespace=f"/{robot}", context=context, use_global_arguments=False
+    )
+
+
+def _world() -> World:
+    """Build the world, but let every drone know only what it hears of the others."""
+    world = build_world()
+    drones = tuple(
+        Crazyflie(name, Swarm(tuple(SWARM_PLACES)), place) for name, place in SWARM_PLACES.items()
+    )
+    world.drones = drones
+    world.machines.update({drone.id: drone for drone in drones})
+    return world
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except ConfigurationError as error:
+        sys.stderr.write(f"{error}\n")
+        sys.exit(2)

@@ -1,0 +1,118 @@
+"""The node ``chat_interface``: one for all ROS 2 robots of a process, there while one is open."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+from rosic.errors import ConfigurationError
+from rosic.robots.ros2.faults import NotSent
+from rosic.robots.ros2.graph import Snapshot, snapshot
+from rosic.robots.ros2.interfaces.cache import OWN
+from rosic.robots.ros2.names import is_under
+from rosic.robots.ros2.own_interfaces import find_own_interfaces
+from rosic.robots.ros2.registry import TypeRegistry
+from rosic.robots.ros2.runtime import RosRuntime
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from typing import TypeAlias
+
+    from rosic.contracts.clock import Clock
+
+    Watcher: TypeAlias = Callable[[Snapshot], None]
+
+_log = logging.getLogger(__name__)
+
+LOOK_EVERY_S = 1.0
+
+
+class Station:
+    """The runtime that robots of one clock share, and one slow look at the graph for them all."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._types: set[str] = set()
+        self._runtime: RosRuntime | None = None
+        self._watchers: list[Watcher] = []
+        self._entering = asyncio.Lock()
+        self._looking: asyncio.Task[None] | None = None
+
+    async def enter(self, types: Iterable[str], watcher: Watcher) -> RosRuntime:
+        """Take part, with the first who does opening the node; `leave` must follow.
+
+        Args:
+            types: What the robot's profile names.
+            watcher: Called with what is on the graph, every `LOOK_EVERY_S`.
+
+        Raises:
+            ConfigurationError: There is no ROS 2 here, or a type that cannot be built.
+        """
+        async with self._entering:
+            wanted = self._types.union(types)
+            if any(name.startswith(f"{OWN.name}/") for name in wanted - self._types):
+                await asyncio.to_thread(find_own_interfaces)
+            registry = TypeRegistry(wanted)
+            if self._runtime is None:
+                self._runtime = await self._opened(registry)
+            self._runtime.types = registry
+            self._types = wanted
+            self._watchers.append(watcher)
+            if self._looking is None:
+                self._looking = asyncio.create_task(self._look(self._runtime))
+            return self._runtime
+
+    async def leave(self, watcher: Watcher) -> None:
+        """Take part no more; the last closes the node. May be repeated."""
+        async with self._entering:
+            if watcher in self._watchers:
+                self._watchers.remove(watcher)
+            if self._watchers or self._runtime is None:
+                return
+            if self._looking is not None:
+                self._looking.cancel()
+                self._looking = None
+            runtime, self._runtime = self._runtime, None
+            await runtime.close()
+
+    async def _opened(self, registry: TypeRegistry) -> RosRuntime:
+        try:
+            return await RosRuntime.open(registry, now_ns=self._clock.monotonic_ns)
+        except NotSent as fault:
+            raise ConfigurationError(
+                str(fault), hint="Check RMW_IMPLEMENTATION, ROS_DOMAIN_ID and the network."
+            ) from fault
+
+    async def _look(self, runtime: RosRuntime) -> None:
+        while runtime.alive:
+            try:
+                seen = await snapshot(runtime)
+            except NotSent as fault:
+                _log.warning("the ROS graph could not be read: %s", fault)
+            else:
+                for watcher in tuple(self._watchers):
+                    watcher(seen)
+            await self._clock.sleep(LOOK_EVERY_S)
+
+
+def others_under(seen: Snapshot, namespace: str) -> bool:
+    """Tell whether anybody else is below a namespace: a node, or an end of anything."""
+    names = (
+        *seen.nodes,
+        *(topic.name for topic in seen.topics),
+        *(offer.name for offer in (*seen.services, *seen.actions)),
+    )
+    return any(is_under(name, namespace) for name in names)
+
+
+_stations: WeakKeyDictionary[Clock, Station] = WeakKeyDictionary()
+
+
+def station_of(clock: Clock) -> Station:
+    """Return the station of a clock: robots that share a clock share a node."""
+    station = _stations.get(clock)
+    if station is None:
+        station = _stations[clock] = Station(clock)
+    return station

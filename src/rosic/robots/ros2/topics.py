@@ -1,0 +1,249 @@
+"""Topics: sending, the newest value, and every word."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rosic.robots.ros2.faults import BadValue, NotSent
+from rosic.robots.ros2.messages import to_message, type_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.robots.ros2.messages import Values
+    from rosic.robots.ros2.ros import Ros, RosObject
+    from rosic.robots.ros2.runtime import RosRuntime
+
+_NS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Quality of service, as far as a profile has to know it.
+
+    A publisher and a subscriber meet only when the one offers what the other asks for: a reliable
+    subscriber hears no best-effort publisher, a latched one hears only latched publishers.
+
+    Attributes:
+        reliable: What gets lost is sent again.
+        latched: The last messages are kept for whoever comes later (transient local).
+        depth: How many messages are kept.
+    """
+
+    reliable: bool = True
+    latched: bool = False
+    depth: int = 10
+
+    def profile(self, ros: Ros) -> RosObject:
+        """Return it in the words of rclpy."""
+        qos = ros.qos
+        reliability, durability = qos.ReliabilityPolicy, qos.DurabilityPolicy
+        return qos.QoSProfile(
+            history=qos.HistoryPolicy.KEEP_LAST,
+            depth=max(1, self.depth),
+            reliability=reliability.RELIABLE if self.reliable else reliability.BEST_EFFORT,
+            durability=durability.TRANSIENT_LOCAL if self.latched else durability.VOLATILE,
+        )
+
+
+class Publisher:
+    """Sends to one topic.
+
+    Attributes:
+        topic: Absolute name.
+    """
+
+    def __init__(self, runtime: RosRuntime, topic: str, cls: RosObject, handle: RosObject) -> None:
+        self.topic = topic
+        self._runtime = runtime
+        self._cls = cls
+        self._handle = handle
+
+    @property
+    def listeners(self) -> int:
+        """How many subscribers are matched now. A topic says no more about who received it."""
+        return int(self._handle.get_subscription_count()) if self._runtime.alive else 0
+
+    def publish(self, values: Values) -> None:
+        """Check, convert and send, at once and on the calling thread.
+
+        Raises:
+            BadValue: A value does not fit; nothing was sent.
+            NotSent: The link is closed, or ROS did not take it (its queue is full).
+        """
+        message = to_message(self._cls, values)
+        if not self._runtime.alive:
+            raise NotSent("The link to ROS 2 is closed; nothing was sent.")
+        try:
+            self._handle.publish(message)
+        except Exception as error:  # RCLError under a flood; it has no stable home in rclpy
+            raise NotSent(f"ROS 2 did not take the message for {self.topic}.") from error
+
+    async def close(self) -> None:
+        """Leave the topic."""
+        await self._runtime.discard(lambda node: node.destroy_publisher(self._handle))
+
+
+class Subscription:
+    """What `Latest` and `Stream` share: messages stay bytes until somebody looks at them.
+
+    Turning bytes into a Python message is most of the cost of a topic, and under the interpreter
+    lock the event loop pays for it. Robots send hundreds of messages a second; people read a few.
+    """
+
+    def __init__(self, runtime: RosRuntime, topic: str, cls: RosObject) -> None:
+        self.topic = topic
+        self.handle: RosObject = None
+        self._runtime = runtime
+        self._cls = cls
+        self._offered = False
+
+    @property
+    def publishers(self) -> int:
+        """How many publishers are matched now: whether anybody would be heard."""
+        if self.handle is None or not self._runtime.alive:
+            return 0
+        return int(self.handle.get_publisher_count())
+
+    async def close(self) -> None:
+        """Leave the topic."""
+        await self._runtime.discard(lambda node: node.destroy_subscription(self.handle))
+
+    def _knock(self) -> None:
+        """Ask to be called on the loop, unless that is already under way; on the ROS thread."""
+        if not self._offered:
+            self._offered = True
+            if not self._runtime.thread.hand_over(self._answered):
+                self._offered = False
+
+    def _answered(self) -> None:
+        self._offered = False
+        self._deliver()
+
+    def _deliver(self) -> None:
+        raise NotImplementedError
+
+    def _decode(self, content: bytes) -> RosObject:
+        try:
+            return self._runtime.ros.serialization.deserialize_message(content, self._cls)
+        except Exception as error:
+            raise BadValue(
+                f"{self.topic} holds something that is no {type_of(self._cls)}."
+            ) from error
+
+
+class Latest(Subscription):
+    """The newest message of a topic; whatever came before is gone.
+
+    Attributes:
+        received: How many have come so far.
+    """
+
+    def __init__(
+        self,
+        runtime: RosRuntime,
+        topic: str,
+        cls: RosObject,
+        on_new: Callable[[Latest], None] | None,
+    ) -> None:
+        super().__init__(runtime, topic, cls)
+        self.received = 0
+        self._on_new = on_new
+        self._newest: tuple[int, bytes] | None = None
+        self._decoded: tuple[bytes, RosObject] | None = None
+        self._waiting: set[asyncio.Future[None]] = set()
+
+    @property
+    def age_s(self) -> float | None:
+        """Seconds since the newest message came here; None when none ever has."""
+        newest = self._newest
+        return None if newest is None else (self._runtime.now_ns() - newest[0]) / _NS
+
+    @property
+    def received_ns(self) -> int | None:
+        """When the newest message came here, on the runtime's clock; None when none ever has."""
+        newest = self._newest
+        return None if newest is None else newest[0]
+
+    def message(self) -> RosObject | None:
+        """Return the newest message; None when none has come. Decoded once, when first asked for.
+
+        Raises:
+            BadValue: What came cannot be decoded.
+        """
+        newest = self._newest
+        if newest is None:
+            return None
+        content = newest[1]
+        if self._decoded is None or self._decoded[0] is not content:
+            self._decoded = (content, self._decode(content))
+        return self._decoded[1]
+
+    async def newer(self, than: int, *, timeout_s: float) -> int:
+        """Wait until more than ``than`` messages have come, and return how many have.
+
+        Raises:
+            TimeoutError: They have not.
+        """
+        async with asyncio.timeout(timeout_s):
+            while self.received <= than:
+                waiting: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+                self._waiting.add(waiting)
+                try:
+                    await waiting
+                finally:
+                    self._waiting.discard(waiting)
+        return self.received
+
+    def arrived(self, content: bytes) -> None:
+        """Take a message; on the ROS thread."""
+        self._newest = (self._runtime.now_ns(), content)
+        self.received += 1
+        self._knock()
+
+    def _deliver(self) -> None:
+        for waiting in self._waiting:
+            if not waiting.done():
+                waiting.set_result(None)
+        if self._on_new is not None:
+            self._on_new(self)
+
+
+class Stream(Subscription):
+    """Every message of a topic, in order, up to a number that may wait.
+
+    Attributes:
+        dropped: How many were lost because the loop did not come to them.
+    """
+
+    def __init__(
+        self,
+        runtime: RosRuntime,
+        topic: str,
+        cls: RosObject,
+        on_message: Callable[[RosObject], None],
+        depth: int,
+    ) -> None:
+        super().__init__(runtime, topic, cls)
+        self.dropped = 0
+        self._on_message = on_message
+        self._waiting: deque[bytes] = deque(maxlen=max(1, depth))
+
+    def arrived(self, content: bytes) -> None:
+        """Take a message; on the ROS thread."""
+        if len(self._waiting) == self._waiting.maxlen:
+            self.dropped += 1
+        self._waiting.append(content)
+        self._knock()
+
+    def _deliver(self) -> None:
+        for _ in range(len(self._waiting)):
+            try:
+                message = self._decode(self._waiting.popleft())
+            except BadValue:
+                self.dropped += 1
+                continue
+            self._on_message(message)

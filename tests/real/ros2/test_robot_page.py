@@ -1,0 +1,52 @@
+"""What the pages about robots on ROS 2 say is what the code does."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from rosic.app.profiles import check_profile
+from rosic.robots.ros2 import dialogue, heartbeat, rest
+from rosic.robots.ros2.nodes import faults, reports, swarm_topic, waiting_clock, watch
+from rosic.robots.ros2.nodes.offers import MODELS
+from rosic.robots.simulated.machines.omni import WATCHDOG_S
+
+PAGES = Path(__file__).parents[3] / "docs" / "robots"
+
+
+def page(name: str) -> str:
+    return " ".join((PAGES / name).read_text("utf-8").split())
+
+
+def test_the_profile_that_is_shown_is_good(tmp_path: Path) -> None:
+    text = (PAGES / "ros2.md").read_text("utf-8")
+    blocks = re.findall(r"^```yaml\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    assert len(blocks) == 1
+    file = tmp_path / "rover.yaml"
+    file.write_text(blocks[0])
+    assert [str(error) for error in check_profile(file)] == []
+
+
+def test_the_page_on_ros_2_gives_the_right_figures() -> None:
+    text = page("ros2.md")
+    assert f"every {rest.AGAIN_EVERY_S:g} s" in text
+    assert heartbeat.EVERY_S == 0.25
+    assert (
+        f"Four times a second ROSIC publishes the time on `<namespace>/{heartbeat.TOPIC}`" in text
+    )
+    assert f"(`{heartbeat.TYPE}`)" in text
+    assert f"within {dialogue.ANSWER_WITHIN_S:g} s the chat reads" in text
+    assert f'"{dialogue.NOT_REACHABLE}"' in text
+
+
+def test_the_page_on_simulated_robots_gives_the_right_figures() -> None:
+    text = page("simulated.md")
+    assert all(f"`{robot}`" in text for robot in MODELS)
+    assert f"stops {WATCHDOG_S:g} s after the last velocity" in text
+    assert reports.AT_REST_EVERY_S == 0.1
+    assert reports.MOVING_EVERY_S == 0.02
+    assert watch.LINK_LOST_S == 1.0
+    assert f"`{swarm_topic.TOPIC}`" in text
+    assert f"for more than {waiting_clock.LONGEST_GAP_S:g} s" in text
+    for name in (faults.LINK, faults.BATTERY, faults.OBJECT, *faults.ARMS):
+        assert f"`{name}`" in text

@@ -1,0 +1,273 @@
+"""A stop is measured, works whatever else is wrong, and so does the end of a gateway."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import time
+from typing import TYPE_CHECKING
+
+import pytest
+from msgspec.structs import replace
+
+from rosic.core.order import Ending, Outcome, Stop
+from rosic.errors import OrderVoid, RobotOffline, RobotUnreachable
+from rosic.robots.ros2.registry import TypeRegistry
+from rosic.robots.ros2.runtime import RosRuntime
+from rosic.system import SystemClock
+from rosic.testing.ros2.graph import RosGraph
+from tests.real.ros2.simulated import Simulated, opened, shipped, simulated, until
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+    from pathlib import Path
+
+    from rosic.core.robot import Profile
+    from rosic.core.skill import Argument
+    from rosic.robots.ros2.topics import Latest
+    from tests.real.ros2.simulated import TriedRobot
+
+FAR: dict[str, Argument] = {"direction": "forward", "distance": 4.0, "speed": 0.5}
+NEAR: dict[str, Argument] = {"direction": "back", "distance": 0.5, "speed": 0.25}
+ODOMETRY = "nav_msgs/msg/Odometry"
+AT_REST_M_S = 0.005
+
+
+pytestmark = pytest.mark.usefixtures("omni")
+
+
+@pytest.fixture
+def clock() -> SystemClock:
+    return SystemClock()
+
+
+@pytest.fixture(scope="module")
+def omni(tmp_path_factory: pytest.TempPathFactory, interfaces: Path) -> Iterator[Simulated]:  # noqa: ARG001 - built before
+    folder = tmp_path_factory.mktemp("omni")
+    with RosGraph(folder) as graph, simulated(graph, folder, "omni") as simulation:
+        yield simulation
+
+
+@pytest.fixture
+async def odometry(omni: Simulated) -> AsyncIterator[Latest]:
+    """What somebody else measures, who has nothing to do with the robot under test."""
+    types = TypeRegistry([ODOMETRY])
+    domain = omni.graph.domain_id
+    async with await RosRuntime.open(types, node_name="onlooker", domain_id=domain) as runtime:
+        latest = await runtime.latest("/omni/odom", ODOMETRY)
+        await latest.newer(0, timeout_s=10)
+        yield latest
+
+
+def x_m(odometry: Latest) -> float:
+    message = odometry.message()
+    assert message is not None
+    return float(message.pose.pose.position.x)
+
+
+def speed_m_s(odometry: Latest) -> float:
+    message = odometry.message()
+    assert message is not None
+    return abs(float(message.twist.twist.linear.x))
+
+
+async def stands(odometry: Latest) -> bool:
+    """Tell whether the next that somebody else hears is rest: they hear it a moment later."""
+    await odometry.newer(odometry.received, timeout_s=2)
+    return speed_m_s(odometry) <= AT_REST_M_S
+
+
+async def moving(robot: TriedRobot) -> asyncio.Task[Outcome]:
+    task = asyncio.create_task(robot.do("move", FAR))
+    await until(lambda: robot.presence().at_rest is False or task.done())
+    assert not task.done(), task
+    return task
+
+
+async def test_what_is_done_is_what_was_measured(clock: SystemClock, odometry: Latest) -> None:
+    async with opened(shipped("omni"), clock) as robot:
+        before = x_m(odometry)
+        outcome = await robot.do("move", NEAR)
+        await until(lambda: speed_m_s(odometry) == 0.0)
+        assert outcome.ending is Ending.DONE
+        assert outcome.note == "moved 0.50 m back"
+        assert outcome.facts["distance_m"] == pytest.approx(0.5, abs=0.01)
+        assert x_m(odometry) - before == pytest.approx(-0.5, abs=0.01)
+        await until(lambda: robot.presence().at_rest is True)
+        presence = robot.presence()
+        assert presence.values["x"] == pytest.approx(x_m(odometry), abs=0.001)
+        battery = presence.values["battery"]
+        assert isinstance(battery, float)
+        assert 90 < battery <= 100
+
+
+async def test_a_velocity_is_streamed_and_its_end_is_measured(
+    omni: Simulated, clock: SystemClock, odometry: Latest
+) -> None:
+    begun = len(omni.actuations("omni"))
+    async with opened(shipped("omni"), clock) as robot:
+        before = x_m(odometry)
+        outcome = await robot.do(
+            "drive", {"linear": -0.2, "lateral": 0.0, "angular": 0.0, "duration": 1.0}
+        )
+        assert outcome.ending is Ending.DONE, outcome
+        assert robot.presence().at_rest is True
+        assert x_m(odometry) - before == pytest.approx(-0.2, abs=0.06)
+    assert [line.split()[0] for line in omni.actuations("omni")[begun:]] == ["drive"]
+
+
+async def test_a_robot_that_falls_silent_is_stopped_by_its_own_watchdog(clock: SystemClock) -> None:
+    async with opened(shipped("omni"), clock) as robot:
+        order = robot.order(
+            "drive", {"linear": -0.2, "lateral": 0.0, "angular": 0.0, "duration": 0.5}
+        )
+        rest = await robot.fall_silent(order, lambda _report: None)
+        assert rest.confirmed
+        assert 0.3 < rest.seconds < 1.5, "the watchdog of this robot takes 0.5 s"
+
+
+async def test_a_stop_is_confirmed_only_at_rest(clock: SystemClock, odometry: Latest) -> None:
+    async with opened(shipped("omni"), clock) as robot:
+        running = await moving(robot)
+        await until(lambda: speed_m_s(odometry) > 0.3)
+        rest = await robot.stop(Stop("omni", 1))
+        standing = await stands(odometry)
+        at = x_m(odometry)
+        outcome = await asyncio.wait_for(running, 2.0)
+        assert rest.confirmed
+        assert rest.seconds > 0.1, "from this speed it takes longer to brake"
+        assert standing
+        assert outcome.ending is Ending.CANCELLED
+        assert 0 < outcome.facts["distance_m"] < 4.0
+        await odometry.newer(odometry.received + 5, timeout_s=5)
+        assert x_m(odometry) == pytest.approx(at, abs=0.002), "it stands where it was said to stand"
+        again = await robot.stop(Stop("omni", 2))
+        assert again.confirmed
+        with pytest.raises(OrderVoid):
+            await robot.do("move", NEAR)
+
+
+async def test_a_stop_reaches_goals_of_another_gateway(
+    clock: SystemClock, odometry: Latest
+) -> None:
+    """As after a crash: the goal is not ours any more, and the robot still carries it out."""
+    profile = shipped("omni")
+    # Nothing but the cancelling of goals can stop it.
+    bare = replace(profile, stop=None, skills={"move": profile.skills["move"]})
+    async with opened(bare, SystemClock()) as other, opened(bare, clock) as robot:
+        running = await moving(other)
+        rest = await robot.stop(Stop("omni", 1))
+        assert rest.confirmed
+        assert await stands(odometry)
+        assert (await asyncio.wait_for(running, 2.0)).ending is Ending.CANCELLED
+
+
+async def test_the_same_command_through_another_gateway_acts_once(
+    omni: Simulated, clock: SystemClock
+) -> None:
+    """Its gate knows nothing of the command, as after a restored backup; the robot does."""
+    before = len(omni.actuations("omni"))
+    async with (
+        opened(shipped("omni"), SystemClock()) as other,
+        opened(shipped("omni"), clock) as robot,
+    ):
+        robot._salt = other._salt
+        order = other.order("move", {"direction": "back", "distance": 0.02, "speed": 0.25})
+        assert (await other.execute(order, lambda _report: None)).ending is Ending.DONE
+        outcome = await robot.execute(order, lambda _report: None)
+        assert outcome.ending is Ending.REFUSED
+    assert len(omni.actuations("omni")) == before + 1
+
+
+async def test_a_goal_that_takes_too_long_is_called_off(
+    clock: SystemClock, odometry: Latest
+) -> None:
+    profile = shipped("omni")
+    move = profile.skills["move"]
+    assert move.action is not None
+    short = replace(move, action=replace(move.action, timeout_s=1.0))
+    async with opened(replace(profile, skills={"move": short}), clock) as robot:
+        with pytest.raises(RobotUnreachable, match=r"omni was not done within 1 s and was told"):
+            await robot.do("move", FAR)
+        await until(lambda: speed_m_s(odometry) <= AT_REST_M_S, timeout_s=2.0)
+
+
+async def test_closing_brings_what_is_under_way_to_rest(
+    clock: SystemClock, odometry: Latest
+) -> None:
+    async with opened(shipped("omni"), clock) as robot:
+        running = await moving(robot)
+        await robot.close()
+        assert await stands(odometry)
+        assert (await asyncio.wait_for(running, 2.0)).ending is Ending.CANCELLED
+
+
+async def test_a_refusal_carries_the_robots_reason(omni: Simulated, clock: SystemClock) -> None:
+    begun = len(omni.actuations("omni"))
+    async with opened(shipped("omni"), clock) as robot:
+        running = await moving(robot)
+        outcome = await robot.do("turn", {"direction": "left", "angle": 1.0})
+        assert outcome.ending is Ending.REFUSED
+        assert outcome.note == "omni: busy with move. Nothing was done."
+        await robot.stop(Stop("omni", 1))
+        await running
+    assert len(omni.actuations("omni")) == begun + 1
+
+
+# ---- the robot's side goes away ----
+
+
+def impatient() -> Profile:
+    profile = shipped("omni")
+    return replace(profile, link=replace(profile.link, heartbeat_s=0.5), rest_timeout_s=1.0)
+
+
+async def test_a_robot_that_disappears_at_work_leaves_doubt_and_cannot_confirm_a_stop(
+    graph: RosGraph, clock: SystemClock, tmp_path: Path
+) -> None:
+    with simulated(graph, tmp_path, "omni") as simulation:
+        async with opened(impatient(), clock) as robot:
+            running = await moving(robot)
+            simulation.process.kill()
+            begun = time.monotonic()
+            with pytest.raises(RobotUnreachable, match=r"omni has not answered for [12]\.\d s"):
+                await asyncio.wait_for(running, 10.0)
+            assert time.monotonic() - begun < 6.0
+            assert robot.presence().online is False
+            rest = await robot.stop(Stop("omni", 1))
+            assert not rest.confirmed
+            assert 0.9 < rest.seconds < 2.5
+            assert robot.gate.latched
+
+
+async def test_a_robot_that_hangs_does_not_confirm(
+    graph: RosGraph, clock: SystemClock, tmp_path: Path
+) -> None:
+    with simulated(graph, tmp_path, "omni") as simulation:
+        async with opened(impatient(), clock) as robot:
+            running = await moving(robot)
+            simulation.process.process.send_signal(signal.SIGSTOP)
+            try:
+                rest = await robot.stop(Stop("omni", 1))
+                assert not rest.confirmed
+                with pytest.raises(RobotUnreachable):
+                    await asyncio.wait_for(running, 10.0)
+            finally:
+                simulation.process.process.send_signal(signal.SIGCONT)
+            rest = await robot.stop(Stop("omni", 2))
+            assert rest.confirmed, "the stop that had waited for it, or this one, was obeyed"
+
+
+async def test_an_absent_robot_is_not_there_and_comes_later(
+    graph: RosGraph, clock: SystemClock, tmp_path: Path
+) -> None:
+    async with opened(impatient(), clock) as robot:
+        assert robot.presence().online is False
+        with pytest.raises(RobotOffline, match=r"^omni is not there\. Nothing was sent\.$"):
+            await robot.do("move", NEAR)
+        rest = await robot.stop(Stop("omni", 1))
+        assert not rest.confirmed
+        await robot.resume(1)
+        with simulated(graph, tmp_path, "omni"):
+            await until(lambda: robot.presence().online is True)
+            assert (await robot.do("move", NEAR)).ending is Ending.DONE

@@ -1,0 +1,145 @@
+"""Three drones: a common start, their separation, and one lost: all land."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from itertools import combinations
+from math import hypot
+from typing import TYPE_CHECKING
+
+import pytest
+from msgspec.structs import replace
+
+from rosic.core.order import Ending, Outcome
+from rosic.robots.ros2.parameters import SET_PARAMETERS
+from rosic.robots.ros2.registry import TypeRegistry
+from rosic.robots.ros2.runtime import RosRuntime
+from rosic.robots.simulated.machines.separation import APART_M
+from rosic.system import SystemClock
+from tests.real.ros2.simulated import TriedRobot, opened, set_fault, shipped, simulated, until
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+    from rosic.core.skill import Argument
+    from rosic.robots.ros2.topics import Latest
+    from rosic.testing.ros2.graph import RosGraph
+
+NAMES = ("cf1", "cf2", "cf3")
+ODOMETRY = "nav_msgs/msg/Odometry"
+TOGETHER_S = 1.0
+APART_S = 0.2
+
+
+class Room:
+    """What somebody sees who stands beside them: where each is, and how near they came."""
+
+    def __init__(self) -> None:
+        self.places: dict[str, tuple[float, float, float]] = {}
+        self.nearest_m = float("inf")
+        self.took_off_s: dict[str, float] = {}
+
+    def see(self, name: str, odometry: Latest) -> None:
+        message = odometry.message()
+        assert message is not None
+        place = message.pose.pose.position
+        self.places[name] = (place.x, place.y, place.z)
+        if place.z > 0.003 and name not in self.took_off_s:
+            stamp = message.header.stamp
+            self.took_off_s[name] = stamp.sec + stamp.nanosec / 1e9
+        for one, other in combinations(self.places.values(), 2):
+            self.nearest_m = min(self.nearest_m, hypot(one[0] - other[0], one[1] - other[1]))
+
+    def on_the_ground(self, *names: str) -> bool:
+        return all(self.places[name][2] < 0.02 for name in names)
+
+
+pytestmark = pytest.mark.usefixtures("interfaces")
+
+
+@pytest.fixture
+async def room(graph: RosGraph) -> AsyncIterator[Room]:
+    room = Room()
+    types = TypeRegistry([ODOMETRY])
+    domain = graph.domain_id
+    async with await RosRuntime.open(types, node_name="onlooker", domain_id=domain) as runtime:
+        for name in NAMES:
+            await runtime.latest(f"/{name}/odom", ODOMETRY, on_new=partial(room.see, name))
+        yield room
+
+
+@pytest.fixture
+async def saboteur(graph: RosGraph) -> AsyncIterator[RosRuntime]:
+    types, domain = TypeRegistry([SET_PARAMETERS]), graph.domain_id
+    async with await RosRuntime.open(types, node_name="saboteur", domain_id=domain) as runtime:
+        yield runtime
+
+
+async def together(
+    drones: list[TriedRobot], skill: str, arguments: dict[str, Argument]
+) -> list[Outcome]:
+    """Order the same of all, with a common start; the orders reach them one after another."""
+    start_ns = SystemClock().monotonic_ns() + int(TOGETHER_S * 1e9)
+    tasks = []
+    for drone in drones:
+        order = replace(drone.order(skill, arguments), start_ns=start_ns)
+        tasks.append(asyncio.create_task(drone.execute(order, lambda _report: None)))
+        await asyncio.sleep(APART_S)
+    return await asyncio.gather(*tasks)
+
+
+@pytest.mark.limit(120)
+async def test_three_drones_fly_together_and_one_lost_all_land(
+    graph: RosGraph, tmp_path: Path, room: Room
+) -> None:
+    """Each in a process of its own: what they know of each other comes over the topic."""
+    clock = SystemClock()
+    with (
+        simulated(graph, tmp_path, "cf1") as lost,
+        simulated(graph, tmp_path, "cf2"),
+        simulated(graph, tmp_path, "cf3"),
+    ):
+        async with (
+            opened(shipped("cf1"), clock) as cf1,
+            opened(shipped("cf2"), clock) as cf2,
+            opened(shipped("cf3"), clock) as cf3,
+        ):
+            drones = [cf1, cf2, cf3]
+            await until(lambda: len(room.places) == 3)
+            outcomes = await together(drones, "takeoff", {"height": 1.0})
+            assert [o.ending for o in outcomes] == [Ending.DONE] * 3, outcomes
+            starts = room.took_off_s.values()
+            assert max(starts) - min(starts) < 0.1
+            assert all(z == pytest.approx(1.0, abs=0.05) for _, _, z in room.places.values())
+
+            outcomes = await together(drones, "formation", {"shape": "triangle", "spacing": 0.8})
+            assert [o.ending for o in outcomes] == [Ending.DONE] * 3, outcomes
+            assert room.nearest_m >= APART_M
+
+            lost.process.kill()
+            await until(lambda: room.on_the_ground("cf2", "cf3"), timeout_s=12.0)
+            assert room.places["cf1"][2] > 0.5, "the last that was seen of it"
+            assert room.nearest_m >= APART_M
+            await until(lambda: cf2.presence().at_rest is True)
+
+
+@pytest.mark.limit(120)
+async def test_a_drone_that_goes_silent_makes_the_others_land_too(
+    graph: RosGraph, tmp_path: Path, room: Room, saboteur: RosRuntime
+) -> None:
+    """All in one process: the same rule, and a group stop that ends on the ground."""
+    clock = SystemClock()
+    with simulated(graph, tmp_path, *NAMES):
+        async with (
+            opened(shipped("cf1"), clock) as cf1,
+            opened(shipped("cf2"), clock) as cf2,
+            opened(shipped("cf3"), clock) as cf3,
+        ):
+            await until(lambda: len(room.places) == 3)
+            outcomes = await together([cf1, cf2, cf3], "takeoff", {"height": 0.6})
+            assert [o.ending for o in outcomes] == [Ending.DONE] * 3, outcomes
+            await set_fault(saboteur, "cf3", "link", value=False)
+            await until(lambda: room.on_the_ground("cf1", "cf2"), timeout_s=12.0)
+            assert room.nearest_m >= APART_M
