@@ -1,0 +1,140 @@
+"""What was sent while nobody listened."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.stores.latch import FileLatch
+from tests.journeys.fleet import ROBOTS
+from tests.journeys.lab import Lab, lab
+from tests.journeys.record import refused_as
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.journeys.running import Launcher
+
+HOUR_S = 3600.0
+CHATS = 40
+OLD = "Your command is 60 minutes old (the network was away). Nothing was done."
+UNHEARD = "You sent this while I could not listen. Nothing was done."
+
+
+@pytest.mark.limit(180)
+async def test_two_thousand_old_messages_move_nothing_and_stops_among_them_are_applied(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    async with lab(tmp_path, launcher) as place:
+        (await place.start()).kill()
+        members = [place.ada, place.bo]
+        rooms = [
+            await place.control.create_chat("supergroup", f"Room {n}", members=members)
+            for n in range(CHATS)
+        ]
+        for number, room in enumerate(rooms):
+            robot = ROBOTS[number % len(ROBOTS)]
+            await place.control.backlog(room, place.bo, f"{robot} hop", 50, age_s=HOUR_S)
+            if number in {7, 21}:
+                await place.say(place.bo, f"stop {robot}", chat=room, age_s=HOUR_S)
+        await place.say(place.ada, "resume cat", age_s=HOUR_S)
+        await place.say(place.bo, "bee hop", chat=rooms[0])
+        assert await place.control.pending() >= 2004
+
+        gateway = await place.start(listens=False)
+        took_s = await gateway.listens(90)
+
+        assert took_s < 60
+        await place.drained()
+        assert place.acted() == 0
+        assert refused_as(place.data, "expired") == 2002  # with the resume, and the fresh one
+        stopped = {ROBOTS[7 % 5], ROBOTS[21 % 5]}
+        assert {robot for robot in ROBOTS if place.counter.stops(robot)} == stopped
+        latch = FileLatch(place.data / "stops")
+        assert {robot for robot, (_, latched) in latch.read().items() if latched} == stopped
+        await latch.close()
+
+        await _goes_on(place, stopped)
+
+
+async def _goes_on(place: Lab, stopped: set[str]) -> None:
+    """Fresh commands work after a resume, and only then."""
+    await place.ask(place.bo, "ant hop", "done ")
+    robot = min(stopped)
+    await place.ask(place.bo, f"{robot} hop", "is stopped")
+    await place.ask(place.ada, f"resume {robot}", "is ready again.")
+    await place.ask(place.bo, f"{robot} hop", "done ")
+    assert place.acted() == 2
+
+
+@pytest.mark.limit(120)
+async def test_old_commands_are_answered_with_the_same_command_on_offer(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    async with lab(tmp_path, launcher) as place:
+        (await place.start()).kill()
+        old = await place.say(place.bo, "ant hop", age_s=HOUR_S)
+        young = await place.say(place.bo, "ant hop 2 m")
+
+        await place.start()
+
+        answer = await place.reads(place.bo, OLD, to=old)
+        assert answer["buttons"][0][0]["text"] == "ant hop"
+        await place.reads(place.bo, UNHEARD, to=young)
+        assert place.acted() == 0
+        await place.control.tap(place.bo, place.bo, answer["message_id"], "ant hop")
+        assert await place.counter.wait_for(1, 10)
+
+
+@pytest.mark.xfail(reason="old commands are answered one by one, not in one summary", strict=True)
+@pytest.mark.limit(120)
+async def test_a_backlog_keeps_nobody_waiting_for_the_answer_to_something_fresh(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    async with lab(tmp_path, launcher) as place:
+        (await place.start()).kill()
+        await place.control.backlog(place.bo, place.bo, "ant hop", 200, age_s=HOUR_S)
+
+        await place.start()
+
+        await place.drained()
+        await place.ask(place.bo, "ant hop", "done ", within_s=12.0)
+
+
+@pytest.mark.limit(120)
+async def test_a_resume_sent_before_a_stop_does_not_undo_it(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    async with lab(tmp_path, launcher) as place:
+        gateway = await place.start()
+        await place.say(place.bo, "stop ant")
+        await place.reads(place.bo, "STOP: Ant at rest")
+        gateway.kill()
+        resume = await place.say(place.ada, "resume ant")
+        await place.say(place.bo, "stop ant")
+
+        await place.start()
+
+        await place.reads(place.ada, "Nothing was done.", to=resume)
+        await place.ask(place.bo, "ant hop", "is stopped")
+        assert place.acted() == 0
+
+
+async def test_a_resume_that_a_stop_overtakes_does_not_undo_it(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    async with lab(tmp_path, launcher) as place:
+        await place.start()
+        await place.say(place.bo, "stop ant")
+        await place.reads(place.bo, "STOP: Ant at rest")
+        # Too short for a gap, long enough for both to come in one answer: stops are taken first.
+        await place.control.fail("hang", "getUpdates", seconds=1.5)
+        assert await place.until(place.hangs)
+        resume = await place.say(place.ada, "resume ant")
+        await place.say(place.bo, "stop ant")
+
+        await place.reads(place.ada, "Ant was stopped after you sent this.", to=resume)
+
+        await place.ask(place.bo, "ant hop", "is stopped")
+        assert place.acted() == 0
