@@ -10,6 +10,7 @@ import select
 import signal
 import struct
 import subprocess
+import sys
 import termios
 import time
 from typing import TYPE_CHECKING
@@ -69,6 +70,19 @@ def test_without_any_line_it_ends_by_itself() -> None:
     assert ran.status == 0
     assert "Six simulated robots" in ran.out
     assert ran.err == ""
+
+
+def test_a_piped_demonstration_imports_nothing_it_does_not_use() -> None:
+    done = subprocess.run(  # noqa: S603 - our own command
+        [sys.executable, "-X", "importtime", *ROSIC[1:], "demo", "--plain"],
+        stdin=subprocess.DEVNULL,
+        capture_output=True, text=True, check=True, timeout=30, env=environment(),
+    )  # fmt: skip
+    imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+
+    assert {"rosic.app.demo", "rosic.robots.simulated.theatre"} <= imported
+    heavy = {"alembic", "numpy", "pint", "prompt_toolkit", "rclpy", "sqlalchemy", "telegram"}
+    assert heavy.isdisjoint(imported)
 
 
 @pytest.mark.limit(90)

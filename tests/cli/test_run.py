@@ -13,12 +13,15 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.testing.telegram import FakeTelegram
-from tests.cli.running import CONFIG, Ran, gateway, rosic, write_config
+from tests.cli.running import CONFIG, gateway, rosic, write_config
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 MEMORY = CONFIG.replace('"simulated"', '"memory"')
+PEOPLE = "[[messenger]]" + CONFIG.partition("[[messenger]]")[2].partition("[[robot]]")[0]
+PEOPLE += "[[principal]]" + CONFIG.partition("[[principal]]")[2]
+WRONG_TOKEN = {"LAB_TOKEN": "4242424242:wrong-wrong-wrong-wrong-wrong-wrong"}
 TELEGRAM = """
 [[messenger]]
 kind = "telegram"
@@ -29,7 +32,7 @@ profile = "omni"
 link = "memory"
 [[principal]]
 name = "Ada"
-address = "telegram:1001"
+address = "telegram:{ada}"
 role = "admin"
 """
 
@@ -203,6 +206,7 @@ def test_bad_input_is_one_sentence(tmp_path: Path, text: str, status: int, sente
         "unwritable": unwritable(tmp_path),
         "long": "d" * 120,
         "api_base": "http://127.0.0.1:1",
+        "ada": "1001",
     }
     ran = rosic("run", "-c", write_config(tmp_path, text, **changes))
 
@@ -221,17 +225,58 @@ def test_a_missing_file_is_one_sentence(tmp_path: Path) -> None:
 
 async def test_a_wrong_token_is_one_sentence_and_never_shown(tmp_path: Path) -> None:
     async with FakeTelegram() as server:
-        text = write_config(tmp_path, TELEGRAM, api_base=server.api_base)
-        env = {"LAB_TOKEN": "4242424242:wrong-wrong-wrong-wrong-wrong-wrong"}
-        ran = await run_beside(text, env)
+        config = write_config(tmp_path, TELEGRAM, api_base=server.api_base, ada="1001")
+        ran = await asyncio.to_thread(rosic, "run", "-c", config, env=WRONG_TOKEN)
+        doctor = await asyncio.to_thread(rosic, "doctor", "-c", config, env=WRONG_TOKEN)
 
-        assert ran.status == 1
-        last = ran.err.splitlines()[-1]
-        assert "does not accept the token" in last
-        assert "Traceback" not in ran.err
-        assert "wrong-wrong" not in ran.err
+    assert ran.status == 1
+    assert one_sentence(ran.err).startswith(
+        "Telegram does not accept the token of the messenger telegram. "
+    )
+    assert re.search(r"telegram.*does not accept the token of the messenger telegram", doctor.out)
+    assert "wrong-wrong" not in ran.err + doctor.out + doctor.err
 
 
-async def run_beside(config: Path, env: dict[str, str]) -> Ran:
-    """Run the gateway while the server in this process goes on answering."""
-    return await asyncio.to_thread(lambda: rosic("run", "-c", config, env=env))
+@pytest.mark.limit(90)
+async def test_it_starts_before_its_network_and_works_when_that_comes(tmp_path: Path) -> None:
+    server = FakeTelegram(limits=None)
+    await server.start()
+    await server.stop()  # from here on its port is known, and nobody is there
+    ada = server.create_user("Ada")
+    config = write_config(tmp_path, TELEGRAM, api_base=server.api_base, ada=str(ada))
+    with gateway(config, env={"LAB_TOKEN": server.token}, ready=False) as running:
+        await asyncio.to_thread(running.wait_for, "ready in", log=True, within_s=30)
+        assert "telegram does not answer; I go on trying" in running.err()
+        status = await asyncio.to_thread(rosic, "status", "-c", config)
+        assert status.status == 0
+
+        async with server:
+            await asyncio.to_thread(running.wait_for, "telegram: listening", log=True)
+            server.say(ada, ada, "omni arm home")
+            async with asyncio.timeout(20):
+                while not any("done " in m["text"] for m in server.messages(ada, by_bot=True)):
+                    await server.wait(server.seq, 1.0)
+            assert await asyncio.to_thread(running.end) == 0
+
+
+# ---- in the air ----
+
+
+@pytest.mark.parametrize("beside", ["", "cf1 goto x=1 y=2 z=1"])
+def test_what_hovers_lands_before_it_ends(tmp_path: Path, beside: str) -> None:
+    names = ("cf1", "cf2", "cf3")
+    robots = "".join(f'[[robot]]\nprofile = "{n}"\nlink = "simulated"\n' for n in names)
+    config = write_config(tmp_path, PEOPLE + robots)
+    with gateway(config) as running:
+        running.say("crazyflies takeoff 1 m")
+        for number in (1, 2, 3):
+            running.wait_for(f"Crazyflie {number}: done")
+        if beside:
+            running.say(beside)
+            running.wait_for("flying")
+        begun_s = time.monotonic()
+        assert running.end() == 0
+        took_s = time.monotonic() - begun_s
+
+        assert 2.0 < took_s < 5, "from 1 m it takes 2.5 s to land"
+        assert "error" not in running.err()

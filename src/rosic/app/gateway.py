@@ -43,7 +43,10 @@ if TYPE_CHECKING:
 
 log = logging.getLogger("rosic.gateway")
 
+# How long telling may take at the end: all of it is over before a signal's 5 s are.
 FLUSH_S = 2.0
+FLUSH_AT_LEAST_S = 0.2
+TOLD_BY_S = 3.8
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):
@@ -243,16 +246,34 @@ class Gateway:
             self._teller.say(Note(messenger, Outbound(chat=chat, text=text)))
 
     async def close(self) -> None:
-        """Fall deaf, bring robots to rest, write and tell outcomes, close. At most some seconds."""
+        """Fall deaf, bring robots to rest, write and tell outcomes, close. At most some seconds.
+
+        A robot without an order begins at once, beside those whose orders have to end first: three
+        drones that hover come down together.
+        """
+        begun_ns = self._parts.clock.monotonic_ns()
         await self._fall_deaf()
-        if hasattr(self, "pipeline"):
-            await self.pipeline.close()
-            await self.stop_lane.close()
-        if self._teller is not None:
-            await self._teller.flush(FLUSH_S)
-        await asyncio.gather(*(robot.close() for robot in self._opened))
+        ending = asyncio.create_task(self._end_lives(begun_ns))
+        await asyncio.sleep(0)  # from here on no order begins
+        idle = self._idle()
+        await asyncio.gather(ending, *(robot.close() for robot in idle))
+        await asyncio.gather(*(robot.close() for robot in self._opened if robot not in idle))
         self._opened = []
         await self._parts.store.close()
+
+    async def _end_lives(self, begun_ns: int) -> None:
+        """End what is under way, and tell it in what is left of the time since ``begun_ns``."""
+        if hasattr(self, "pipeline"):
+            await asyncio.gather(self.pipeline.close(), self.stop_lane.close())
+        if self._teller is not None:
+            past_s = (self._parts.clock.monotonic_ns() - begun_ns) / 1e9
+            await self._teller.flush(min(FLUSH_S, max(FLUSH_AT_LEAST_S, TOLD_BY_S - past_s)))
+
+    def _idle(self) -> list[Robot]:
+        """Return the robots that carry out nothing; none while a stop is being measured."""
+        if not hasattr(self, "stop_lane") or not self.stop_lane.quiet:
+            return []
+        return [robot for robot in self._opened if not robot.presence().doing]
 
 
 def _stops(

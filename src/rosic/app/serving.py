@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time
 from rosic.app.control import ControlServer, socket_path
+from rosic.app.forgetting import Forgetful, forget_daily
 from rosic.app.gateway import Gateway, Parts
 from rosic.app.operating import Operating
 from rosic.app.start import Checking, latch_of, parts_of, settings_of
@@ -85,6 +86,9 @@ class Serving:
         await control.open()
         working = asyncio.create_task(self._work())
         ending = asyncio.create_task(self._ended.wait())
+        tasks = [working, ending]
+        if isinstance(store := self._parts.store, Forgetful):
+            tasks.append(asyncio.create_task(forget_daily(store, self._clock)))
         try:
             await asyncio.wait((working, ending), return_when=asyncio.FIRST_COMPLETED)
             if working.done():
@@ -92,9 +96,9 @@ class Serving:
             log.info("closing: motion is brought to rest")
         finally:
             await control.close()
-            for task in (working, ending):
+            for task in tasks:
                 task.cancel()
-            await asyncio.gather(working, ending, return_exceptions=True)
+            await asyncio.gather(*tasks, return_exceptions=True)
 
     async def _work(self) -> None:
         messengers = self._parts.messengers

@@ -38,7 +38,7 @@ class Checking(Protocol):
     """A messenger whose account can be looked at without listening."""
 
     async def check(self) -> str:
-        """Return whose account it is, in a few words: ``this is @lab_robots_bot``.
+        """Return whose account it is, in a few words: ``@lab_robots_bot answers``.
 
         Raises:
             ConfigurationError: The account cannot be used (a wrong token).

@@ -1,18 +1,33 @@
-"""The units people may use, compiled by pint to factors once, at start.
+"""The units people may use, as factors that pint works out.
 
 Converting with pint takes about 80 microseconds a value; looking a factor up takes a fraction of
-one. Only this module imports pint. What people may say is listed here, spelling by spelling, so
-that no abbreviation out of thousands can be taken for something that nobody meant.
+one. Importing pint and asking it takes longer than the rest of a start, so its answers ship in
+``unit_factors.json``, with the version of pint that gave them and a digest of what it was asked.
+They count only where both still agree; otherwise pint is asked at start. ``python -m
+rosic.app.units`` writes the file anew, and a test compares it with what pint says.
+
+Only this module imports pint. What people may say is listed here, spelling by spelling, so that no
+abbreviation out of thousands can be taken for something that nobody meant.
 """
 
 from __future__ import annotations
 
-import pint
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
 
 from rosic.core.language.units import Unit, UnitTable
 
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+SHIPPED = Path(__file__).with_name("unit_factors.json")
+
 # What pint has to know for it, in pint's language. Reading its own list of everything would take a
-# sixth of a second at every start; the tests compare each factor with that list instead.
+# sixth of a second more; the tests compare each factor with that list instead.
 _DEFINITIONS = """
 milli- = 1e-3
 centi- = 1e-2
@@ -153,25 +168,71 @@ _UNITS: dict[str, dict[str, str]] = {
 _CASE_DECIDES = frozenset({"mm", "ms", "mN", "mV", "mA", "mg", "mrad", "Nm", "Ncm", "MHz", "K"})
 
 
+class Factors(msgspec.Struct, frozen=True, kw_only=True):
+    """What pint said.
+
+    Attributes:
+        pint: Its version.
+        asked: Digest of the definitions and names above.
+        factors: pint's name of a unit to factor and offset: ``value * factor + offset`` is SI.
+    """
+
+    pint: str
+    asked: str
+    factors: dict[str, tuple[float, float]]
+
+
 def compile_units() -> UnitTable:
-    """Ask pint for the factor of every unit, and return them as a table.
+    """Return every unit, by the factors that ship or, where those do not count, by pint's.
 
     Raises:
         pint.PintError: A list above is wrong; a mistake of ours, as it depends on nothing else.
     """
-    registry: pint.UnitRegistry[float] = pint.UnitRegistry(None)
-    registry.load_definitions(_DEFINITIONS.split("\n"))
+    factors = (shipped_factors() or ask_pint()).factors
     exact: dict[str, Unit] = {}
     for dimension, units in _UNITS.items():
-        si = next(iter(units))
         for name, spelled in units.items():
             spellings = _spellings(spelled)
+            if spellings:
+                unit = Unit(spellings[0], dimension, *factors[name])
+                exact.update(dict.fromkeys(spellings, unit))
+    return UnitTable(exact, _forgiving(exact))
+
+
+def shipped_factors(path: Path = SHIPPED) -> Factors | None:
+    """Return the factors that ship; None if another pint, or one asked otherwise, gave them."""
+    try:
+        shipped = msgspec.json.decode(path.read_bytes(), type=Factors)
+        same = (shipped.pint, shipped.asked) == (version("pint"), digest())
+    except (OSError, ValueError, PackageNotFoundError):
+        return None
+    return shipped if same else None
+
+
+def ask_pint() -> Factors:
+    """Ask pint for the factor of every unit.
+
+    Raises:
+        pint.PintError: A list above is wrong.
+    """
+    import pint  # noqa: PLC0415 - takes a third of a second, and is seldom needed
+
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(None)
+    registry.load_definitions(_DEFINITIONS.split("\n"))
+    factors: dict[str, tuple[float, float]] = {}
+    for units in _UNITS.values():
+        si = next(iter(units))
+        for name in units:
             offset = registry.Quantity(0.0, name).to(si).magnitude
             step = f"delta_{name}" if offset else name
-            factor = registry.Quantity(1.0, step).to(si).magnitude
-            unit = Unit(spellings[0], dimension, _tidy(factor), offset) if spellings else None
-            exact.update({spelling: unit for spelling in spellings if unit is not None})
-    return UnitTable(exact, _forgiving(exact))
+            factors[name] = (_tidy(registry.Quantity(1.0, step).to(si).magnitude), offset)
+    return Factors(pint=version("pint"), asked=digest(), factors=factors)
+
+
+def digest(definitions: str = _DEFINITIONS, units: Mapping[str, Iterable[str]] = _UNITS) -> str:
+    """Return a digest of everything that decides what pint answers, besides its version."""
+    names = [list(names) for names in units.values()]
+    return sha256(msgspec.json.encode([definitions, names])).hexdigest()
 
 
 def _spellings(spelled: str) -> list[str]:
@@ -194,3 +255,12 @@ def _forgiving(exact: dict[str, Unit]) -> dict[str, Unit]:
         if forgiving.setdefault(folded, unit) != unit:
             doubtful.add(folded)
     return {spelling: unit for spelling, unit in forgiving.items() if spelling not in doubtful}
+
+
+def main() -> None:
+    """Write the file that ships."""
+    SHIPPED.write_bytes(msgspec.json.format(msgspec.json.encode(ask_pint())) + b"\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -10,7 +10,11 @@ _STARTED_FIELD = 19  # of /proc/self/stat, counted behind the name
 
 
 def begun_ns() -> int:
-    """Return the monotonic clock at the start of this process; now, where it cannot be known."""
+    """Return the monotonic clock at the start of this process; now, where it cannot be known.
+
+    The kernel's word, within 10 ms: starting the interpreter counts, and so does starting it anew
+    in the same process, which the ROS wheels do.
+    """
     now_ns = time.monotonic_ns()
     try:
         fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()

@@ -1,14 +1,19 @@
 from __future__ import annotations
 
+import subprocess
+import sys
 from math import pi
 from typing import TYPE_CHECKING
 
+import msgspec
 import pint
 import pytest
 
 from rosic.app import units as table_of_names
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rosic.core.language import UnitTable
 
 
@@ -98,6 +103,59 @@ def test_every_factor_is_what_the_whole_of_pint_says(units: UnitTable) -> None:
                 assert value * unit.factor + unit.offset == pytest.approx(there, rel=1e-12)
             checked += 1
     assert checked > 60
+
+
+# ---- the factors that ship ----
+
+
+def test_what_ships_is_what_pint_says_now() -> None:
+    shipped = table_of_names.shipped_factors()
+
+    assert shipped is not None, "made for another pint; run: python -m rosic.app.units"
+    assert shipped == table_of_names.ask_pint(), "run: python -m rosic.app.units"
+
+
+@pytest.mark.parametrize("change", [{"pint": "0.0.1"}, {"asked": "something else"}])
+def test_factors_of_another_pint_or_of_other_units_do_not_count(
+    change: dict[str, str], tmp_path: Path
+) -> None:
+    shipped = msgspec.json.decode(table_of_names.SHIPPED.read_bytes(), type=table_of_names.Factors)
+    file = tmp_path / "factors.json"
+    file.write_bytes(msgspec.json.encode(shipped))
+    assert table_of_names.shipped_factors(file) == shipped
+
+    file.write_bytes(msgspec.json.encode(msgspec.structs.replace(shipped, **change)))
+
+    assert table_of_names.shipped_factors(file) is None
+
+
+@pytest.mark.parametrize("content", [None, b"", b"{}", b'{"pint": 1}', b"\xff"])
+def test_factors_that_cannot_be_read_do_not_count(content: bytes | None, tmp_path: Path) -> None:
+    file = tmp_path / "factors.json"
+    if content is not None:
+        file.write_bytes(content)
+
+    assert table_of_names.shipped_factors(file) is None
+
+
+def test_with_what_ships_pint_is_not_imported() -> None:
+    code = "import sys; from rosic.app.units import compile_units as c; c(); print(*sys.modules)"
+    done = subprocess.run(  # noqa: S603 - our own interpreter
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=30
+    )
+
+    assert {"rosic.app.units", "msgspec"} <= set(done.stdout.split())
+    assert {"pint", "numpy"}.isdisjoint(done.stdout.split())
+
+
+def test_a_definition_or_a_name_that_changes_is_noticed() -> None:
+    units = table_of_names._UNITS
+    inch = table_of_names._DEFINITIONS.replace("2.54 *", "2.5 *")
+    turned = {**units, "length": dict(reversed(units["length"].items()))}
+
+    asked = {table_of_names.digest(), table_of_names.digest(inch)}
+    assert len(asked | {table_of_names.digest(units=turned)}) == 3
+    assert table_of_names.digest() == table_of_names.digest(table_of_names._DEFINITIONS, units)
 
 
 def test_case_is_forgiven_where_it_decides_nothing(units: UnitTable) -> None:

@@ -13,15 +13,13 @@ from telegram import BotCommand
 from rosic.core.language import hears_stop
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import mapping, wire
-from rosic.messengers.telegram.line import BATCH
+from rosic.messengers.telegram.line import BATCH, CALL_S
 from rosic.messengers.telegram.listening import SECOND_NS, Listening, Moment
 from rosic.messengers.telegram.trouble import Kind, Trouble
 from rosic.messengers.telegram.window import News, Window
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-
-    from telegram import User
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
@@ -112,24 +110,36 @@ class Listener:
 
     # ---- the beginning ----
 
+    async def ask_account(self, *, within_s: float = CALL_S) -> Account:
+        """Ask once who we are.
+
+        Raises:
+            ConfigurationError: Telegram does not accept the token.
+            Trouble: Telegram did not say.
+        """
+        try:
+            me = await self._line.ask(lambda bot: bot.get_me(), within_s=within_s)
+        except Trouble as trouble:
+            if trouble.kind is Kind.UNUSABLE:
+                raise ConfigurationError(
+                    f"Telegram does not accept the token of the messenger {self._name}.",
+                    hint="BotFather shows it again with /mybots, or gives a new one.",
+                ) from trouble
+            raise
+        return Account(me.username or "", bool(me.can_read_all_group_messages))
+
     async def _meet(self) -> Account:
         """Ask who we are, for as long as it takes.
 
         Raises:
             ConfigurationError: Telegram does not accept the token.
         """
-        me: User | None = None
-        while me is None:
+        account: Account | None = None
+        while account is None:
             try:
-                me = await self._line.ask(lambda bot: bot.get_me())
+                account = await self.ask_account()
             except Trouble as trouble:
-                if trouble.kind is Kind.UNUSABLE:
-                    raise ConfigurationError(
-                        f"Telegram does not accept the token of the messenger {self._name}.",
-                        hint="BotFather shows it again with /mybots, or gives a new one.",
-                    ) from trouble
                 await self._wait_out(trouble)
-        account = Account(me.username or "", bool(me.can_read_all_group_messages))
         log.info("%s: this is @%s", self._name, account.user_name)
         if not account.reads_groups:
             log.warning(

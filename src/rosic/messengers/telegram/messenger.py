@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Receive
     from rosic.core.message import Inbound, Outbound
 
+CHECK_S = 4.0
+
 
 class TelegramMessenger:
     """Implements `contracts.messenger.Messenger` over the Bot API.
@@ -42,10 +44,10 @@ class TelegramMessenger:
             hide(settings.proxy)
         self.name = name
         self.on_alarm: Callable[[MessengerFault], None] = lambda _fault: None
-        line, chats = Line(settings), Chats()
+        self._line, chats = Line(settings), Chats()
         poll_timeout_s = settings.poll_timeout_s
-        self._listener = Listener(name, line, chats, clock, poll_timeout_s, self._raise_alarm)
-        self._speaker = Speaker(line, Limiter(clock), chats, clock)
+        self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
+        self._speaker = Speaker(self._line, Limiter(clock), chats, clock)
         self._running = False
 
     def __repr__(self) -> str:
@@ -58,6 +60,17 @@ class TelegramMessenger:
 
     def _raise_alarm(self, fault: MessengerFault) -> None:
         self.on_alarm(fault)
+
+    async def check(self, *, within_s: float = CHECK_S) -> str:
+        """Ask Telegram once, without listening, and return whose account this is.
+
+        Raises:
+            ConfigurationError: Telegram does not accept the token, or the proxy cannot be used.
+            MessengerFault: Telegram did not answer in time; it may work later.
+        """
+        async with self._line.held():
+            account = await self._listener.ask_account(within_s=within_s)
+        return f"@{account.user_name} answers"
 
     async def run(self, receive: Receive) -> None:
         """Listen until cancelled.
