@@ -87,7 +87,7 @@ class Operating:
             for robot, rest in halting.rests.items()
         ]
         yield words.rests(rooms.profiles, found)
-        if not await halting.latched:
+        if not await asyncio.shield(halting.latched):
             yield "This could not be written down: after a restart, look before you move anything."
 
     def people(self) -> tuple[str, ...]:

@@ -69,6 +69,8 @@ class Gate:
 
     def still_allows(self, order: Order) -> bool:
         """Whether an order that passed may go on: no stop has come (I5)."""
+        if not order.skill.actuates:
+            return True
         return not self.latched and order.permit.stop_generation >= self.generation
 
     def apply_stop(self, stop: Stop) -> None:

@@ -129,8 +129,11 @@ class Linker:
         )
         return not any(isinstance(result, BaseException) for result in written)
 
-    async def resume(self, robot_id: RobotId, generation: int) -> None:
+    async def resume(self, robot_id: RobotId, generation: int) -> bool:
         """Undo a stop of a generation, if no later one has come. The robot does not move.
+
+        Returns:
+            False if a later stop has come: it stays stopped.
 
         Raises:
             RobotUnreachable: The robot's side did not answer; it stays stopped.
@@ -141,7 +144,7 @@ class Linker:
         if self._latching:
             await asyncio.wait(self._latching)  # unlike gather, it leaves them be when cut off
         if self._stops[robot_id].generation != generation:
-            return
+            return False
         await self._latch.write(robot_id, generation, latched=False)
         try:
             await self._robots[robot_id].resume(generation)
@@ -149,6 +152,7 @@ class Linker:
             await self.hold_for_good(robot_id, generation)
             raise
         self._stops.resume(robot_id, generation)
+        return not self._stops[robot_id].latched
 
     def hold(self, robot_id: RobotId) -> int:
         """Latch a robot without moving it: nobody knows what its last order did."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core import words
 from rosic.core.identity import Caller, CommandId, robot_command_id
-from rosic.errors import Expired, Fault, NotUnderstood, RecordUnavailable
+from rosic.errors import Expired, Fault, NotUnderstood, RecordUnavailable, RobotStopped
 
 if TYPE_CHECKING:
     from rosic.container.container import Containers
@@ -41,7 +41,7 @@ class Resuming:
             NotUnderstood: Several are stopped, and it was not said which.
             Expired: It is backlog, too old, or was received before the stop it would undo: stops
                 overtake, so an older resume can arrive after a younger stop (I5).
-            Repeated, RecordUnavailable: Robots not resumed so far stay stopped.
+            Repeated, RecordUnavailable, RobotStopped: Robots not resumed so far stay stopped.
         """
         stopped = self._stopped(caller, line)
         for robot in stopped:
@@ -53,11 +53,13 @@ class Resuming:
             robot_cid = robot_command_id(cid, robot)
             await self._container.resume(robot_cid, caller, robot, generation)
             self._organiser.check_resume(caller, robot)  # the right may have ended meanwhile
+            shown = self._linker.profile(robot).shown
             try:
-                await self._linker.resume(robot, generation)
+                ready = await self._linker.resume(robot, generation)
             except Fault as fault:
-                shown = self._linker.profile(robot).shown
                 raise RecordUnavailable(f"{shown} stays stopped: {fault}") from fault
+            if not ready:
+                raise RobotStopped(f"{shown} was stopped again meanwhile. It stays stopped.")
         if not stopped:
             return "Nothing is stopped there."
         return words.resumed([self._linker.profile(robot).shown for robot in stopped])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from rosic.core import words
@@ -23,8 +24,9 @@ if TYPE_CHECKING:
     from rosic.linker.linker import Halting
     from rosic.pipeline.rooms import Rooms
 
-# Stops are obeyed whatever their number; answering a flood of them helps nobody (I15).
-ANSWERS_AT_MOST = 256
+# In one chat at a time. Stops are obeyed whatever their number; answering a flood of them helps
+# nobody (I15).
+ANSWERS_AT_MOST = 8
 
 log = logging.getLogger("rosic.stop")
 
@@ -43,6 +45,7 @@ class StopLane:
         self._store = store
         self._clock = clock
         self._tasks: set[asyncio.Task[None]] = set()
+        self._answering: Counter[tuple[str, str]] = Counter()
 
     async def stop(self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...]) -> None:
         """Stop now; tell when rest was measured. On return every adapter has been told to stop.
@@ -57,7 +60,9 @@ class StopLane:
         if not robots:
             return
         halting = self.stop_robots(robots, by)
-        if len(self._tasks) < ANSWERS_AT_MOST:
+        where = (messenger.name, inbound.chat.id)
+        if self._answering[where] < ANSWERS_AT_MOST:
+            self._answering[where] += 1
             self._spawn(self._answer(messenger, inbound, halting))
 
     def stop_robots(self, robots: tuple[RobotId, ...], by: PrincipalId) -> Halting:
@@ -96,6 +101,17 @@ class StopLane:
         )  # fmt: skip
 
     async def _answer(self, messenger: Messenger, inbound: Inbound, halting: Halting) -> None:
+        where = (messenger.name, inbound.chat.id)
+        try:
+            await self._answer_when_at_rest(messenger, inbound, halting)
+        finally:
+            self._answering[where] -= 1
+            if not self._answering[where]:
+                del self._answering[where]
+
+    async def _answer_when_at_rest(
+        self, messenger: Messenger, inbound: Inbound, halting: Halting
+    ) -> None:
         shown = [self._profiles[robot].shown for robot in halting.rests]
         message = ""
         if messenger.edits:
@@ -103,13 +119,13 @@ class StopLane:
             message = await self._say(messenger, sent, "")
         rests = [await self._rest(robot, task) for robot, task in halting.rests.items()]
         text = words.rests(self._profiles, rests)
-        if not await halting.latched:
+        if not await asyncio.shield(halting.latched):
             text += " I could not write this down: after a restart, look before you move anything."
         await self._say(messenger, Outbound(chat=inbound.chat, text=text, urgent=True), message)
 
     async def _rest(self, robot: RobotId, task: asyncio.Task[Rest]) -> Rest:
         try:
-            return await task
+            return await asyncio.shield(task)
         except Exception:
             log.exception("the stop of %s failed", robot)
             return Rest(robot, confirmed=False, seconds=0.0)

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
 
 TRIES = 6
-LONGEST_WAIT_S = 60.0
+ASIDE_S = 60.0
+ASIDE_AT_MOST = 10_000
 # Between two edits that only show progress; endings never wait.
 PROGRESS_EVERY_S = 0.5
 FIRST_WAIT_S = 0.5
@@ -67,6 +68,7 @@ class Teller:
         self._clock = clock
         self._voices: dict[tuple[str, str], Voice] = {}
         self._urgent: set[asyncio.Task[None]] = set()
+        self._aside: set[asyncio.Task[None]] = set()
         self._due: dict[Card, None] = {}
         self._ticking: asyncio.Task[None] | None = None
 
@@ -136,9 +138,9 @@ class Teller:
             await voice.wake
 
     async def _speak(self, item: _Item) -> None:
-        """Say one thing. What matters is tried until it is said; the rest is given up in time."""
-        tries, wait_s = 0, FIRST_WAIT_S
-        while True:
+        """Say one thing, or lay it aside: one message that is not taken silences no chat."""
+        wait_s = FIRST_WAIT_S
+        for _ in range(TRIES):
             try:
                 await self._speak_once(item)
             except MessengerFault as fault:
@@ -147,11 +149,18 @@ class Teller:
                 log.exception("not told: a fault of the messenger")
             else:
                 return
-            tries += 1
-            if tries >= TRIES and not _matters(item):
-                return
             await self._clock.sleep(wait_s)
-            wait_s = min(2 * wait_s, LONGEST_WAIT_S)
+            wait_s *= 2
+        if _matters(item) and len(self._aside) < ASIDE_AT_MOST:
+            task = asyncio.create_task(self._speak_later(item))
+            self._aside.add(task)
+            task.add_done_callback(self._aside.discard)
+
+    async def _speak_later(self, item: _Item) -> None:
+        """Try what matters again after a while, behind what was said meanwhile."""
+        await self._clock.sleep(ASIDE_S)
+        chat = item.chat if isinstance(item, Card) else item.outbound.chat
+        self._enqueue(item.messenger, chat, item)
 
     async def _speak_once(self, item: _Item) -> None:
         if not isinstance(item, Card):
@@ -217,9 +226,10 @@ class Teller:
         while not self.quiet and self._clock.monotonic_ns() < deadline_ns:
             await self._clock.sleep(0.01)
         ticking = (self._ticking,) if self._ticking is not None else ()
-        for task in (*tasks, *self._urgent, *ticking):
+        everything = (*tasks, *self._urgent, *self._aside, *ticking)
+        for task in everything:
             task.cancel()
-        await asyncio.gather(*tasks, *self._urgent, *ticking, return_exceptions=True)
+        await asyncio.gather(*everything, return_exceptions=True)
 
     @property
     def quiet(self) -> bool:

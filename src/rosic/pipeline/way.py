@@ -215,14 +215,12 @@ class Pipeline:
         now_ns = self._clock.monotonic_ns()
         for request in requests:
             check_fresh(said.inbound, request, now_ns)
-        if line.group:
-            for request in requests:
-                self._rooms.linker.check_free(request.robot)  # all of them begin, or none
         permits = organiser.admit(said.caller, requests)
         start_ns = now_ns + TOGETHER_NS if len(requests) > 1 else None
         title = f"{line.group or self._shown(line.robots[0])}: {line.text}"
         origin = ReplyTo(said.messenger.name, said.inbound.chat, reply_id(said.inbound), title)
         try:
+            self._check_all_free(line, requests)
             orders = await container.prepare(permits, requests, origin, start_ns=start_ns)
         except BaseException:
             organiser.abandon(permits)
@@ -232,6 +230,12 @@ class Pipeline:
         self._teller.show(card)
         for order in orders:
             self.lives.begin(order, said.caller, card)
+
+    def _check_all_free(self, line: Do, requests: list[Request]) -> None:
+        """Of a group, all begin or none: see that no one is at work."""
+        for request in requests if line.group else ():
+            if not request.sequel:
+                self._rooms.linker.check_free(request.robot)
 
     def _requests(self, said: Said, line: Do, cid: CommandId) -> list[Request]:
         inbound = said.inbound

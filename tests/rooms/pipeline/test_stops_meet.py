@@ -222,7 +222,7 @@ async def test_answers_to_a_flood_of_stops_are_bounded() -> None:
         return ""
 
     async with Place().open() as place:
-        place.chat.send = never  # type: ignore[method-assign]
+        place.chat.send = never  # type: ignore[assignment,method-assign]
         seed = place.chat._inbound(VI, Chat("memory", "3"), None, None)
         for number in range(STOPS):
             message = replace(seed, text="stop omni", message=f"flood {number}")

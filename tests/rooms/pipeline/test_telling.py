@@ -56,7 +56,7 @@ async def test_a_fault_of_the_messenger_that_nobody_foresaw_does_not_silence_a_c
             place.chat.edit = edit  # type: ignore[method-assign]
             raise ZeroDivisionError
 
-        place.chat.edit = fail  # type: ignore[method-assign]
+        place.chat.edit = fail  # type: ignore[assignment,method-assign]
         await place.say("omni move 1 m")
         await place.clock.advance(60.0)
         told = await place.say("omni wave")
