@@ -7,6 +7,7 @@ import logging
 import signal
 from typing import TYPE_CHECKING
 
+from rosic.app import heap
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time
 from rosic.app.control import ControlServer, socket_path
 from rosic.app.forgetting import Forgetful, forget_daily
@@ -103,6 +104,7 @@ class Serving:
     async def _work(self) -> None:
         messengers = self._parts.messengers
         await check_accounts(messengers)
+        heap.settle()
         took_s = (self._clock.monotonic_ns() - self._begun_ns) / 1e9
         robots = len(self._config.robots)
         log.info(
