@@ -30,6 +30,7 @@ async def test_nothing_is_done_twice_and_everything_is_told_over_60_kills(
 
 
 @pytest.mark.campaign
+@pytest.mark.limit(1800)
 @pytest.mark.parametrize("number", range(10))
 async def test_nothing_is_done_twice_and_everything_is_told_over_980_kills(
     number: int, tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]

@@ -42,6 +42,7 @@ async def test_robots_come_to_rest_by_themselves_over_3_kills(
 
 
 @pytest.mark.campaign
+@pytest.mark.limit(1800)
 async def test_robots_come_to_rest_by_themselves_over_20_kills(
     tmp_path: Path, launcher: Launcher, capfd: pytest.CaptureFixture[str]
 ) -> None:

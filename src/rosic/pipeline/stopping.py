@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 # In one chat at a time. Stops are obeyed whatever their number; answering a flood of them helps
 # nobody (I15).
 ANSWERS_AT_MOST = 8
+LATCH_WITHIN_S = 10.0
 
 log = logging.getLogger("rosic.stop")
 
@@ -50,6 +51,9 @@ class StopLane:
     async def stop(self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...]) -> None:
         """Stop now; tell when rest was measured. On return every adapter has been told to stop.
 
+        And the latch is on disk, or cannot be written: a messenger confirms a message when this
+        returns, and a stop that is confirmed must survive whatever comes (I13).
+
         A stranger's stop changes nothing: he sees no robot. A stop without an identity (an
         anonymous admin, a channel) counts for the people recognised in that chat.
         """
@@ -64,6 +68,7 @@ class StopLane:
         if self._answering[where] < ANSWERS_AT_MOST:
             self._answering[where] += 1
             self._spawn(self._answer(messenger, inbound, halting))
+        await asyncio.wait((halting.latched,), timeout=LATCH_WITHIN_S)
 
     def stop_robots(self, robots: tuple[RobotId, ...], by: PrincipalId) -> Halting:
         """Stop robots for somebody who does not ask in a chat: the operator, a revocation."""

@@ -169,7 +169,7 @@ async def test_a_grasp_without_an_object_fails(onlooker: RosRuntime, clock: Syst
 
 
 async def test_one_arm_that_fails_stops_both(onlooker: RosRuntime, clock: SystemClock) -> None:
-    joints = await onlooker.latest("/yumi/joint_states", "sensor_msgs/msg/JointState")
+    joints = await heard(onlooker, "/yumi/joint_states", "sensor_msgs/msg/JointState")
     async with opened(shipped("yumi"), clock) as yumi:
         running = asyncio.create_task(yumi.do("handover"))
         await until(lambda: yumi.presence().at_rest is False)
@@ -216,7 +216,7 @@ async def test_a_robot_whose_gateway_is_killed_comes_to_rest_by_itself(
     robots: Simulated, onlooker: RosRuntime
 ) -> None:
     before = len(robots.actuations("omni"))
-    odometry = await onlooker.latest("/omni/odom", ODOMETRY)
+    odometry = await heard(onlooker, "/omni/odom", ODOMETRY)
     driver = robots.graph.start(
         DRIVER, "omni", "move", "direction=forward", "distance=5", "speed=0.5", python_path=[ROOT]
     )
@@ -234,7 +234,7 @@ async def test_a_robot_whose_gateway_is_killed_comes_to_rest_by_itself(
 async def test_a_drone_whose_gateway_is_killed_lands(
     robots: Simulated, onlooker: RosRuntime
 ) -> None:
-    odometry = await onlooker.latest("/cf1/odom", ODOMETRY)
+    odometry = await heard(onlooker, "/cf1/odom", ODOMETRY)
     driver = robots.graph.start(DRIVER, "cf1", "takeoff", "height=0.5", python_path=[ROOT])
     await asyncio.to_thread(driver.expect, "ended done")
     assert z_m(odometry) == pytest.approx(0.5, abs=0.05)
@@ -258,6 +258,13 @@ async def test_a_cut_link_holds_and_is_found_again(
         assert outcome.note == "link lost, holding"
         await until(lambda: omni.presence().online is True)
         assert omni.presence().at_rest is True
+
+
+async def heard(onlooker: RosRuntime, topic: str, type_name: str) -> Latest:
+    """Subscribe, and wait for the first: discovery can take seconds."""
+    latest = await onlooker.latest(topic, type_name)
+    await latest.newer(0, timeout_s=10)
+    return latest
 
 
 def x_m(odometry: Latest) -> float:

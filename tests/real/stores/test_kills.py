@@ -97,7 +97,8 @@ async def test_a_kill_while_opening_leaves_a_record(tmp_path: Path) -> None:
     chance = random.Random(SEED)  # noqa: S311 - repeatable kills, not a secret
     for index in range(6):
         with (
-            a_process(tmp_path / str(index % 2), 1) as process,
+            # Numbers of its own: one that was killed late has written some already.
+            a_process(tmp_path / str(index % 2), 1 + index * 100_000) as process,
             pytest.raises(subprocess.TimeoutExpired),
         ):
             process.wait(chance.uniform(0.1, 0.6))
