@@ -27,8 +27,9 @@ if TYPE_CHECKING:
 TRIES = 6
 ASIDE_S = 60.0
 ASIDE_AT_MOST = 10_000
-# Between two edits that only show progress; endings never wait.
-PROGRESS_EVERY_S = 0.5
+# Between two edits that only show progress. Seldom enough to leave room for the ending where a
+# platform takes one message a second from a chat.
+PROGRESS_EVERY_S = 2.0
 FIRST_WAIT_S = 0.5
 UNSAID_AT_MOST = 512
 VOICES_AT_MOST = 10_000
