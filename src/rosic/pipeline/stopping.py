@@ -68,7 +68,9 @@ class StopLane:
         if self._answering[where] < ANSWERS_AT_MOST:
             self._answering[where] += 1
             self._spawn(self._answer(messenger, inbound, halting))
-        await asyncio.wait((halting.latched,), timeout=LATCH_WITHIN_S)
+        patience = asyncio.create_task(self._clock.sleep(LATCH_WITHIN_S))
+        await asyncio.wait((halting.latched, patience), return_when=asyncio.FIRST_COMPLETED)
+        patience.cancel()
 
     def stop_robots(self, robots: tuple[RobotId, ...], by: PrincipalId) -> Halting:
         """Stop robots for somebody who does not ask in a chat: the operator, a revocation."""
