@@ -46,7 +46,9 @@ TURN_MESSAGES = 4
 METHOD = (
     "Orders that ended done at a robot with a distinct number, each counted once its author was "
     "told. People take turns: one sends {turn} messages on each of the slots in flight at a robot, "
-    "then the lease passes to the next. {robots} robots in memory, {runs} runs, median. "
+    "then the lease passes to the next. {robots} robots in memory, {runs} runs, median. A skill is "
+    "asked for in the same words each time, and what was read before is remembered, but for the "
+    "case that says otherwise. "
     "The sending side runs in the same process and thread and is part of the time."
 )
 
@@ -60,6 +62,7 @@ class Load(msgspec.Struct, frozen=True, kw_only=True):
     people: int = 1_000
     in_flight: int = 256
     durable: bool = False
+    new_texts: bool = False
 
 
 CASES = (
@@ -69,6 +72,7 @@ CASES = (
     Load(name="memory, 5000 skills", orders=40_000, skills=5_000),
     Load(name="memory, 10 people", orders=40_000, people=10),
     Load(name="memory, 10000 people", orders=40_000, people=10_000),
+    Load(name="memory, every text new", orders=40_000, new_texts=True),
     Load(name="durable, 256 in flight", orders=20_000, durable=True),
     Load(name="durable, 1 in flight", orders=1_000, in_flight=1, durable=True),
 )
@@ -162,7 +166,8 @@ async def _drive(
     async def slot(robot: int, person: int) -> None:
         for _ in range(TURN_MESSAGES):
             number = next(ids)
-            inbound = _inbound(robot, person, number, number % skills)
+            distance = 0.01 + number % 4_990 / 1_000 if load.new_texts else 0.5
+            inbound = _inbound(robot, person, number, f"skill{number % skills} {distance:g}")
             ended = asyncio.get_running_loop().create_future()
             messenger.ended[inbound.message] = ended
             began_ns = perf_counter_ns()
@@ -186,14 +191,14 @@ async def _drive(
 CLOCK = SystemClock()
 
 
-def _inbound(robot: int, person: int, number: int, skill: int) -> Inbound:
+def _inbound(robot: int, person: int, number: int, asked: str) -> Inbound:
     now_ns = CLOCK.wall_ns()
     who = str(person)
     return Inbound(
         sender=Address("bench", who),
         chat=Chat("bench", who),
         message=str(number),
-        text=f"robot{robot} skill{skill} forward 0.5 m",
+        text=f"robot{robot} {asked} m forward",
         sent_ns=now_ns,
         received_ns=now_ns,
     )
