@@ -21,6 +21,9 @@ TWIST = "geometry_msgs/msg/Twist"
 INT32 = "std_msgs/msg/Int32"
 STRING = "std_msgs/msg/String"
 
+# On a busy machine DDS itself may drop a burst before the thread that counts sees it.
+BURSTS = 20
+
 
 def resident_mib() -> float:
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 2**20
@@ -130,12 +133,17 @@ async def test_words_that_nobody_takes_are_dropped_and_counted(
         Quality(depth=5),
     )
     await listened_to(peer, "voice", 1)
-    peer.say("texts 200")
-    peer.expect("ok texts")  # on the loop, on purpose: nobody drains meanwhile
-    await wait_until(lambda: "200" in heard, "the last word", 5)
-    assert stream.dropped > 0
-    assert len(heard) + stream.dropped <= 200
-    assert heard == sorted(heard, key=int)
+    for _ in range(BURSTS):
+        heard.clear()
+        before = stream.dropped
+        peer.say("texts 200")
+        peer.expect("ok texts")  # on the loop, on purpose: nobody drains meanwhile
+        await wait_until(lambda: "200" in heard, "the last word", 5)
+        assert len(heard) + stream.dropped - before <= 200
+        assert heard == sorted(heard, key=int)
+        if stream.dropped:
+            return
+    pytest.fail("nothing that nobody took was counted")
 
 
 async def test_a_callback_that_raises_does_not_silence_the_others(
