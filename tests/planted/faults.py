@@ -222,4 +222,14 @@ FAULTS = (
         ),
         caught_by=(f"{WAY}::test_an_ending_is_not_told_before_it_is_on_disk",),
     ),
+    Fault(
+        name="I5 what waited over a stop moves after the resume",
+        file="pipeline/way.py",
+        guard=(
+            "if request.skill.actuates and inbound.received_ns <= stopped.at_ns "
+            "and not stopped.latched:"
+        ),
+        without="if False:",
+        caught_by=("tests/rooms/pipeline/test_waited.py",),
+    ),
 )

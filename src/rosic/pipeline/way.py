@@ -19,7 +19,7 @@ from rosic.core.language import (
 )
 from rosic.core.message import Button, ChatKind, Standing
 from rosic.core.order import Order, Request
-from rosic.errors import NotUnderstood, Refusal, Unrecognised
+from rosic.errors import Expired, NotUnderstood, Refusal, Unrecognised
 from rosic.pipeline.audience import Audience
 from rosic.pipeline.cards import Card
 from rosic.pipeline.desk import Desk
@@ -215,6 +215,7 @@ class Pipeline:
         now_ns = self._clock.monotonic_ns()
         for request in requests:
             check_fresh(said.inbound, request, now_ns)
+            self._check_later_than_stop(said.inbound, request)
         permits = organiser.admit(said.caller, requests)
         start_ns = now_ns + TOGETHER_NS if len(requests) > 1 else None
         title = f"{line.group or self._shown(line.robots[0])}: {line.text}"
@@ -230,6 +231,15 @@ class Pipeline:
         self._teller.show(card)
         for order in orders:
             self.lives.begin(order, said.caller, card)
+
+    def _check_later_than_stop(self, inbound: Inbound, request: Request) -> None:
+        """Refuse motion received before its robot's last stop, wherever it waited since (I5)."""
+        stopped = self._rooms.board[request.robot]
+        if request.skill.actuates and inbound.received_ns <= stopped.at_ns and not stopped.latched:
+            raise Expired(
+                f"{self._shown(request.robot)} was stopped after you sent this. Nothing was done.",
+                offers=(request.text,),
+            )
 
     def _check_all_free(self, line: Do, requests: list[Request]) -> None:
         """Of a group, all begin or none: see that no one is at work."""

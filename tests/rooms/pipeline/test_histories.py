@@ -216,6 +216,7 @@ def tell(seed: int, length: int, *, edits: bool, faults: bool) -> None:
     asyncio.run(play(history, edits=edits, faultless=not faults))
 
 
+@pytest.mark.limit(300)  # a failing history is made shorter first, which takes its time
 @a_few
 @given(seeds, lengths, st.booleans())
 def test_without_faults_everything_is_done_once_and_told_once(
@@ -224,6 +225,7 @@ def test_without_faults_everything_is_done_once_and_told_once(
     tell(seed, length, edits=edits, faults=False)
 
 
+@pytest.mark.limit(300)  # a failing history is made shorter first, which takes its time
 @a_few
 @given(seeds, lengths, st.booleans())
 def test_whatever_fails_no_promise_is_broken(seed: int, length: int, edits: bool) -> None:
@@ -231,6 +233,7 @@ def test_whatever_fails_no_promise_is_broken(seed: int, length: int, edits: bool
 
 
 @pytest.mark.campaign
+@pytest.mark.limit(3_600)
 @many
 @given(seeds, lengths, st.booleans(), st.booleans())
 def test_many_histories(seed: int, length: int, edits: bool, faults: bool) -> None:
