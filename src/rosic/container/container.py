@@ -6,6 +6,7 @@ may anything move (I1, I9).
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from hashlib import blake2b
 from typing import TYPE_CHECKING
 
@@ -26,20 +27,21 @@ from rosic.core.record import (
     Told,
 )
 from rosic.core.skill import Argument
-from rosic.errors import RecordUnavailable, Refusal, StoreFault
+from rosic.errors import RecordUnavailable, Refusal, Repeated, StoreFault
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
-    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Vocabulary
     from rosic.core.message import Chat
     from rosic.core.robot import RobotId
 
 DIGEST_BYTES = 16
 COMPLETED_KEPT = 8_192
+UNWRITTEN_KEPT = 10_000
 _digest_form = msgspec.json.Encoder(order="sorted").encode
 
 
@@ -65,6 +67,7 @@ class Containers:
         self._store = store
         self._clock = clock
         self._people: dict[PrincipalId, PersonContainer] = {}
+        self._unwritten: OrderedDict[CommandId, None] = OrderedDict()
         self._completed: dict[tuple[RobotId, str, tuple[Spoken, ...]], Completed] = {}
         self._robots = {robot: RobotContainer(robot, n) for robot, n in numbers.items()}
 
@@ -107,6 +110,8 @@ class Containers:
             Repeated: This message was claimed or refused before. Nothing was written.
             RecordUnavailable: The record cannot be written; nothing may move.
         """
+        if any(request.cid in self._unwritten for request in requests):
+            raise Repeated("This was already refused.")
         completed = [self.complete(request) for request in requests]
         letter = Letter(permits[0].principal, letters.encode(reply_to))
         accepted_ns = self._clock.wall_ns()
@@ -140,15 +145,17 @@ class Containers:
             Repeated: It was told before, or carried out.
         """
         letter = Letter(caller.principal, letters.encode(answer))
+        refused = Refused(
+            cid=cid, principal=caller.principal, code=refusal.code,
+            at_ns=self._clock.wall_ns(), letter=letter,
+        )  # fmt: skip
         try:
-            await self._store.write(
-                Refused(
-                    cid=cid, principal=caller.principal, code=refusal.code,
-                    at_ns=self._clock.wall_ns(), letter=letter,
-                )
-            )  # fmt: skip
+            await self._store.write(refused)
         except StoreFault:
-            return  # the refusal stands and is told; nothing has moved
+            # It stands and is told: the same message must not move anything when the disk is back.
+            self._unwritten[cid] = None
+            if len(self._unwritten) > UNWRITTEN_KEPT:
+                self._unwritten.popitem(last=False)
 
     async def conclude(self, order: Order, outcome: Outcome, words: str) -> bool:
         """Write an outcome down before it is told. Return whether it is on disk."""

@@ -1,0 +1,36 @@
+"""A refusal that could not be written stands all the same (I7)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.errors import StoreFault
+from rosic.stores.memory import MemoryStore
+from tests.rooms.pipeline.place import Place
+
+if TYPE_CHECKING:
+    from rosic.core.record import Record
+
+
+class Broken(MemoryStore):
+    """Writes nothing while it is broken."""
+
+    broken = False
+
+    async def write(self, *records: Record) -> None:
+        if self.broken:
+            raise StoreFault("the disk is full")
+        await super().write(*records)
+
+
+async def test_what_was_told_that_it_may_not_move_does_not_move_when_it_comes_again() -> None:
+    store = Broken()
+    async with Place(store).open() as place:
+        store.broken = True
+        message = place.chat.say("omni wave")
+        await place.quiet()
+        assert "nothing may move" in place.chat.told[-1].outbound.text
+        store.broken = False
+        place.chat.deliver(message)
+        await place.quiet()
+        assert place.acted() == 0
