@@ -13,6 +13,7 @@ from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Busy, Link, Profile
 from rosic.core.skill import Parameter, Skill, SkillClass
+from rosic.errors import StoreFault
 from rosic.messengers.memory import MemoryMessenger
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.latch import MemoryLatch
@@ -61,6 +62,21 @@ PEOPLE = (
     Seed("Bo", (Address("memory", BO),), ("operator",)),
     Seed("Vi", (Address("memory", VI),), ("viewer",)),
 )
+
+
+class BrokenStore(MemoryStore):
+    """Writes nothing once it is broken."""
+
+    broken = False
+
+    async def write(self, *records: Record) -> None:
+        if self.broken:
+            raise StoreFault("the disk is full")
+        await super().write(*records)
+
+    def note(self, *records: Record) -> None:
+        if not self.broken:
+            super().note(*records)
 
 
 class SlowStore(MemoryStore):

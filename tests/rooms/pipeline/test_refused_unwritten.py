@@ -2,29 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from rosic.errors import StoreFault
-from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import Place
-
-if TYPE_CHECKING:
-    from rosic.core.record import Record
-
-
-class Broken(MemoryStore):
-    """Writes nothing while it is broken."""
-
-    broken = False
-
-    async def write(self, *records: Record) -> None:
-        if self.broken:
-            raise StoreFault("the disk is full")
-        await super().write(*records)
+from tests.rooms.pipeline.place import BrokenStore, Place
 
 
 async def test_what_was_told_that_it_may_not_move_does_not_move_when_it_comes_again() -> None:
-    store = Broken()
+    store = BrokenStore()
     async with Place(store).open() as place:
         store.broken = True
         message = place.chat.say("omni wave")

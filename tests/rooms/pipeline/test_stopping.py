@@ -13,27 +13,12 @@ from rosic.core.robot import Busy
 from rosic.errors import StoreFault
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import BO, VI, Place, SlowStore, profile
+from tests.rooms.pipeline.place import BO, VI, BrokenStore, Place, SlowStore, profile
 
 if TYPE_CHECKING:
-    from rosic.core.record import Memory, Record
+    from rosic.core.record import Memory
 
 QUEUED = 10_000
-
-
-class BrokenStore(MemoryStore):
-    """Writes nothing once it is broken."""
-
-    broken = False
-
-    async def write(self, *records: Record) -> None:
-        if self.broken:
-            raise StoreFault("the disk is full")
-        await super().write(*records)
-
-    def note(self, *records: Record) -> None:
-        if not self.broken:
-            super().note(*records)
 
 
 class BrokenLatch(MemoryLatch):
