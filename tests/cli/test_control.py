@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from rosic.app.operating import Operating
 
 
+LONG_BYTES = 4 << 20  # far more than a socket holds for somebody who does not read
+
+
 class Desk:
     """Stands where the operator's desk is: answers, and lets a test decide when."""
 
@@ -42,6 +45,8 @@ class Desk:
     def status(self, names: tuple[str, ...]) -> tuple[str, ...]:
         if "kuka2" in names:
             raise NotUnderstood("There is no robot called kuka2.")
+        if "long" in names:
+            return ("x" * LONG_BYTES,)
         if "crash" in names:
             raise RuntimeError("a fault of ours")
         return ("omni: at rest", *names)
@@ -130,6 +135,54 @@ async def test_a_stop_gets_through_when_everything_else_must_wait(
     assert len(await answers(tmp_path, Verb.STOP)) == 2
     desk.hold.set()
     await asyncio.gather(*waiting)
+
+
+async def test_whoever_does_not_read_keeps_nobody_waiting(tmp_path: Path, desk: Desk) -> None:
+    server = ControlServer(tmp_path, cast("Operating", desk), read_within_s=0.2)
+    await server.open()
+    deaf = [socket.socket(socket.AF_UNIX) for _ in range(AT_ONCE)]
+    try:
+        for connection in deaf:
+            connection.connect(str(tmp_path / "control.sock"))
+            connection.sendall(b'{"verb":"status","names":["long"]}\n')
+        turned_away = [("Too many commands at once. Try again.", False)]
+        async with asyncio.timeout(5):
+            while await answers(tmp_path, Verb.STATUS) != turned_away:  # noqa: ASYNC110
+                await asyncio.sleep(0)
+            while await answers(tmp_path, Verb.STATUS) == turned_away:  # noqa: ASYNC110
+                await asyncio.sleep(0.02)
+        # What they did not read is kept for nobody: they are hung up on, in the middle of it.
+        assert await asyncio.to_thread(all_of, deaf[0]) < LONG_BYTES
+    finally:
+        for connection in deaf:
+            connection.close()
+        await server.close()
+
+
+async def test_it_closes_without_waiting_for_who_does_not_read(
+    tmp_path: Path, desk: Desk, caplog: pytest.LogCaptureFixture
+) -> None:
+    server = ControlServer(tmp_path, cast("Operating", desk))
+    await server.open()
+    with socket.socket(socket.AF_UNIX) as deaf:
+        deaf.connect(str(tmp_path / "control.sock"))
+        deaf.sendall(b'{"verb":"status","names":["long"]}\n')
+        assert await asyncio.to_thread(deaf.recv, 1)
+
+        async with asyncio.timeout(1):
+            await server.close()
+
+        assert await asyncio.to_thread(all_of, deaf) < LONG_BYTES
+    assert caplog.text == ""
+
+
+def all_of(connection: socket.socket) -> int:
+    """Return how many bytes there are to read, to the end."""
+    connection.settimeout(5)
+    count = 0
+    while chunk := connection.recv(1 << 16):
+        count += len(chunk)
+    return count
 
 
 async def test_only_its_owner_can_reach_it(tmp_path: Path, server: ControlServer) -> None:

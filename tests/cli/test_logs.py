@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import re
 import sys
 from contextlib import redirect_stderr
 from typing import TYPE_CHECKING
@@ -60,6 +61,12 @@ def test_secrets_are_masked_in_lines_and_in_traces() -> None:
         assert "a-long-token" not in text
         assert "4242:***" in text
     assert "Traceback" in said("debug")
+
+
+def test_a_fault_is_looked_for_in_microseconds() -> None:
+    assert re.match(
+        r"14:02:07\.\d{6} debug rosic\.telling: details$", said("debug").splitlines()[1]
+    )
 
 
 def test_it_follows_whoever_replaces_standard_error() -> None:

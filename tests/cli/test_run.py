@@ -280,3 +280,33 @@ def test_what_hovers_lands_before_it_ends(tmp_path: Path, beside: str) -> None:
 
         assert 2.0 < took_s < 5, "from 1 m it takes 2.5 s to land"
         assert "error" not in running.err()
+
+
+@pytest.mark.limit(90)
+def test_what_cannot_land_in_time_is_named_and_stays_stopped(tmp_path: Path) -> None:
+    robots = "".join(
+        f'[[robot]]\nprofile = "{name}"\nlink = "simulated"\n' for name in ("cf1", "cf2", "omni")
+    )
+    config = write_config(tmp_path, PEOPLE + robots)
+    with gateway(config) as running:
+        running.say("crazyflies takeoff 2 m")
+        for number in (1, 2):
+            running.wait_for(f"Crazyflie {number}: done")
+        running.say("cf1 goto x=1 y=2 z=2")
+        running.wait_for("flying")
+        begun_s = time.monotonic()
+        assert running.end() == 0
+
+        assert time.monotonic() - begun_s < 5
+        assert running.err().splitlines()[-1].partition("rosic.gateway: ")[2] == (
+            "Crazyflie 1 and Crazyflie 2 are still coming to rest, as they were told, and stay "
+            "stopped until somebody resumes them."
+        )
+    with gateway(config) as again:
+        for name, shown in (("cf1", "Crazyflie 1"), ("cf2", "Crazyflie 2")):
+            again.say(f"{name} takeoff 1 m")
+            again.wait_for(f"{shown} is stopped")
+        again.say("resume cf2")
+        again.wait_for("Crazyflie 2 is ready again.")
+        assert "omni: " in rosic("status", "omni", "-c", config).out
+        assert "stopped" not in rosic("status", "omni", "-c", config).out

@@ -17,7 +17,8 @@ from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
 from rosic.testing.latches import LATCH_SINNERS, LatchConformance, WickedLatchPremises
 from rosic.testing.stores import StoreConformance
-from rosic.testing.wicked_stores import SINNERS, WickedPremises
+from rosic.testing.wicked import WickedPremises
+from rosic.testing.wicked_stores import SINNERS
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -110,7 +111,7 @@ class TestFileLatch(LatchConformance):
 
 
 def rules(suite: type) -> set[str]:
-    return {name for name in vars(suite) if name.startswith("test_")}
+    return {name for name in dir(suite) if name.startswith("test_")}
 
 
 def test_no_rule_lacks_its_sinner() -> None:

@@ -41,6 +41,9 @@ class Wicked:
     async def write(self, *records: Record) -> None:
         await self._good.write(*records)
 
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        self._good.keep(record, then)
+
     def note(self, *records: Record) -> None:
         self._good.note(*records)
 

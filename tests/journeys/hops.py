@@ -5,6 +5,7 @@ All processes are on one machine, so their wall clocks are one clock.
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 from tests.journeys.record import ask_record
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from tests.journeys.lab import Lab
+
+DAY_S = 86_400.0
 
 
 async def hops_of(
@@ -51,6 +54,21 @@ def newest_life(data: Path) -> tuple[float, float]:
         " where c.kind = 'claimed' order by c.seq desc limit 1",
     )
     return claimed_ns / 1e9, ended_ns / 1e9
+
+
+def newest_sent_s(log: Path, robot: str, near_s: float) -> float:
+    """Return when a gateway's log, which says it at the level debug, last sent a robot an order.
+
+    Args:
+        log: Its time of day is that of UTC.
+        robot: Its id.
+        near_s: A Unix time within half a day of it.
+    """
+    line = rf"^(\S+) debug \S+: {robot}: order \d+ is sent$"
+    found = re.findall(line, log.read_text(), re.MULTILINE)
+    hours, minutes, seconds = found[-1].split(":")
+    of_day_s = int(hours) * 3600 + int(minutes) * 60 + float(seconds)
+    return near_s + (of_day_s - near_s + DAY_S / 2) % DAY_S - DAY_S / 2
 
 
 def hop_report(title: str, hops: Mapping[str, float]) -> str:

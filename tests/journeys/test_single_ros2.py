@@ -14,14 +14,14 @@ import pytest
 
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
 from rosic.testing.ros2.environment import why_missing
-from tests.journeys.hops import hop_report, hops_of
+from tests.journeys.hops import hop_report, hops_of, newest_sent_s
 from tests.journeys.lab import Lab, lab
 from tests.journeys.ros import MOVING_M_S, Onlooker, onlooker
 from tests.journeys.running import LISTENING, ROOT, environment
 from tests.journeys.test_single import check_life, press, report
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
     from pathlib import Path
 
     from tests.journeys.running import Launcher
@@ -43,7 +43,9 @@ def _interfaces() -> None:
 
 @contextmanager
 def rosic_run(place: Lab) -> Iterator[subprocess.Popen[bytes]]:
-    """Run the real command while inside."""
+    """Run the real command while inside, with a log that says when an order is sent."""
+    config = place.config.read_text()
+    place.config.write_text(config.replace("[gateway]", '[gateway]\nlog_level = "debug"'))
     with (place.folder / "gateway.log").open("wb") as log:
         process = subprocess.Popen(  # noqa: S603 - our own command
             [sys.executable, "-m", "rosic", "run", "-c", str(place.config)],
@@ -84,8 +86,9 @@ async def test_a_message_moves_a_ros_2_robot(
                 for change in await place.control.call("changes", kinds=["said"])
                 if change["message_id"] == card["reply_to"]
             ]
-            hops = await hops_of(place, begun, card["message_id"], robot_side(looking))
+            hops = await hops_of(place, begun, card["message_id"], robot_side(place, looking))
             report(capfd, hop_report("omni move forward 0.5 m, as a message, over ROS 2", hops))
+            check_way(hops)
             assert await place.control.violations() == []
 
 
@@ -113,8 +116,9 @@ async def test_buttons_alone_move_a_ros_2_robot(
             await check_moved(place, looking, before_m)
             check_life(card)
             begun = (await place.control.call("changes", kinds=["pressed"]))[-1]
-            hops = await hops_of(place, begun, card["message_id"], robot_side(looking))
+            hops = await hops_of(place, begun, card["message_id"], robot_side(place, looking))
             report(capfd, hop_report("omni move 0.5 m, with buttons alone, over ROS 2", hops))
+            check_way(hops)
 
 
 async def is_there(place: Lab) -> None:
@@ -134,10 +138,17 @@ async def check_moved(place: Lab, looking: Onlooker, before_m: float) -> None:
     assert len(looking.robots.actuations("omni")) == 1
 
 
-def robot_side(looking: Onlooker) -> dict[str, float]:
-    """Return what the robot's side saw of the last move, in Unix seconds."""
+def check_way(hops: Mapping[str, float]) -> None:
+    """Nothing was sent before it was on disk, and nothing received before it was sent."""
+    way = ("claimed on disk", "sent to the robot", "received by the robot", "seen to move")
+    assert [hop for hop in hops if hop in way] == list(way)
+
+
+def robot_side(place: Lab, looking: Onlooker) -> dict[str, float]:
+    """Return when the last move was sent, and what the robot's side saw of it, in Unix seconds."""
     accepted_s = looking.accepted_s[-1]
     return {
+        "sent to the robot": newest_sent_s(place.folder / "gateway.log", "omni", accepted_s),
         "received by the robot": accepted_s,
         "seen to move": looking.began_to_move_s(accepted_s),
         "seen at rest": next(

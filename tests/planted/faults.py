@@ -11,6 +11,7 @@ import msgspec
 WAY = "tests/rooms/pipeline/test_way.py"
 STOPPING = "tests/rooms/pipeline/test_stopping.py"
 BUTTONS = "tests/rooms/pipeline/test_buttons.py"
+EDGES = "tests/rooms/pipeline/test_edges.py"
 GATE = "tests/core/test_gate.py"
 
 
@@ -215,10 +216,9 @@ FAULTS = (
     Fault(
         name="I7 an ending is told before it is on disk",
         file="pipeline/lives.py",
-        guard="            await self._container.conclude(order, outcome, words)\n",
+        guard="conclude(life.order, outcome, life.words, life.concluded)",
         without=(
-            "            card.end(order.cid, words)\n            self._teller.show(card)\n"
-            "            await self._container.conclude(order, outcome, words)\n"
+            "conclude(life.order, outcome, life.words, lambda: None)\n        life.concluded()"
         ),
         caught_by=(f"{WAY}::test_an_ending_is_not_told_before_it_is_on_disk",),
     ),
@@ -226,10 +226,40 @@ FAULTS = (
         name="I5 what waited over a stop moves after the resume",
         file="pipeline/way.py",
         guard=(
-            "if request.skill.actuates and inbound.received_ns <= stopped.at_ns "
-            "and not stopped.latched:"
+            "if inbound.received_ns <= stopped.at_ns and not stopped.latched "
+            "and request.skill.actuates:"
         ),
         without="if False:",
         caught_by=("tests/rooms/pipeline/test_waited.py",),
+    ),
+    Fault(
+        name="L1 a message that shows an ending is not on disk before it does",
+        file="pipeline/telling.py",
+        guard="if card.ending:",
+        without="if card.untold:",
+        caught_by=(f"{EDGES}::test_a_message_is_on_disk_before_it_shows_an_ending",),
+    ),
+    Fault(
+        name="I7 a claim that nobody carries out is left open",
+        file="container/container.py",
+        guard="                self._disown(orders)\n",
+        without="                pass\n",
+        caught_by=(
+            f"{EDGES}::test_a_claim_under_way_when_the_gateway_closes_is_known_not_to_have_moved",
+        ),
+    ),
+    Fault(
+        name="L1 an order is cut off before its first step",
+        file="pipeline/lives.py",
+        guard="(server.life.begun or self._idle(server))",
+        without="True",
+        caught_by=(f"{EDGES}::test_an_order_that_has_not_begun_when_the_gateway_closes_is_told",),
+    ),
+    Fault(
+        name="L1 a life that nobody can be told of takes room for ever",
+        file="pipeline/recovery.py",
+        guard="self._let_go(life)  # erased with its container: there is nobody to tell",
+        without="pass",
+        caught_by=(f"{EDGES}::test_a_life_that_nobody_can_be_told_of_is_closed_at_the_next_start",),
     ),
 )

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+from typing import TYPE_CHECKING
 
 import pytest
 from msgspec.structs import replace
 
 from rosic.core.gate import Gate
-from rosic.core.order import Order, Report, Stage, Stop
+from rosic.core.order import Ending, Order, Outcome, Report, Stage
 from rosic.core.robot import Busy, Link, Profile
 from rosic.core.skill import Skill
 from rosic.core.stopboard import StopBoard
@@ -20,9 +21,27 @@ from rosic.stores.latch import MemoryLatch
 from rosic.testing.clock import ManualClock, settle
 from rosic.testing.orders import OrderBook
 
+if TYPE_CHECKING:
+    from rosic.contracts.robot import Tell
+
 
 def ignore(_report: Report) -> None:
     """The reports do not matter here."""
+
+
+class Entry:
+    """An order, and what it was told."""
+
+    def __init__(self, order: Order) -> None:
+        self.order = order
+        self.said: list[Stage] = []
+        self.voided = ""
+
+    def tell(self, report: Report) -> None:
+        self.said.append(report.stage)
+
+    def void(self, refusal: OrderVoid) -> None:
+        self.voided = str(refusal)
 
 
 class Bench:
@@ -42,83 +61,83 @@ class Bench:
         self.mailbox = Mailbox(self.robot, self.clock)
         self.book = OrderBook(self.profile, self.clock)
 
-    def order(self) -> Order:
-        return self.book.order("go")
+    def entry(self) -> Entry:
+        return Entry(self.book.order("go"))
+
+    def busy(self) -> Entry:
+        """Give the robot something to do."""
+        first = self.entry()
+        assert self.mailbox.put(first)
+        return first
 
 
-async def test_a_busy_robot_refuses_and_says_what_it_does() -> None:
+def test_a_busy_robot_refuses_and_says_what_it_does() -> None:
     bench = Bench(Busy.REFUSE)
-    await bench.mailbox.turn(bench.order(), ignore)
+    bench.busy()
     with pytest.raises(RobotBusy, match="Robot R is busy: go"):
-        await bench.mailbox.turn(bench.order(), ignore)
+        bench.mailbox.put(bench.entry())
 
 
 async def test_a_queue_keeps_the_order_and_says_so() -> None:
-    bench, passed, said = Bench(Busy.QUEUE), list[int](), list[Stage]()
-    await bench.mailbox.turn(bench.order(), ignore)
-
-    async def wait(order: Order) -> None:
-        await bench.mailbox.turn(order, lambda report: said.append(report.stage))
-        passed.append(order.n)
-        bench.mailbox.leave()
-
-    tasks = [asyncio.create_task(wait(bench.order())) for _ in range(2)]
-    await settle()
-    assert said == [Stage.QUEUED, Stage.QUEUED]
-    bench.mailbox.leave()
-    await asyncio.gather(*tasks)
-    assert passed == [2, 3]
+    bench = Bench(Busy.QUEUE)
+    first = bench.busy()
+    waiting = [bench.entry(), bench.entry()]
+    assert [bench.mailbox.put(entry) for entry in waiting] == [False, False]
+    assert [entry.said for entry in (first, *waiting)] == [[], [Stage.QUEUED], [Stage.QUEUED]]
+    assert [bench.mailbox.next() for _ in range(3)] == [*waiting, None]
+    assert bench.mailbox.put(bench.entry()), "a robot that is done is free"
 
 
 async def test_a_full_queue_refuses() -> None:
     bench = Bench(Busy.QUEUE, queue_length=1)
-    await bench.mailbox.turn(bench.order(), ignore)
-    waiting = asyncio.create_task(bench.mailbox.turn(bench.order(), ignore))
-    await settle()
+    bench.busy()
+    bench.mailbox.put(bench.entry())
     with pytest.raises(RobotBusy, match="1 commands waiting"):
-        await bench.mailbox.turn(bench.order(), ignore)
-    waiting.cancel()
+        bench.mailbox.put(bench.entry())
 
 
 async def test_a_later_line_of_the_same_message_waits_whatever_the_policy() -> None:
     bench = Bench(Busy.REFUSE)
-    await bench.mailbox.turn(bench.order(), ignore)
-    waiting = asyncio.create_task(bench.mailbox.turn(replace(bench.order(), sequel=True), ignore))
-    await settle()
-    bench.mailbox.leave()
-    await asyncio.wait_for(waiting, 1)
+    bench.busy()
+    later = bench.entry()
+    later.order = replace(later.order, sequel=True)
+    bench.mailbox.put(later)
+    assert bench.mailbox.next() is later
 
 
 async def test_what_waits_too_long_is_told_when_it_happens() -> None:
     bench = Bench(Busy.QUEUE)
-    await bench.mailbox.turn(bench.order(), ignore)
-    waiting = asyncio.create_task(bench.mailbox.turn(bench.order(), ignore))
+    bench.busy()
+    waiting = bench.entry()
+    bench.mailbox.put(waiting)
     await bench.clock.advance(4.9)
-    assert not waiting.done()
+    early = waiting.voided
     await bench.clock.advance(0.2)
-    with pytest.raises(OrderVoid, match="Robot R was busy for too long"):
-        await waiting
+    late = waiting.voided
+    assert (early, late) == ("", "Robot R was busy for too long. This was not done.")
+    assert bench.mailbox.next() is None
 
 
-async def test_a_stop_voids_what_waits() -> None:
+async def test_a_stop_voids_what_waits_and_nothing_that_came_later() -> None:
     bench = Bench(Busy.QUEUE)
-    await bench.mailbox.turn(bench.order(), ignore)
-    waiting = asyncio.create_task(bench.mailbox.turn(bench.order(), ignore))
-    await settle()
-    bench.mailbox.clear()
-    with pytest.raises(OrderVoid, match="Robot R was stopped"):
-        await waiting
+    bench.busy()
+    before, later = bench.entry(), bench.entry()
+    later.order = replace(later.order, permit=replace(later.order.permit, stop_generation=1))
+    bench.mailbox.put(before)
+    bench.mailbox.put(later)
+    bench.mailbox.clear(1)
+    assert (before.voided, later.voided) == ("Robot R was stopped before this could begin.", "")
+    assert bench.mailbox.next() is later
 
 
-async def test_a_waiting_order_that_is_cancelled_gives_its_turn_on() -> None:
-    bench = Bench(Busy.QUEUE)
-    await bench.mailbox.turn(bench.order(), ignore)
-    first = asyncio.create_task(bench.mailbox.turn(bench.order(), ignore))
-    second = asyncio.create_task(bench.mailbox.turn(bench.order(), ignore))
-    await settle()
-    bench.mailbox.leave()
-    first.cancel()
-    await asyncio.wait_for(second, 1)
+async def test_of_orders_that_replace_each_other_only_the_newest_waits() -> None:
+    bench = Bench(Busy.REPLACE)
+    bench.busy()
+    second, third = bench.entry(), bench.entry()
+    bench.mailbox.put(second)
+    bench.mailbox.put(third)
+    assert second.voided == "A later command took its place. This was not done."
+    assert bench.mailbox.next() is third
 
 
 class LinkerBench(Bench):
@@ -130,6 +149,9 @@ class LinkerBench(Bench):
         self.latch = MemoryLatch()
         self.linker = Linker({"r": self.robot}, self.board, self.latch, self.clock)
         self.linker.epoch = 1
+
+    def order(self) -> Order:
+        return self.book.order("go")
 
 
 async def test_an_order_admitted_under_another_policy_is_not_relayed() -> None:
@@ -143,22 +165,54 @@ async def test_an_order_admitted_under_another_policy_is_not_relayed() -> None:
 async def test_a_replacing_order_ends_the_one_under_way() -> None:
     bench = LinkerBench(Busy.REPLACE)
     bench.robot.work_s = 60.0
+    first, second = bench.entry(), bench.entry()
+    assert bench.linker.put(first)
+    running = asyncio.create_task(bench.linker.dispatch(first.order, ignore))
+    await settle()
+    assert not bench.linker.put(second)
+    outcome = await asyncio.wait_for(running, 1)
+    assert (outcome.ending, outcome.note) == (
+        Ending.CANCELLED, "a later command took its place",
+    )  # fmt: skip
+    assert bench.linker.next("r") is second
 
-    async def live(order: Order) -> None:
-        await bench.linker.turn(order, ignore)
+
+class ComesToRestSlowly(MemoryRobot):
+    """Counts how often its coming to rest was cut short."""
+
+    cut_short = 0
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        del order, tell
         try:
-            await bench.linker.dispatch(order, ignore)
-        finally:
-            bench.linker.leave(order)
+            await asyncio.Event().wait()
+        except asyncio.CancelledError:
+            try:
+                await self._clock.sleep(1.0)
+            except asyncio.CancelledError:
+                self.cut_short += 1
+            raise
+        raise AssertionError("nothing ever happens")
 
-    first = asyncio.create_task(live(bench.order()))
+
+async def test_what_was_replaced_comes_to_rest_though_the_gateway_closes() -> None:
+    bench = LinkerBench(Busy.REPLACE)
+    robot = ComesToRestSlowly(bench.profile, Gate("r"), bench.clock)
+    linker = Linker({"r": robot}, bench.board, bench.latch, bench.clock)
+    linker.epoch = 1
+    first = bench.entry()
+    linker.put(first)
+    running = asyncio.create_task(linker.dispatch(first.order, ignore))
     await settle()
-    second = asyncio.create_task(live(bench.order()))
+    linker.put(bench.entry())
     await settle()
-    assert first.done()
-    assert bench.robot.acted[-1] == 2
-    await bench.robot.stop(Stop("r", 1))
-    await asyncio.wait_for(second, 1)
+    running.cancel()
+    await settle()
+    assert not running.done(), "it is not at rest yet"
+    await bench.clock.advance(1.0)
+    with pytest.raises(asyncio.CancelledError):
+        await asyncio.wait_for(running, 1)
+    assert robot.cut_short == 0
 
 
 async def test_a_stop_is_handed_over_before_it_is_written() -> None:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable
+    from collections.abc import Awaitable, Sequence
 
     from rosic.app.gateway import Gateway
 
@@ -22,14 +22,44 @@ log = logging.getLogger("rosic.gateway")
 async def close_in_time(gateway: Gateway, seconds: float = CLOSE_WITHIN_S) -> None:
     """Close a gateway; what is not closed in time is left to the record, which is on disk.
 
-    Its orders read "unknown" then, and the next start holds their robots.
+    Its orders read "unknown" then. A robot that is not at rest by then has been told to come to
+    rest all the while; it is latched, so that the next start moves it for nobody before a resume.
     """
     task = asyncio.ensure_future(_quietly(gateway.close()))
     done, _ = await asyncio.wait((task,), timeout=seconds)
     if not done:
-        log.error("not everything came to rest in time; the next start says what is unknown")
+        log.warning("%s", await _leave(gateway))
         logging.shutdown()
         os._exit(0)
+
+
+async def _leave(gateway: Gateway) -> str:
+    """Hold what is not at rest. Return what to say of it."""
+    left = gateway.not_at_rest()
+    if not left:
+        return "Not everything could be closed in time; the next start says what is unknown."
+    kept = await gateway.hold([profile.id for profile in left])
+    return left_behind([profile.shown for profile in left], kept=kept)
+
+
+def left_behind(shown: Sequence[str], *, kept: bool) -> str:
+    """Return what is said of robots that were not at rest when time was over.
+
+    Args:
+        shown: Their names; at least one.
+        kept: Whether it is on disk that they are held.
+    """
+    names = " and ".join(filter(None, (", ".join(shown[:-1]), shown[-1])))
+    one = len(shown) == 1
+    if one:
+        what = "is still coming to rest, as it was told"
+        then = "stays stopped until somebody resumes it"
+    else:
+        what = "are still coming to rest, as they were told"
+        then = "stay stopped until somebody resumes them"
+    if not kept:
+        then = "this could not be written down: after a restart, look before you move anything"
+    return f"{names} {what}, and {then}."
 
 
 async def _quietly(closing: Awaitable[None]) -> None:

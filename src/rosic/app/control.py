@@ -32,6 +32,7 @@ ANSWER_BYTES = 1_048_576
 CONNECTIONS_AT_MOST = 256
 AT_ONCE = 16  # a stop is not counted
 ASK_WITHIN_S = 5.0
+READ_WITHIN_S = 5.0
 ANSWER_WITHIN_S = 60.0
 
 log = logging.getLogger("rosic.control")
@@ -103,12 +104,21 @@ class ControlServer:
 
     Args:
         own_uid: Whose requests are answered besides root's; None takes this process's user.
+        read_within_s: Whoever has not read an answer by then is hung up on.
     """
 
-    def __init__(self, data: Path, operating: Operating, *, own_uid: int | None = None) -> None:
+    def __init__(
+        self,
+        data: Path,
+        operating: Operating,
+        *,
+        own_uid: int | None = None,
+        read_within_s: float = READ_WITHIN_S,
+    ) -> None:
         self._path = socket_path(data)
         self._operating = operating
         self._own_uid = os.geteuid() if own_uid is None else own_uid
+        self._read_within_s = read_within_s
         self._server: asyncio.Server | None = None
         self._answering: set[asyncio.Task[None]] = set()
         self._following = 0
@@ -164,15 +174,21 @@ class ControlServer:
         task = asyncio.current_task()
         if task is not None:
             self._answering.add(task)
+        writer.transport.set_write_buffer_limits(0)  # drained is what has left this process
         try:
             uid = peer_uid(writer.get_extra_info("socket"))
             if uid not in (self._own_uid, 0):
                 log.warning("user %d was turned away from the control socket", uid)
             elif len(self._answering) <= CONNECTIONS_AT_MOST:
                 await self._answer(reader, writer)
-            await asyncio.wait_for(writer.drain(), ASK_WITHIN_S)
+            await self._read(writer)
         except (OSError, TimeoutError):
-            pass  # whoever asked has gone
+            # Whoever asked has gone, or does not read: closing would wait for them.
+            writer.transport.abort()
+        except asyncio.CancelledError:
+            writer.transport.abort()
+            if self._server is not None:
+                raise  # else it was `close`, and asyncio would log this as an error
         finally:
             writer.close()
             if task is not None:
@@ -192,7 +208,7 @@ class ControlServer:
         try:
             async for text in self._follow(ask):
                 writer.write(_line(Answer(text, more=True)))
-                await writer.drain()
+                await self._read(writer)
             writer.write(_line(Answer("")))
         except RosicError as error:
             writer.write(_line(Answer(str(error), good=False)))
@@ -203,6 +219,15 @@ class ControlServer:
             writer.write(_line(Answer("Something went wrong; the log says what.", good=False)))
         finally:
             self._following -= 1
+
+    async def _read(self, writer: asyncio.StreamWriter) -> None:
+        """Wait until the other end has taken what was written.
+
+        Raises:
+            TimeoutError: It does not read.
+            OSError: It has gone.
+        """
+        await asyncio.wait_for(writer.drain(), self._read_within_s)
 
     async def _follow(self, ask: Ask) -> AsyncIterator[str]:
         operating = self._operating
@@ -245,9 +270,9 @@ async def ask_gateway(data: Path, ask: Ask) -> AsyncIterator[Answer]:
     except OSError as error:
         raise Fault(f"The gateway cannot be asked ({error.strerror}).") from error
     try:
-        writer.write(_encode(ask) + b"\n")
-        await writer.drain()
         async with asyncio.timeout(ANSWER_WITHIN_S):
+            writer.write(_encode(ask) + b"\n")
+            await writer.drain()
             while line := await reader.readline():
                 answer = _decode_answer(line)
                 if answer.text:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -45,8 +45,10 @@ log = logging.getLogger("rosic.gateway")
 
 # How long telling may take at the end: all of it is over before a signal's 5 s are.
 FLUSH_S = 2.0
+DEAF_WITHIN_S = 1.5
 FLUSH_AT_LEAST_S = 0.2
 TOLD_BY_S = 3.8
+HOLD_WITHIN_S = 0.3
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):
@@ -201,7 +203,8 @@ class Gateway:
     async def _fall_deaf(self) -> None:
         for task in self._listening:
             task.cancel()
-        await asyncio.gather(*self._listening, return_exceptions=True)
+        if self._listening:  # a claim on its way to the disk is waited for, within bounds
+            await asyncio.wait(self._listening, timeout=DEAF_WITHIN_S)
         self._listening = []
 
     async def revoke(self, principal: PrincipalId, by: PrincipalId) -> bool:
@@ -256,10 +259,26 @@ class Gateway:
         ending = asyncio.create_task(self._end_lives(begun_ns))
         await asyncio.sleep(0)  # from here on no order begins
         idle = self._idle()
-        await asyncio.gather(ending, *(robot.close() for robot in idle))
-        await asyncio.gather(*(robot.close() for robot in self._opened if robot not in idle))
-        self._opened = []
+        await asyncio.gather(ending, *map(self._part, idle))
+        await asyncio.gather(*map(self._part, tuple(self._opened)))
         await self._parts.store.close()
+
+    async def _part(self, robot: Robot) -> None:
+        await robot.close()
+        self._opened.remove(robot)
+
+    def not_at_rest(self) -> list[Profile]:
+        """Return whose adapter is not closed yet and has not measured rest."""
+        return [r.profile for r in self._opened if r.presence().at_rest is not True]
+
+    async def hold(self, robots: Sequence[RobotId]) -> bool:
+        """Latch robots that could not be waited for. Return whether the latch is on disk."""
+        linker, latch = self.rooms.linker, self._parts.latch
+        held = [(robot, linker.hold(robot)) for robot in robots]
+        keeping = [asyncio.ensure_future(latch.write(r, n, latched=True)) for r, n in held]
+        if keeping:
+            await asyncio.wait(keeping, timeout=HOLD_WITHIN_S)
+        return all(k.done() and not k.cancelled() and k.exception() is None for k in keeping)
 
     async def _end_lives(self, begun_ns: int) -> None:
         """End what is under way, and tell it in what is left of the time since ``begun_ns``."""

@@ -24,7 +24,7 @@ class OneLine(logging.Formatter):
     Args:
         face: Shows the time of day.
         secrets: Never shown, whoever logs them.
-        traces: Show whole traces too, on lines of their own; for finding faults.
+        traces: Show whole traces too, on lines of their own, and microseconds; for finding faults.
     """
 
     def __init__(self, face: Face, secrets: Iterable[Secret] = (), *, traces: bool = False) -> None:
@@ -36,6 +36,8 @@ class OneLine(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         """Return the line."""
         time = self._face(int(record.created * 1e9))
+        if self._traces:
+            time += f".{int(record.created * 1e6) % 1_000_000:06}"
         said = " ".join(record.getMessage().split())
         line = f"{time} {record.levelname.lower()} {record.name}: {said}"
         error = record.exc_info[1] if record.exc_info else None

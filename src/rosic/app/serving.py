@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
 
 CHECK_WITHIN_S = 5.0
+CLOSE_AT_LEAST_S = 0.5
 
 log = logging.getLogger("rosic.gateway")
 
@@ -46,6 +47,7 @@ class Serving:
         self._clock = clock
         self._begun_ns = begun_ns
         self._ended = asyncio.Event()
+        self._ended_ns = 0
         socket_path(config.data)
         self._latch = latch_of(config)
         self._parts: Parts = parts_of(config, self._latch, clock, entropy)
@@ -59,15 +61,28 @@ class Serving:
                 closed again, robots are at rest.
         """
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-            asyncio.get_running_loop().add_signal_handler(number, self._ended.set)
+            asyncio.get_running_loop().add_signal_handler(number, self._end)
         try:
             if await self._open():
                 try:
                     await self._serve()
                 finally:
-                    await close_in_time(self._gateway)
+                    await close_in_time(self._gateway, self._left_s())
         finally:
             await self._latch.close()
+
+    def _end(self) -> None:
+        """Begin to end; a signal that is repeated gives no more time."""
+        if not self._ended.is_set():
+            self._ended_ns = self._clock.monotonic_ns()
+            self._ended.set()
+
+    def _left_s(self) -> float:
+        """Return what is left of the time for closing since the signal, if there was one."""
+        if not self._ended.is_set():
+            return CLOSE_WITHIN_S
+        past_s = (self._clock.monotonic_ns() - self._ended_ns) / 1e9
+        return max(CLOSE_AT_LEAST_S, CLOSE_WITHIN_S - past_s)
 
     async def _open(self) -> bool:
         """Open the gateway, unless a signal comes first. Return whether it is open."""

@@ -18,7 +18,16 @@ def _pipeline(quick: bool) -> Report:
     return measure(quick=quick)
 
 
-BENCHES: dict[str, Callable[[bool], Report]] = {"pipeline": _pipeline}
+def _stop(quick: bool) -> Report:
+    from rosic.bench.stop import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick)
+
+
+BENCHES: dict[str, Callable[[bool], Report]] = {
+    "pipeline": _pipeline,
+    "stop": _stop,
+}
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import gc
 import tempfile
+from functools import cache
 from itertools import count, cycle
 from pathlib import Path
 from time import perf_counter_ns
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app import heap
+from rosic.app import heap, loop
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.people import Seed
@@ -49,7 +50,8 @@ METHOD = (
     "then the lease passes to the next. {robots} robots in memory, {runs} runs, median. A skill is "
     "asked for in the same words each time, and what was read before is remembered, but for the "
     "case that says otherwise. "
-    "The sending side runs in the same process and thread and is part of the time."
+    "The sending side runs in the same process and thread and is part of the time. Event loop: "
+    "{loop}."
 )
 
 
@@ -119,9 +121,9 @@ def measure(*, quick: bool = False) -> Report:
         for load in CASES:
             if quick:
                 load = msgspec.structs.replace(load, orders=max(500, load.orders // 10))  # noqa: PLW2901
-            seen[load.name].append(asyncio.run(_run(load)))
+            seen[load.name].append(loop.run(_run(load)))
     cases: tuple[Case, ...] = tuple(case_of(name, found) for name, found in seen.items())
-    method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs)
+    method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs, loop=loop.name())
     return Report(machine=machine(), method=method, cases=cases)
 
 
@@ -191,12 +193,17 @@ async def _drive(
 CLOCK = SystemClock()
 
 
+@cache
+def _whereabouts(person: int) -> tuple[Address, Chat]:
+    return Address("bench", str(person)), Chat("bench", str(person))
+
+
 def _inbound(robot: int, person: int, number: int, asked: str) -> Inbound:
     now_ns = CLOCK.wall_ns()
-    who = str(person)
+    sender, chat = _whereabouts(person)
     return Inbound(
-        sender=Address("bench", who),
-        chat=Chat("bench", who),
+        sender=sender,
+        chat=chat,
         message=str(number),
         text=f"robot{robot} {asked} m forward",
         sent_ns=now_ns,

@@ -18,7 +18,7 @@ class Case(msgspec.Struct, frozen=True, kw_only=True):
     """One measured case; the median of its runs.
 
     Attributes:
-        p50_us, p99_us: From handing the message over until its author is told that it is done.
+        rate_per_s, p50_us, p99_us: Of what, the report's method says.
     """
 
     name: str

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import asyncio
 import sys
 from typing import TYPE_CHECKING
 
+from rosic.app import loop
 from rosic.app.config import Config, load_config
 from rosic.app.face import face_of
 from rosic.app.logs import log_to_standard_error
@@ -36,7 +36,7 @@ def run(arguments: Sequence[str]) -> int:
     config = load_config(options.config)
     log_to_standard_error(config.log_level.value, face_of(), secrets_of(config))
     try:
-        asyncio.run(_serve(config))
+        loop.run(_serve(config))
     except RosicError as error:
         print(f"rosic: {error}", file=sys.stderr)
         return 1

@@ -6,6 +6,7 @@ may anything move (I1, I9).
 
 from __future__ import annotations
 
+import asyncio
 from collections import OrderedDict
 from hashlib import blake2b
 from typing import TYPE_CHECKING
@@ -15,7 +16,7 @@ import msgspec
 from rosic.container import letters
 from rosic.container.unit import PersonContainer, RobotContainer
 from rosic.core.language import bind, show
-from rosic.core.order import Order, Outcome, Permit, Request, Spoken
+from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Permit, Request, Spoken
 from rosic.core.record import (
     Claimed,
     Concluded,
@@ -30,7 +31,7 @@ from rosic.core.skill import Argument
 from rosic.errors import RecordUnavailable, Refusal, Repeated, StoreFault
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
@@ -110,31 +111,44 @@ class Containers:
             Repeated: This message was claimed or refused before. Nothing was written.
             RecordUnavailable: The record cannot be written; nothing may move.
         """
-        if any(request.cid in self._unwritten for request in requests):
-            raise Repeated("This was already refused.")
-        completed = [self.complete(request) for request in requests]
         letter = Letter(permits[0].principal, letters.encode(reply_to))
         accepted_ns = self._clock.wall_ns()
         orders: list[Order] = []
         claims: list[Claimed] = []
-        for permit, request, values in zip(permits, requests, completed, strict=True):
-            robot = request.robot
-            n = self._robots[robot].next_number()
+        for permit, request in zip(permits, requests, strict=True):
+            if request.cid in self._unwritten:
+                raise Repeated("This was already refused.")
+            values = self.complete(request)
+            n = self._robots[request.robot].next_number()
             orders.append(
                 Order(
-                    request.cid, robot, request.skill, values.arguments, n, request.deadline_ns,
-                    permit, start_ns, request.sequel, values.words,
+                    request.cid, request.robot, request.skill, values.arguments, n,
+                    request.deadline_ns, permit, start_ns, request.sequel, values.words,
                 )
             )  # fmt: skip
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))
         try:
             await self._store.write(*claims)
+        except asyncio.CancelledError as cancelled:
+            if cancelled.__cause__ is None:  # claimed, and nobody is left to carry it out
+                self._disown(orders)
+            raise
         except StoreFault as fault:
             raise RecordUnavailable(
                 "I cannot write down what is decided, so nothing may move. Stop still works. "
                 "The operator has to look at the disk."
             ) from fault
         return tuple(orders)
+
+    def _disown(self, orders: Sequence[Order]) -> None:
+        at_ns = self._clock.wall_ns()
+        for order in orders:
+            letter = Letter(order.permit.principal, NEVER_BEGUN.encode())
+            self._store.note(
+                Concluded(
+                    cid=order.cid, ending=Ending.REFUSED.value, at_ns=at_ns, letter=letter
+                )
+            )  # fmt: skip
 
     async def refuse(
         self, cid: bytes, caller: Caller, refusal: Refusal, answer: letters.Answer
@@ -157,27 +171,26 @@ class Containers:
             if len(self._unwritten) > UNWRITTEN_KEPT:
                 self._unwritten.popitem(last=False)
 
-    async def conclude(self, order: Order, outcome: Outcome, words: str) -> bool:
-        """Write an outcome down before it is told. Return whether it is on disk."""
-        concluded = Concluded(
-            cid=order.cid, ending=outcome.ending.value, at_ns=self._clock.wall_ns(),
-            letter=Letter(order.permit.principal, words.encode("utf-8", "replace")),
-        )  # fmt: skip
-        try:
-            await self._store.write(concluded)
-        except StoreFault:
-            self._store.note(concluded)  # as soon as it can be: before it counts as told
-            return False
-        return True
+    def conclude(
+        self, order: Order, outcome: Outcome, words: str, then: Callable[[], None]
+    ) -> None:
+        """Write an outcome down; then, whether it is on disk or cannot be, call ``then``."""
+        letter = Letter(order.permit.principal, words.encode("utf-8", "replace"))
+        at_ns = self._clock.wall_ns()
+        self._store.keep(
+            Concluded(cid=order.cid, ending=outcome.ending.value, at_ns=at_ns, letter=letter), then
+        )
 
-    async def place(self, cid: bytes, principal: PrincipalId, shown: letters.Shown) -> None:
-        """Write down which message shows a life, before that message says how it ended."""
+    async def place(self, cids: Sequence[bytes], principal: PrincipalId, message: str) -> None:
+        """Write down which message shows some lives, before that message says how one ended."""
         try:
-            await self._store.write(
-                Placed(cid=cid, letter=Letter(principal, letters.encode(shown)))
-            )
+            await self._store.write(*_placed(cids, principal, message))
         except StoreFault:
             return  # a later run would say it in a new message
+
+    def note_place(self, cids: Sequence[bytes], principal: PrincipalId, message: str) -> None:
+        """Write it down before whatever is written later: before how any of them ends."""
+        self._store.note(*_placed(cids, principal, message))
 
     async def resume(self, cid: bytes, caller: Caller, robot: RobotId, generation: int) -> None:
         """Write a resume down before its effect.
@@ -201,7 +214,10 @@ class Containers:
     def told(self, *cids: bytes) -> None:
         """Note that the author knows how these ended; all of them, or none, is on disk."""
         at_ns = self._clock.wall_ns()
-        self._store.note(*[Told(cid=cid, at_ns=at_ns) for cid in cids])
+        if len(cids) == 1:
+            self._store.note(Told(cids[0], at_ns))
+        else:
+            self._store.note(*[Told(cid, at_ns) for cid in cids])
 
     def selected(self, principal: PrincipalId, chat: Chat) -> str:
         """Return the robot or group that a person chose in a chat, empty for none."""
@@ -232,6 +248,11 @@ def chat_digest(chat: Chat) -> bytes:
     return blake2b(f"{chat.platform}:{chat.id}".encode(), digest_size=DIGEST_BYTES).digest()
 
 
+def _placed(cids: Sequence[bytes], principal: PrincipalId, message: str) -> list[Placed]:
+    letter = Letter(principal, message.encode("utf-8", "replace"))
+    return [Placed(cid=cid, letter=letter) for cid in cids]
+
+
 def _claim(
     request: Request, permit: Permit, n: int, digest: bytes, accepted_ns: int, letter: Letter
 ) -> Claimed:
@@ -240,6 +261,6 @@ def _claim(
         cid=request.cid, principal=permit.principal, key=permit.key, robot=request.robot,
         skill=skill.id, n=n, fence=permit.fence, new_fence=permit.new_fence,
         stop_generation=permit.stop_generation, epoch=permit.epoch, digest=digest,
-        accepted_ns=accepted_ns, expires_ns=request.sent_ns + int(skill.order_lifetime_s * 1e9),
+        accepted_ns=accepted_ns, expires_ns=request.sent_ns + skill.order_lifetime_ns,
         letter=letter,
     )  # fmt: skip

@@ -7,7 +7,7 @@ import msgspec
 from rosic.core.message import Chat
 
 
-class ReplyTo(msgspec.Struct, frozen=True):
+class ReplyTo(msgspec.Struct, frozen=True, gc=False, array_like=True):
     """Where a request came from and how its life is shown.
 
     Attributes:
@@ -31,15 +31,6 @@ class Answer(msgspec.Struct, frozen=True):
     text: str
 
 
-class Shown(msgspec.Struct, frozen=True):
-    """The message in which a life is shown."""
-
-    messenger: str
-    chat: Chat
-    message: str
-
-
 encode = msgspec.msgpack.Encoder().encode
 read_reply_to = msgspec.msgpack.Decoder(ReplyTo).decode
 read_answer = msgspec.msgpack.Decoder(Answer).decode
-read_shown = msgspec.msgpack.Decoder(Shown).decode

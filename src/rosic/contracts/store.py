@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.core.record import Memory, Record
     from rosic.core.robot import RobotId
 
@@ -33,6 +35,17 @@ class Store(Protocol):
                 records was written; others written at the same time are not affected.
             StoreFault: Not written, and never will be by itself. Writing works again as soon
                 as the cause is gone.
+
+        Cancelling the call does not call it back: the cancellation leaves when it is known what
+        was written, with the error as its cause if nothing was.
+        """
+        ...
+
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        """Write soon, in order, without waiting; call ``then`` on the event loop afterwards.
+
+        What cannot be written is kept as a note is, and ``then`` is called all the same: once, in
+        any case, though perhaps before this returns. Never raises.
         """
         ...
 

@@ -87,7 +87,7 @@ class Policy:
         epoch: Grows with every replacement.
     """
 
-    __slots__ = ("_holders", "_rights", "_roles", "_visible", "epoch")
+    __slots__ = ("_holders", "_may", "_rights", "_visible", "epoch")
 
     def __init__(
         self,
@@ -100,22 +100,24 @@ class Policy:
         self.epoch = epoch
         self._rights = {role.name: rights_of(role.scopes, skills) for role in roles}
         # People with the same roles share one entry: what they may, and what they see.
-        tables = {
-            names: tuple(self._rights[name] for name in names if name in self._rights)
-            for names in set(people.values())
-        }
-        seen = {names: frozenset().union(*found) for names, found in tables.items()}
-        self._roles = {principal: tables[names] for principal, names in people.items()}
+        tables = {names: self._joined(names) for names in set(people.values())}
+        seen = {names: frozenset(table) for names, table in tables.items()}
+        self._may = {principal: tables[names] for principal, names in people.items()}
         self._visible = {principal: seen[names] for principal, names in people.items()}
         self._holders = dict(people)
 
+    def _joined(self, names: tuple[str, ...]) -> dict[RobotId, frozenset[str]]:
+        """Return what several roles give together; a name that is no role gives nothing."""
+        joined: dict[RobotId, frozenset[str]] = {}
+        for name in names:
+            for robot, skills in self._rights.get(name, {}).items():
+                joined[robot] = joined.get(robot, frozenset()) | skills
+        return joined
+
     def allows(self, principal: PrincipalId, robot: RobotId, skill: str) -> bool:
         """Whether any role of the principal gives ``robot:skill``."""
-        for rights in self._roles.get(principal, ()):
-            allowed = rights.get(robot)
-            if allowed is not None and skill in allowed:
-                return True
-        return False
+        rights = self._may.get(principal)
+        return rights is not None and skill in rights.get(robot, ())
 
     def visible(self, principal: PrincipalId) -> frozenset[RobotId]:
         """Return the robots that the principal may see, and therefore stop."""

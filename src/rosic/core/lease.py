@@ -36,7 +36,8 @@ class Lease:
 
         The caller has checked that nobody else holds it.
         """
-        grew = self.holder_at(now_ns, idle_ns) != principal
+        lapsed = not self.active and now_ns - self.idle_since_ns >= idle_ns
+        grew = lapsed or self.holder != principal
         if grew:
             self.fence += 1
             self.holder = principal

@@ -34,13 +34,15 @@ class Life:
         title: ``omni: move, 0.50 m left``.
     """
 
-    __slots__ = ("_ending", "_face", "_fraction", "_note", "_stage", "_steps", "title", "where")
+    __slots__ = (
+        "_accepted_ns", "_ending", "_face", "_fraction", "_note", "_steps", "title", "where",
+    )  # fmt: skip
 
-    def __init__(self, where: str, title: str, face: Face) -> None:
+    def __init__(self, where: str, title: str, face: Face, at_ns: int) -> None:
         self.where = where
         self.title = title
         self._face = face
-        self._stage: Stage | None = None
+        self._accepted_ns = at_ns
         self._steps = ""
         self._fraction: float | None = None
         self._note = ""
@@ -51,10 +53,7 @@ class Life:
         stage = report.stage
         if stage is not Stage.RUNNING:
             word = f"{STEP[stage]} {self._face(at_ns)}"
-            # That it was accepted says nothing more once it was sent.
-            first = self._stage is None or self._stage is Stage.ACCEPTED
-            self._steps = word if first else f"{self._steps} · {word}"
-            self._stage = stage
+            self._steps = f"{self._steps} · {word}" if self._steps else word
             return True
         news = report.note != self._note or self._fraction is None
         self._note = report.note
@@ -79,10 +78,12 @@ class Life:
 
     def text(self, *, ending: bool = True) -> str:
         """Return the whole life as one message, with or without how it ended."""
-        begun = f"{self.title}\n{self._steps}"
+        # That it was accepted says nothing more once it was sent.
+        steps = self._steps or f"{STEP[Stage.ACCEPTED]} {self._face(self._accepted_ns)}"
+        begun = f"{self.title}\n{steps}"
         if self._ending:
             return f"{begun}\n{self._ending}" if ending else begun
-        progress = self.progress()
+        progress = self.progress() if self._note or self._fraction is not None else ""
         return f"{begun} · {progress}" if progress else begun
 
     def line(self, report: Report) -> str:

@@ -25,7 +25,7 @@ class Spoken(msgspec.Struct, frozen=True, gc=False):
     word: str
 
 
-class Request(msgspec.Struct, frozen=True, gc=False, kw_only=True):
+class Request(msgspec.Struct, frozen=True, gc=False):
     """What a person asked of one robot.
 
     Attributes:
@@ -149,6 +149,9 @@ class Outcome(msgspec.Struct, frozen=True):
     note: str = ""
     facts: dict[str, float] = {}
     code: str = ""
+
+
+NEVER_BEGUN = "ROSIC was shut down before this could begin. Nothing was done."
 
 
 class Stop(msgspec.Struct, frozen=True, gc=False):

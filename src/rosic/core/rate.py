@@ -36,7 +36,8 @@ class Bucket:
         limit = self.limit
         elapsed_s = (now_ns - self._filled_ns) / 1e9
         if elapsed_s > 0:
-            self._tokens = min(limit.burst, self._tokens + elapsed_s * limit.per_s)
+            tokens = self._tokens + elapsed_s * limit.per_s
+            self._tokens = tokens if tokens < limit.burst else limit.burst  # noqa: FURB136
             self._filled_ns = now_ns
         if self._tokens >= cost:
             self._tokens -= cost

@@ -75,7 +75,7 @@ class Placed(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
     letter: Letter
 
 
-class Told(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
+class Told(msgspec.Struct, frozen=True, gc=False, tag=True):
     """The end of a life was told to its author."""
 
     cid: CommandId
@@ -147,6 +147,41 @@ class Seeded(msgspec.Struct, frozen=True, kw_only=True, tag=True):
     principal: PrincipalId
 
 
+class Fact(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
+    """Something that is so from now on, until another fact of the same kind and key replaces it.
+
+    What the rooms know besides commands: slots, invitations, grants, preferences. The store keeps
+    the newest of each kind and key and asks nothing about what it says.
+
+    Attributes:
+        kind: Which room keeps it, and how ``body`` is read: ``slot``, ``invitation``.
+        key: Unique among its kind.
+        body: In the open: ids, numbers and digests only. Empty: it is not so any more.
+        letter: What can name a person or repeat their words.
+    """
+
+    kind: str
+    key: str
+    body: bytes
+    letter: Letter | None = None
+
+
+class Decided(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
+    """An administrative act: who let it happen, and about whom. Durable before its effect.
+
+    Attributes:
+        act: ``invite``, ``enrol``, ``lock``, ``book``.
+        about: Id of the principal, robot, key or fact that it is about.
+        digest: Of what was decided.
+    """
+
+    act: str
+    by: PrincipalId
+    about: str
+    at_ns: int
+    digest: bytes = b""
+
+
 Record: TypeAlias = (
     Claimed
     | Refused
@@ -160,6 +195,8 @@ Record: TypeAlias = (
     | KeyRevoked
     | Selected
     | Seeded
+    | Fact
+    | Decided
 )
 
 
@@ -196,6 +233,7 @@ class Memory(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         numbers: Robot to its highest order number and its fence (I13).
         generations: Robot to its highest recorded stop generation.
+        facts: Kind to what is so, in the order in which it was first written.
     """
 
     enrolled: tuple[Enrolled, ...] = ()
@@ -205,3 +243,4 @@ class Memory(msgspec.Struct, frozen=True, kw_only=True):
     numbers: dict[RobotId, tuple[int, int]] = {}
     generations: dict[RobotId, int] = {}
     unfinished: tuple[Unfinished, ...] = ()
+    facts: dict[str, tuple[Fact, ...]] = {}

@@ -29,6 +29,8 @@ class SkillClass(enum.Enum):
 MOTION_LIFETIME_S = 5.0
 LIFETIME_S = 30.0
 LIFETIME_MAX_S = 3600.0
+MOTION_LIFETIME_NS = int(MOTION_LIFETIME_S * 1e9)
+LIFETIME_NS = int(LIFETIME_S * 1e9)
 
 
 class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -153,11 +155,11 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
             raise ValueError("stop is not a skill: every robot has one")
 
     @property
-    def order_lifetime_s(self) -> float:
-        """Seconds from the person's sending to the robot's receiving."""
+    def order_lifetime_ns(self) -> int:
+        """Nanoseconds from the person's sending to the robot's receiving."""
         if self.lifetime_s is not None:
-            return self.lifetime_s
-        return MOTION_LIFETIME_S if self.kind is SkillClass.MOTION else LIFETIME_S
+            return int(self.lifetime_s * 1e9)
+        return MOTION_LIFETIME_NS if self.kind is SkillClass.MOTION else LIFETIME_NS
 
     @property
     def actuates(self) -> bool:

@@ -27,23 +27,17 @@ class Stopped:
         self.at_ns = 0
 
 
-class StopBoard:
-    """Every robot's entry."""
+class StopBoard(dict["RobotId", Stopped]):
+    """Every robot's entry; read for every order, so that it is a plain table."""
 
     def __init__(self, robots: Iterable[RobotId], found: dict[RobotId, tuple[int, bool]]) -> None:
-        self._entries = {
-            robot: Stopped(found[robot][0], latched=found[robot][1])
-            if robot in found
-            else Stopped(0, latched=False)
-            for robot in robots
-        }
-
-    def __getitem__(self, robot: RobotId) -> Stopped:
-        return self._entries[robot]
+        for robot in robots:
+            generation, latched = found.get(robot, (0, False))
+            self[robot] = Stopped(generation, latched=latched)
 
     def stop(self, robot: RobotId, by: PrincipalId, at_ns: int) -> int:
         """Latch and return the new generation."""
-        entry = self._entries[robot]
+        entry = self[robot]
         entry.generation += 1
         entry.latched = True
         entry.by = by
@@ -52,10 +46,10 @@ class StopBoard:
 
     def resume(self, robot: RobotId, generation: int) -> None:
         """Unlatch, if no later stop has come meanwhile."""
-        entry = self._entries[robot]
+        entry = self[robot]
         if entry.generation == generation:
             entry.latched = False
 
     def latched(self) -> tuple[RobotId, ...]:
         """Return the robots that are stopped."""
-        return tuple(robot for robot, entry in self._entries.items() if entry.latched)
+        return tuple(robot for robot, entry in self.items() if entry.latched)

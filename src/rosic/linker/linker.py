@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot import Busy, Presence, Profile, RobotId
 from rosic.errors import RosicError, StoreFault
-from rosic.linker.mailbox import Mailbox
+from rosic.linker.mailbox import Mailbox, Waiting
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Latch
     from rosic.core.identity import PrincipalId
     from rosic.core.stopboard import StopBoard
+
+
+CLEARED_WITHIN_S = 0.5
 
 
 class PolicyMoved(RosicError):
@@ -60,23 +63,27 @@ class Linker:
         self._latch = latch
         self._clock = clock
         self._latching: set[asyncio.Task[bool]] = set()
+        self._clearing: set[asyncio.Task[None]] = set()
         self._resting: set[asyncio.Task[Rest]] = set()
 
-    def try_turn(self, order: Order) -> bool:
-        """Take the turn at a robot that is free, without waiting; ``leave`` must follow."""
-        return self._mailboxes[order.robot].try_turn(order)
+    def put(self, entry: Waiting) -> bool:
+        """Give an order to a robot's mailbox. Return whether it has its turn at once.
 
-    async def turn(self, order: Order, tell: Tell) -> None:
-        """Wait until the robot may be given this order. ``leave`` must follow.
+        If so, the caller serves the mailbox: ``dispatch``, then ``next``, until none is left.
 
         Raises:
-            RobotBusy, OrderVoid: The robot has not moved because of it; no ``leave`` is due.
+            RobotBusy: Not taken in; the robot has not moved because of it.
         """
-        await self._mailboxes[order.robot].turn(order, tell)
+        return self._mailboxes[entry.order.robot].put(entry)
 
-    def leave(self, order: Order) -> None:
-        """Let the next order have its turn."""
-        self._mailboxes[order.robot].leave()
+    def next(self, robot_id: RobotId) -> Waiting | None:
+        """End a turn. Return whose turn it is now; None frees the robot."""
+        return self._mailboxes[robot_id].next()
+
+    def clear(self, sentence: str) -> None:
+        """Void everything that waits for any robot, with a reason."""
+        for mailbox in self._mailboxes.values():
+            mailbox.void(sentence)
 
     async def dispatch(self, order: Order, tell: Tell) -> Outcome:
         """Relay an order whose turn it is, and return what the robot really did.
@@ -94,13 +101,15 @@ class Linker:
         mailbox = self._mailboxes[order.robot]
         mailbox.running = task = asyncio.create_task(robot.execute(order, tell))
         try:
-            return await task
+            await asyncio.wait((task,))
         except asyncio.CancelledError:
-            if mailbox.replaced is not task:
-                raise
+            mailbox.replace()  # unless it was replaced, and comes to rest already
+            await asyncio.wait((task,))
+            raise
+        mailbox.running = None
+        if task.cancelled():
             return Outcome(Ending.CANCELLED, "a later command took its place")
-        finally:
-            mailbox.running = None
+        return task.result()
 
     def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> Halting:
         """Stop robots. On return the stop is latched in memory and handed to every adapter.
@@ -111,7 +120,6 @@ class Linker:
         stops = [Stop(robot, self._stops.stop(robot, by, at_ns)) for robot in robots]
         rests: dict[RobotId, asyncio.Task[Rest]] = {}
         for stop in stops:
-            self._mailboxes[stop.robot].clear()
             robot = self._robots[stop.robot]
             robot.gate.apply_stop(stop)
             rests[stop.robot] = task = asyncio.create_task(robot.stop(stop))
@@ -120,7 +128,20 @@ class Linker:
         latched = asyncio.create_task(self._write_latch(stops))
         self._latching.add(latched)
         latched.add_done_callback(self._latching.discard)
+        clearing = asyncio.create_task(self._clear(stops, latched))
+        self._clearing.add(clearing)
+        clearing.add_done_callback(self._clearing.discard)
         return Halting(rests, latched)
+
+    async def _clear(self, stops: Iterable[Stop], latched: asyncio.Task[bool]) -> None:
+        """Tell what waited that it is void, after everything that makes it so.
+
+        Ten thousand such answers take longer than a stop may. Meanwhile the gates refuse.
+        """
+        await asyncio.wait((latched,), timeout=CLEARED_WITHIN_S)
+        for stop in stops:
+            self._mailboxes[stop.robot].clear(stop.generation)
+            await asyncio.sleep(0)
 
     async def _write_latch(self, stops: Iterable[Stop]) -> bool:
         written = await asyncio.gather(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rosic.core.order import Order, Outcome, Report, Stage
 from rosic.core.robot import Busy
@@ -12,76 +12,77 @@ from rosic.errors import OrderVoid, RobotBusy
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
-    from rosic.contracts.robot import Robot, Tell
+    from rosic.contracts.robot import Robot
 
 QUEUED = Report(Stage.QUEUED)
 REPLACED = "A later command took its place. This was not done."
 
 
+class Waiting(Protocol):
+    """An order and whoever wants to know what becomes of it."""
+
+    order: Order
+
+    def tell(self, report: Report) -> None:
+        """Take a step of its life in."""
+
+    def void(self, refusal: OrderVoid) -> None:
+        """It is over before it began; it is in no mailbox any more."""
+
+
 class Mailbox:
     """Whose turn it is at one robot.
 
-    An order's own task carries it out; the mailbox only says when. A robot that is free costs no
-    switch of tasks.
+    Whoever puts an order to a robot that is free serves it: takes one order after another out
+    until none waits. A robot that is free costs no switch of tasks, and a queue only one.
 
     Attributes:
-        current: Whose turn it is.
-        running, replaced: Only with ``busy: replace``: what may be replaced, and what was.
+        current: Whose turn it is; None while the robot is free.
+        running: Only with ``busy: replace``: what may be replaced.
     """
 
-    __slots__ = (
-        "_clock", "_robot", "_waiting", "_wakes_ns", "_watch", "current", "replaced", "running",
-    )  # fmt: skip
+    __slots__ = ("_clock", "_robot", "_waiting", "_wakes_ns", "_watch", "current", "running")
 
     def __init__(self, robot: Robot, clock: Clock) -> None:
         self._robot = robot
         self._clock = clock
-        self._waiting: deque[tuple[Order, asyncio.Future[None]]] = deque()
+        self._waiting: deque[Waiting] = deque()
         self._watch: asyncio.Task[None] | None = None
-        self.current: Order | None = None
-        self.running: asyncio.Task[Outcome] | None = None
-        self.replaced: asyncio.Task[Outcome] | None = None
         self._wakes_ns = 0
+        self.current: Waiting | None = None
+        self.running: asyncio.Task[Outcome] | None = None
 
     def __len__(self) -> int:
         return len(self._waiting)
 
-    def try_turn(self, order: Order) -> bool:
-        """Take the turn if the robot is free."""
-        if self.current is not None:
-            return False
-        self.current = order
-        return True
-
-    async def turn(self, order: Order, tell: Tell) -> None:
-        """Wait for this order's turn. Whoever got it must call ``leave``.
+    def put(self, entry: Waiting) -> bool:
+        """Take an order in. Return whether it has its turn, and the caller is to serve.
 
         Raises:
-            RobotBusy: The robot is at work and does not queue, or its queue is full.
-            OrderVoid: The order became too old, or the robot was stopped, while waiting.
+            RobotBusy: The robot is at work and does not queue, or its queue is full; the order
+                was not taken in.
         """
         if self.current is None:
-            self.current = order
-            return
+            self.current = entry
+            return True
         profile = self._robot.profile
-        busy = Busy.QUEUE if order.sequel else profile.busy
+        busy = Busy.QUEUE if entry.order.sequel else profile.busy
         if busy is Busy.REFUSE:
             self.check_free()
         if len(self._waiting) >= profile.queue_length:
             raise RobotBusy(f"{profile.shown} has {len(self._waiting)} commands waiting already.")
         if busy is Busy.REPLACE:
-            self._void(REPLACED)
-            self._replace()
-        tell(QUEUED)
-        future: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        self._waiting.append((order, future))
-        self._watch_until(order.deadline_ns)
-        try:
-            await future
-        except asyncio.CancelledError:
-            if future.done() and not future.cancelled() and future.exception() is None:
-                self.leave()
-            raise
+            self.void(REPLACED)
+            self.replace()
+        self._waiting.append(entry)
+        self._watch_until(entry.order.deadline_ns)
+        entry.tell(QUEUED)
+        return False
+
+    def next(self) -> Waiting | None:
+        """End the present turn. Return whose turn it is now; None frees the robot."""
+        self.current = self._waiting.popleft() if self._waiting else None
+        return self.current
 
     def check_free(self) -> None:
         """See whether an order would be refused because the robot is at work.
@@ -92,36 +93,31 @@ class Mailbox:
         profile = self._robot.profile
         if self.current is not None and profile.busy is Busy.REFUSE:
             raise RobotBusy(
-                f"{profile.shown} is busy: {_spoken(self.current)}. "
+                f"{profile.shown} is busy: {_spoken(self.current.order)}. "
                 "Ask again when that has ended, or stop it."
             )
 
-    def leave(self) -> None:
-        """Give the turn to the next one waiting."""
-        self.current = None
+    def clear(self, generation: int) -> None:
+        """Void what waits and was admitted before a stop: it could only be refused at the robot."""
+        sentence = f"{self._robot.profile.shown} was stopped before this could begin."
+        while self._waiting and self._waiting[0].order.permit.stop_generation < generation:
+            self._waiting.popleft().void(OrderVoid(sentence))
+
+    def void(self, sentence: str) -> None:
+        """Void everything that waits, with a reason."""
         while self._waiting:
-            order, future = self._waiting.popleft()
-            if not future.done():
-                self.current = order
-                future.set_result(None)
-                return
+            self._waiting.popleft().void(OrderVoid(sentence))
 
-    def clear(self) -> None:
-        """Void everything that waits: the robot was stopped."""
-        self._void(f"{self._robot.profile.shown} was stopped before this could begin.")
+    def replace(self) -> bool:
+        """End what is under way, once: a second cancellation would cut its coming to rest short.
 
-    def _void(self, sentence: str) -> None:
-        while self._waiting:
-            _, future = self._waiting.popleft()
-            if not future.done():
-                future.set_exception(OrderVoid(sentence))
-
-    def _replace(self) -> None:
-        """End what is under way, once: a second cancellation would cut its coming to rest short."""
-        if self.running is not None:
-            self.replaced = self.running
-            self.running = None
-            self.replaced.cancel()
+        Returns:
+            Whether there was anything to end.
+        """
+        running, self.running = self.running, None
+        if running is not None:
+            running.cancel()
+        return running is not None
 
     def _watch_until(self, deadline_ns: int) -> None:
         """Have somebody awake when the next waiting order becomes too old."""
@@ -136,17 +132,14 @@ class Mailbox:
         """Tell waiting orders that they have become too old, when it happens."""
         while self._waiting:
             now_ns = self._clock.monotonic_ns()
-            late = [entry for entry in self._waiting if entry[0].deadline_ns < now_ns]
+            late = [entry for entry in self._waiting if entry.order.deadline_ns < now_ns]
             for entry in late:
                 self._waiting.remove(entry)
-                if not entry[1].done():
-                    shown = self._robot.profile.shown
-                    entry[1].set_exception(
-                        OrderVoid(f"{shown} was busy for too long. This was not done.")
-                    )
+                shown = self._robot.profile.shown
+                entry.void(OrderVoid(f"{shown} was busy for too long. This was not done."))
             if not self._waiting:
                 break
-            self._wakes_ns = min(order.deadline_ns for order, _ in self._waiting)
+            self._wakes_ns = min(entry.order.deadline_ns for entry in self._waiting)
             await self._clock.sleep(max(0.01, (self._wakes_ns - now_ns) / 1e9))
         self._watch = None
 

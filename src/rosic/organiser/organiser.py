@@ -78,7 +78,8 @@ class Organiser:
             refusal.silent = caller.principal in self._warned
             self._warned.add(caller.principal)
             raise refusal
-        self._warned.discard(caller.principal)
+        if self._warned:
+            self._warned.discard(caller.principal)
 
     def admit(self, caller: Caller, requests: Sequence[Request]) -> tuple[Permit, ...]:
         """Decide whether a person may do all of this now: all of it or none.
@@ -88,11 +89,28 @@ class Organiser:
                 Nobody's lease has changed.
         """
         now_ns = self._clock.monotonic_ns()
+        policy, principal = self.policy, caller.principal
+        acting: list[Lease | None] = []
         for request in requests:
-            self._allow(caller, request.robot, request.skill.id)
-            if request.skill.actuates:
-                self._free(caller.principal, request.robot, now_ns)
-        return tuple([self._permit(caller, request, now_ns) for request in requests])
+            robot, skill = request.robot, request.skill
+            if not policy.allows(principal, robot, skill.id):
+                raise self._not_permitted(principal, robot, skill.id)
+            if skill.actuates:
+                acting.append(self._free_lease(principal, robot, now_ns))
+            else:
+                acting.append(None)
+        permits: list[Permit] = []
+        for request, lease in zip(requests, acting, strict=True):
+            robot = request.robot
+            grew = lease is not None and lease.take(principal, now_ns, self._idle_ns)
+            permits.append(
+                Permit(
+                    principal, caller.key, robot, request.skill.id,
+                    0 if lease is None else lease.fence, grew,
+                    self._stops[robot].generation, policy.epoch,
+                )
+            )  # fmt: skip
+        return tuple(permits)
 
     def readmit(self, caller: Caller, order: Order) -> Permit:
         """Decide once more for an order that waited while the policy changed (I8).
@@ -145,29 +163,18 @@ class Organiser:
             self._leases[robot].release()
         return held
 
-    def _permit(self, caller: Caller, request: Request, now_ns: int) -> Permit:
-        robot = request.robot
-        fence, grew = 0, False
-        if request.skill.actuates:
-            lease = self._leases[robot]
-            grew = lease.take(caller.principal, now_ns, self._idle_ns)
-            fence = lease.fence
-        return Permit(
-            caller.principal, caller.key, robot, request.skill.id, fence, grew,
-            self._stops[robot].generation, self.policy.epoch,
-        )  # fmt: skip
-
     def _allow(self, caller: Caller, robot: RobotId, skill: str) -> None:
-        policy = self.policy
-        if policy.allows(caller.principal, robot, skill):
-            return
+        if not self.policy.allows(caller.principal, robot, skill):
+            raise self._not_permitted(caller.principal, robot, skill)
+
+    def _not_permitted(self, principal: PrincipalId, robot: RobotId, skill: str) -> NotPermitted:
         shown = self._profiles[robot].shown
-        if not policy.allows(caller.principal, robot, READ):
-            raise NotPermitted(f"I know no robot called {robot}.")
-        roles = policy.roles_giving(robot, skill)
+        if not self.policy.allows(principal, robot, READ):
+            return NotPermitted(f"I know no robot called {robot}.")
+        roles = self.policy.roles_giving(robot, skill)
         role = f'the right "{roles[0]}"' if roles else "a right nobody has yet"
         what = skill.replace("_", " ").capitalize()
-        raise NotPermitted(f"{what} needs {role} on {shown}. {self._who_grants()}")
+        return NotPermitted(f"{what} needs {role} on {shown}. {self._who_grants()}")
 
     def _who_grants(self) -> str:
         names = [self.name_of(p) for p in self.policy.with_role("admin")[:3]]
@@ -175,25 +182,32 @@ class Organiser:
             return "The operator of this place can give it."
         return f"{' or '.join(names)} can give it."
 
-    def _free(self, principal: PrincipalId, robot: RobotId, now_ns: int) -> None:
-        shown = self._profiles[robot].shown
-        stopped = self._stops[robot]
-        if stopped.latched:
-            by = f", by {self.name_of(stopped.by)}" if stopped.by else ""
-            raise RobotStopped(
-                f"{shown} is stopped{by}. It stays stopped until someone who may resumes it. "
-                "Nothing was done.",
-                offers=(f"resume {robot}",),
-            )
+    def _free_lease(self, principal: PrincipalId, robot: RobotId, now_ns: int) -> Lease:
+        if self._stops[robot].latched:
+            raise self._stopped(robot)
         lease = self._leases[robot]
         holder = lease.holder_at(now_ns, self._idle_ns)
         if holder is not None and holder != principal:
-            if lease.active:
-                when = "You can have it when that ends and it has been idle for"
-                wait_s = self.lease_idle_s
-            else:
-                when = "You can have it in"
-                wait_s = (self._idle_ns - (now_ns - lease.idle_since_ns)) / 1e9
-            raise RobotTaken(
-                f"{shown} is taken by {self.name_of(holder)}. {when} {max(1, round(wait_s))} s."
-            )
+            raise self._taken(robot, holder, lease, now_ns)
+        return lease
+
+    def _stopped(self, robot: RobotId) -> RobotStopped:
+        stopped = self._stops[robot]
+        by = f", by {self.name_of(stopped.by)}" if stopped.by else ""
+        return RobotStopped(
+            f"{self._profiles[robot].shown} is stopped{by}. It stays stopped until someone who "
+            "may resumes it. Nothing was done.",
+            offers=(f"resume {robot}",),
+        )
+
+    def _taken(self, robot: RobotId, holder: PrincipalId, lease: Lease, now_ns: int) -> RobotTaken:
+        if lease.active:
+            when = "You can have it when that ends and it has been idle for"
+            wait_s = self.lease_idle_s
+        else:
+            when = "You can have it in"
+            wait_s = (self._idle_ns - (now_ns - lease.idle_since_ns)) / 1e9
+        return RobotTaken(
+            f"{self._profiles[robot].shown} is taken by {self.name_of(holder)}. "
+            f"{when} {max(1, round(wait_s))} s."
+        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.life import Face, Life
-from rosic.core.order import Order, Outcome, Report, Stage
+from rosic.core.order import Report, Stage
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
@@ -21,15 +21,33 @@ class Card:
     """One message and the lives in it.
 
     Attributes:
+        where: Messenger and chat.
+        in_place: The message is edited as the lives go on; otherwise they are told line by line.
         message: The platform's id, once it was sent.
         dirty: It differs from what the chat shows.
         lines: For a messenger that cannot edit: what is to be said, line by line.
-        settled: Every life in it has ended and what it says is final.
+        untold: Orders that ended and whose author has not read it here.
+        cids: The orders whose lives are shown here.
+        open: How many lives have not ended; at 0 nothing more will be said here.
+        ending: An ending is on its way to the disk, or there.
     """
 
     __slots__ = (
-        "_face", "_last_ns", "_lives", "_open", "buttons", "chat", "dirty", "lines", "message",
-        "messenger", "principal", "reply_to", "untold",
+        "_face",
+        "_lives",
+        "buttons",
+        "chat",
+        "cids",
+        "dirty",
+        "ending",
+        "in_place",
+        "lines",
+        "message",
+        "messenger",
+        "open",
+        "principal",
+        "reply_to",
+        "untold", "where",
     )  # fmt: skip
 
     def __init__(
@@ -41,60 +59,59 @@ class Card:
         face: Face,
     ) -> None:
         self.messenger = messenger
+        self.in_place = messenger.edits
         self.chat = chat
+        self.where = (messenger.name, chat.id)
         self.reply_to = reply_to
         self.principal = principal
         self.message = ""
         self.dirty = False
+        self.ending = False
         self.lines: list[str] = []
         self.untold: list[CommandId] = []
+        self.cids: list[CommandId] = []
         self.buttons: tuple[tuple[Button, ...], ...] = ()
         self._face = face
-        self._lives: dict[CommandId, Life] = {}
-        self._open = 0
+        self._lives: list[Life] = []
+        self.open = 0
 
-    def add(self, order: Order, where: str, title: str, at_ns: int) -> None:
+    def add(self, cid: CommandId, where: str, title: str, at_ns: int) -> Life:
         """Show one more life, which begins now."""
-        life = Life(where, title, self._face)
-        self._lives[order.cid] = life
-        self._open += 1
-        self.step(order.cid, ACCEPTED, at_ns)
+        life = Life(where, title, self._face, at_ns)
+        self.cids.append(cid)
+        self._lives.append(life)
+        self.open += 1
+        if not self.in_place:
+            self.lines.append(life.line(ACCEPTED))
+        return life
 
-    def step(self, cid: CommandId, report: Report, at_ns: int) -> None:
-        """Take a report in."""
-        life = self._lives[cid]
+    def step(self, life: Life, report: Report, at_ns: int) -> bool:
+        """Take a report in. Return whether the chat is to hear of it.
+
+        Not while the first message is still to be sent: that will show it.
+        """
         news = life.step(report, at_ns)
-        if self.messenger.edits:
+        if self.in_place:
             self.dirty = True
-        elif news and (report.stage is not Stage.RUNNING or len(self.lines) < LINES_AT_MOST):
+            return bool(self.message)
+        if news and (report.stage is not Stage.RUNNING or len(self.lines) < LINES_AT_MOST):
             self.lines.append(life.line(report))
+        return bool(self.lines)
 
-    def wording(self, cid: CommandId, outcome: Outcome, at_ns: int) -> str:
-        """Return how an ending will read; the card does not show it yet."""
-        return self._lives[cid].wording(outcome, at_ns)
-
-    def end(self, cid: CommandId, words: str) -> None:
+    def end(self, cid: CommandId, life: Life, words: str) -> None:
         """One life has ended, and that is on disk."""
-        life = self._lives[cid]
         life.end(words)
-        self._open -= 1
+        self.open -= 1
         self.untold.append(cid)
         self.dirty = True
-        if not self.messenger.edits:
+        if not self.in_place:
             self.lines.append(f"{life.where}: {words}")
-
-    def cids(self) -> tuple[CommandId, ...]:
-        """Return the orders whose lives are shown here."""
-        return tuple(self._lives)
-
-    @property
-    def settled(self) -> bool:
-        """Whether nothing more will be said here."""
-        return not self._open
 
     def text(self, *, endings: bool) -> str:
         """Return the message as it should read now, with or without how lives ended."""
-        return "\n".join([life.text(ending=endings) for life in self._lives.values()])
+        if len(self._lives) == 1:
+            return self._lives[0].text(ending=endings)
+        return "\n".join([life.text(ending=endings) for life in self._lives])
 
 
 ACCEPTED = Report(Stage.ACCEPTED)

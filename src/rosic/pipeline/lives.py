@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.language import clean
-from rosic.core.order import Ending, Order, Outcome, Report
-from rosic.errors import Refusal, RobotUnreachable
+from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Report
+from rosic.errors import OrderVoid, Refusal, RobotUnreachable
 from rosic.linker.linker import Linker, PolicyMoved
 
 if TYPE_CHECKING:
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
-    from rosic.contracts.robot import Tell
-    from rosic.core.identity import Caller, CommandId
+    from rosic.core.identity import Caller
+    from rosic.core.life import Life
+    from rosic.core.robot import RobotId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.cards import Card
     from rosic.pipeline.telling import Teller
@@ -27,15 +28,67 @@ NOTE_AT_MOST = 400
 
 FULL = Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code="full")
 CUT_OFF = Outcome(Ending.CANCELLED, "ROSIC was shut down")
-NEVER_BEGUN = Outcome(
-    Ending.REFUSED, "ROSIC was shut down before this could begin. Nothing was done.", code="closed"
-)
 
 log = logging.getLogger("rosic.pipeline")
 
 
+class OrderLife:
+    """One order from its claim to its end.
+
+    Attributes:
+        shown: How it reads on its card.
+        begun: It has been relayed.
+        words: How it ended, once it has.
+    """
+
+    __slots__ = ("_lives", "begun", "caller", "card", "order", "shown", "words")
+
+    def __init__(self, order: Order, caller: Caller, card: Card, shown: Life, lives: Lives) -> None:
+        self.order = order
+        self.caller = caller
+        self.card = card
+        self.begun = False
+        self.words = ""
+        self.shown = shown
+        self._lives = lives
+
+    def tell(self, report: Report) -> None:
+        """Take a report in; a robot's words are made inert."""
+        if report.note:
+            report = Report(report.stage, report.fraction, clean(report.note)[:NOTE_AT_MOST])
+        lives, card = self._lives, self.card
+        if card.step(self.shown, report, lives.wall_ns()):
+            lives.teller.update(card)
+
+    def void(self, refusal: OrderVoid) -> None:
+        """It is over before it began."""
+        self._lives.ended(self, refused(refusal))
+
+    def concluded(self) -> None:
+        """Its outcome is on disk, or waits to be: from here on a card may show it."""
+        self.card.end(self.order.cid, self.shown, self.words)
+        self._lives.teller.show(self.card)
+        self._lives.leave()
+
+
+class Server:
+    """What serves one robot: a task that relays one order after another, and waits for the next.
+
+    Attributes:
+        wake: Set while it waits.
+        life: Whose turn it is; begun as soon as it has been relayed.
+    """
+
+    __slots__ = ("life", "task", "wake")
+
+    def __init__(self, life: OrderLife) -> None:
+        self.life = life
+        self.task: asyncio.Task[None] | None = None
+        self.wake: asyncio.Future[None] | None = None
+
+
 class Lives:
-    """Every order under way, each in a task of its own: a long motion blocks nobody else."""
+    """Every order under way. Each robot has its own task: a long motion blocks nobody else."""
 
     def __init__(
         self,
@@ -45,57 +98,80 @@ class Lives:
         teller: Teller,
         clock: Clock,
     ) -> None:
+        self.teller = teller
+        self.wall_ns = clock.wall_ns
         self._organiser = organiser
         self._container = container
         self._linker = linker
-        self._teller = teller
-        self._clock = clock
-        self._tasks: set[asyncio.Task[None] | None] = set()
-        # Those whose outcome is not known yet; once it is, nothing may keep it from being told.
-        self._moving: set[asyncio.Task[None] | None] = set()
+        self._under_way = 0
+        self._servers: dict[RobotId, Server] = {}
+        self._closing = False
+        self._over: asyncio.Event | None = None
 
     def __len__(self) -> int:
-        return len(self._tasks)
+        return self._under_way
 
-    def begin(self, order: Order, caller: Caller, card: Card) -> None:
+    def begin(self, order: Order, caller: Caller, card: Card, shown: Life) -> None:
         """Let a claimed order live. It will end, and its end will be told."""
-        task = asyncio.create_task(self._live(order, caller, card))
-        self._tasks.add(task)
-        self._moving.add(task)
-
-    async def _live(self, order: Order, caller: Caller, card: Card) -> None:
-        try:
-            full = len(self._tasks) > AT_MOST
-            outcome = FULL if full else await self._relay(order, caller, card)
-            self._moving.discard(asyncio.current_task())
-            words = card.wording(order.cid, outcome, self._clock.wall_ns())
-            await self._container.conclude(order, outcome, words)
-            self._organiser.settle(order.permit)
-            # Not before it is on disk: whoever reads the card meanwhile must not find the ending.
-            card.end(order.cid, words)
-            self._teller.show(card)
-        finally:
-            self._tasks.discard(asyncio.current_task())
-
-    async def _relay(self, order: Order, caller: Caller, card: Card) -> Outcome:
-        """RELAYCOMMAND: return what the robot did, whatever happens."""
-        tell = self._reporter(card, order.cid)
-        linker = self._linker
-        begun = False
-        try:
-            if not linker.try_turn(order):
-                await linker.turn(order, tell)
-            begun = True
+        self._under_way += 1
+        life = OrderLife(order, caller, card, shown, self)
+        if self._under_way > AT_MOST:
+            self.ended(life, FULL)
+        elif self._closing:
+            life.void(OrderVoid(NEVER_BEGUN))
+        else:
             try:
-                return inert(await linker.dispatch(order, tell))
+                if self._linker.put(life):
+                    self._serve_now(life)
+            except Refusal as refusal:
+                self.ended(life, refused(refusal))
+
+    def _serve_now(self, life: OrderLife) -> None:
+        server = self._servers.get(life.order.robot)
+        if server is None:
+            server = self._servers[life.order.robot] = Server(life)
+            server.task = asyncio.create_task(self._serve(server))
+            return
+        server.life = life
+        if server.wake is not None:
+            server.wake.set_result(None)
+
+    async def _serve(self, server: Server) -> None:
+        """Relay one order after another; a robot that is free costs nothing but this task."""
+        loop, linker = asyncio.get_running_loop(), self._linker
+        robot = server.life.order.robot
+        while True:
+            life = server.life
+            if self._closing:
+                life.void(OrderVoid(NEVER_BEGUN))
+                return
+            life.begun = True
+            outcome = await self._relay(life)
+            self.ended(life, outcome)
+            if outcome.ending is Ending.REFUSED:
+                await asyncio.sleep(0)  # a row of refusals, after a stop, holds nobody else up
+            waiting = linker.next(robot)
+            if waiting is None:
+                server.wake = loop.create_future()
+                await server.wake
+                server.wake = None
+            else:
+                assert isinstance(waiting, OrderLife)  # noqa: S101 - nothing else is put there
+                server.life = waiting
+
+    async def _relay(self, life: OrderLife) -> Outcome:
+        """RELAYCOMMAND: return what the robot did, whatever happens."""
+        order = life.order
+        try:
+            try:
+                outcome = await self._linker.dispatch(order, life.tell)
             except PolicyMoved:
-                return inert(await self._relay_anew(order, caller, tell))
-            finally:
-                linker.leave(order)
+                outcome = await self._relay_anew(life)
+            return inert(outcome) if outcome.note else outcome
         except Refusal as refusal:
-            return Outcome(Ending.REFUSED, str(refusal), code=refusal.code)
+            return refused(refusal)
         except asyncio.CancelledError:
-            return CUT_OFF if begun else NEVER_BEGUN
+            return CUT_OFF
         except RobotUnreachable as fault:
             log.warning("order %d of %s: %s", order.n, order.robot, fault)
             return Outcome(Ending.UNKNOWN, f"{fault} Please look.", code=fault.code)
@@ -103,38 +179,50 @@ class Lives:
             log.exception("order %d of %s", order.n, order.robot)
             return Outcome(Ending.UNKNOWN, "Something went wrong here. Please look.", code="fault")
 
-    async def _relay_anew(self, order: Order, caller: Caller, tell: Tell) -> Outcome:
+    async def _relay_anew(self, life: OrderLife) -> Outcome:
         """Admit an order once more under the present policy, and relay it; its turn is kept."""
         while True:
-            permit = self._organiser.readmit(caller, order)
+            permit = self._organiser.readmit(life.caller, life.order)
             try:
-                renewed = msgspec.structs.replace(order, permit=permit)
-                return await self._linker.dispatch(renewed, tell)
+                renewed = msgspec.structs.replace(life.order, permit=permit)
+                return await self._linker.dispatch(renewed, life.tell)
             except PolicyMoved:
                 continue
 
-    def _reporter(self, card: Card, cid: CommandId) -> Tell:
-        """Return what takes the reports of one order: a robot's words are made inert."""
-        step, update, wall_ns = card.step, self._teller.update, self._clock.wall_ns
+    def ended(self, life: OrderLife, outcome: Outcome) -> None:
+        """Write down how an order ended; once that is on disk it is told."""
+        self._organiser.settle(life.order.permit)
+        life.words = life.shown.wording(outcome, self.wall_ns())
+        life.card.ending = True
+        self._container.conclude(life.order, outcome, life.words, life.concluded)
 
-        def tell(report: Report) -> None:
-            if report.note:
-                report = Report(report.stage, report.fraction, clean(report.note)[:NOTE_AT_MOST])
-            step(cid, report, wall_ns())
-            update(card)
-
-        return tell
+    def leave(self) -> None:
+        """One life is over."""
+        self._under_way -= 1
+        if self._over is not None and not self._under_way:
+            self._over.set()
 
     async def close(self) -> None:
         """Cancel what is under way: robots come to rest, the outcomes are written and told."""
-        for task in tuple(self._moving):
-            if task is not None:
-                task.cancel()
-        await asyncio.gather(*filter(None, self._tasks), return_exceptions=True)
+        self._closing = True
+        self._over = asyncio.Event()
+        self._linker.clear(NEVER_BEGUN)
+        for server in self._servers.values():
+            if server.task is not None and (server.life.begun or self._idle(server)):
+                server.task.cancel()  # cut off before its first step it would never take one
+        if self._under_way:
+            await self._over.wait()
+
+    @staticmethod
+    def _idle(server: Server) -> bool:
+        return server.wake is not None and not server.wake.done()
+
+
+def refused(refusal: Refusal) -> Outcome:
+    """Return the outcome of an order that came to nothing."""
+    return Outcome(Ending.REFUSED, str(refusal), code=refusal.code)
 
 
 def inert(outcome: Outcome) -> Outcome:
     """Return the outcome with a robot's words stripped of what could act on a reader."""
-    if not outcome.note:
-        return outcome
     return msgspec.structs.replace(outcome, note=clean(outcome.note)[:NOTE_AT_MOST])

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from rosic.container.letters import Answer, ReplyTo, read_answer, read_reply_to, read_shown
-from rosic.core import words
+from rosic.container.letters import Answer, ReplyTo, read_answer, read_reply_to
+from rosic.core import record, words
 from rosic.core.message import Outbound
 from rosic.core.order import Ending
 from rosic.core.record import Concluded, Letter, Unfinished
@@ -96,17 +96,23 @@ class Recovery:
         cards: dict[tuple[str, ...] | CommandId, Told] = {}
         for life in lives:
             if life.claim is None:
-                continue  # erased with its container: there is nobody to tell
+                self._let_go(life)  # erased with its container: there is nobody to tell
+                continue
             try:
                 # A refusal names no robot; an order that was refused later does.
                 if life.robot:
-                    shown = "" if life.placed is None else read_shown(life.placed).message
+                    shown = (life.placed or b"").decode("utf-8", "replace")
                     _put_together(cards, Told(read_reply_to(life.claim), shown, [life]))
                 else:
                     self._repeat_answer(life, read_answer(life.claim))
             except msgspec.DecodeError:
                 log.exception("a letter of the last run cannot be read")
+                self._let_go(life)
         return cards.values()
+
+    def _let_go(self, life: Unfinished) -> None:
+        """Nobody can be told of this any more; it takes no room in the record from now on."""
+        self._store.note(record.Told(cid=life.cid, at_ns=self._clock.wall_ns()))
 
     def _repeat_answer(self, life: Unfinished, answer: Answer) -> None:
         text = words.said_again(answer.text)

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
-from rosic.container.letters import Shown
 from rosic.contracts.messenger import Messenger
 from rosic.core.identity import CommandId
-from rosic.core.message import Chat, Outbound
+from rosic.core.message import Outbound
 from rosic.errors import MessageGone, MessengerFault
 from rosic.pipeline.cards import Card
 
@@ -80,16 +79,16 @@ class Teller:
             self._urgent.add(task)
             task.add_done_callback(self._urgent.discard)
         else:
-            self._enqueue(note.messenger, note.outbound.chat, note)
+            self._enqueue((note.messenger.name, note.outbound.chat.id), note)
 
     def show(self, card: Card) -> None:
         """Bring a chat up to date with a card."""
-        self._enqueue(card.messenger, card.chat, card)
+        self._enqueue(card.where, card)
 
     def update(self, card: Card) -> None:
         """Show progress: line by line at once, or by an edit when the next one is due."""
         if card.lines:
-            self._enqueue(card.messenger, card.chat, card)
+            self._enqueue(card.where, card)
         elif card.dirty:
             self._due[card] = None
             if self._ticking is None:
@@ -101,20 +100,21 @@ class Teller:
             await self._clock.sleep(PROGRESS_EVERY_S)
             due, self._due = self._due, {}
             for card in due:
-                if card.dirty and not card.settled:
-                    self._enqueue(card.messenger, card.chat, card)
+                if card.dirty and card.open:
+                    self._enqueue(card.where, card)
         self._ticking = None
 
-    def _enqueue(self, messenger: Messenger, chat: Chat, item: _Item) -> None:
-        voice = self._voices.get((messenger.name, chat.id))
+    def _enqueue(self, where: tuple[str, str], item: _Item) -> None:
+        voice = self._voices.get(where)
         if voice is None:
             self._retire()
-            voice = self._voices[messenger.name, chat.id] = Voice()
+            voice = self._voices[where] = Voice()
         items = voice.items
-        if items and items[-1] is item:
-            return  # it will be read when it is its turn, as it is then
-        if len(items) >= UNSAID_AT_MOST and not _matters(item):
-            return
+        if items:
+            if items[-1] is item:
+                return  # it will be read when it is its turn, as it is then
+            if len(items) >= UNSAID_AT_MOST and not _matters(item):
+                return
         items.append(item)
         if voice.task is None:
             voice.task = asyncio.create_task(self._run(voice))
@@ -134,14 +134,22 @@ class Teller:
         loop = asyncio.get_running_loop()
         while True:
             while voice.items:
-                await self._speak(voice.items.popleft())
+                item = voice.items.popleft()
+                try:
+                    await self._speak_once(item)
+                except MessengerFault as fault:
+                    log.warning("not told yet: %s", fault)
+                    await self._speak_again(item)
+                except Exception:
+                    log.exception("not told: a fault of the messenger")
+                    await self._speak_again(item)
             voice.wake = loop.create_future()
             await voice.wake
 
-    async def _speak(self, item: _Item) -> None:
+    async def _speak(self, item: _Item, *, tries: int = TRIES) -> None:
         """Say one thing, or lay it aside: one message that is not taken silences no chat."""
-        wait_s = FIRST_WAIT_S
-        for _ in range(TRIES):
+        wait_s = FIRST_WAIT_S * 2 ** (TRIES - tries)
+        for _ in range(tries):
             try:
                 await self._speak_once(item)
             except MessengerFault as fault:
@@ -157,19 +165,29 @@ class Teller:
             self._aside.add(task)
             task.add_done_callback(self._aside.discard)
 
+    async def _speak_again(self, item: _Item) -> None:
+        """Go on after a first try that failed."""
+        await self._clock.sleep(FIRST_WAIT_S)
+        await self._speak(item, tries=TRIES - 1)
+
     async def _speak_later(self, item: _Item) -> None:
         """Try what matters again after a while, behind what was said meanwhile."""
         await self._clock.sleep(ASIDE_S)
-        chat = item.chat if isinstance(item, Card) else item.outbound.chat
-        self._enqueue(item.messenger, chat, item)
+        if isinstance(item, Card):
+            self._enqueue(item.where, item)
+        else:
+            self._enqueue((item.messenger.name, item.outbound.chat.id), item)
 
     async def _speak_once(self, item: _Item) -> None:
         if not isinstance(item, Card):
             await self._say(item)
-        elif item.messenger.edits:
-            await self._show_in_place(item)
-        else:
+        elif not item.in_place:
             await self._show_line_by_line(item)
+        else:
+            if not item.message:
+                await self._show_first(item)
+            if item.dirty:
+                await self._show_again(item)
 
     async def _say(self, note: Note) -> None:
         try:
@@ -187,38 +205,46 @@ class Teller:
             text = card.lines[0]
             await card.messenger.send(Outbound(chat=card.chat, text=text))
             card.lines.pop(0)
-        if card.settled and card.untold:
+        if not card.open and card.untold:
             self._containers.told(*card.untold)
             card.untold = []
 
-    async def _show_in_place(self, card: Card) -> None:
-        """Send once, write down which message it is, and say the ending only by editing it.
+    async def _show_first(self, card: Card) -> None:
+        """Send once, write down which message it is, and say an ending only by editing it.
 
         So an ending is said exactly once, whenever this process may die: what was not noted as
         told is said again by an edit to the same content.
         """
-        if not card.message:
-            card.dirty = bool(card.untold)
-            card.message = await card.messenger.send(_outbound(card, endings=False))
-            shown = Shown(card.messenger.name, card.chat, card.message)
-            for cid in card.cids():
-                await self._containers.place(cid, card.principal, shown)
-        if card.dirty:
-            ended, card.untold = card.untold, []
-            card.dirty = False
-            try:
-                await card.messenger.edit(card.message, _outbound(card, endings=True))
-            except MessengerFault as fault:
-                card.dirty = True
-                card.untold = ended + card.untold
-                if isinstance(fault, MessageGone):
-                    card.message = ""  # the person deleted it; the life goes on in a new one
-                raise
-            if card.dirty or not card.settled:
-                # A later run knows only lives that are not noted as told, and says them together.
-                card.untold = ended + card.untold
-            elif ended:
-                self._containers.told(*ended)
+        card.dirty = bool(card.untold)
+        card.message = await card.messenger.send(_outbound(card, endings=False))
+        await self._place(card)
+
+    async def _show_again(self, card: Card) -> None:
+        ended, card.untold = card.untold, []
+        card.dirty = False
+        try:
+            await card.messenger.edit(card.message, _outbound(card, endings=True))
+        except MessengerFault as fault:
+            card.dirty = True
+            card.untold = ended + card.untold
+            if isinstance(fault, MessageGone):
+                card.message = ""  # the person deleted it; the life goes on in a new one
+            raise
+        if card.dirty or card.open:
+            # A later run knows only lives that are not noted as told, and says them together.
+            card.untold = ended + card.untold
+        elif ended:
+            self._containers.told(*ended)
+
+    async def _place(self, card: Card) -> None:
+        """Write down which message shows these lives, before it says how one of them ended.
+
+        While none ends nobody waits for that: an ending is written later, and so after it.
+        """
+        if card.ending:
+            await self._containers.place(card.cids, card.principal, card.message)
+        else:
+            self._containers.note_place(card.cids, card.principal, card.message)
 
     async def flush(self, seconds: float) -> None:
         """Wait until everything is said, or the time is over; then fall silent."""
@@ -245,10 +271,13 @@ class Teller:
 
 def _matters(item: _Item) -> bool:
     """Whether it must be said even when there is too much to say: how something ended."""
-    return item.settled if isinstance(item, Card) else item.cid is not None
+    return not item.open if isinstance(item, Card) else item.cid is not None
 
 
 def _outbound(card: Card, *, endings: bool) -> Outbound:
-    text = card.text(endings=endings)
-    buttons = () if card.settled else card.buttons
-    return Outbound(chat=card.chat, text=text, reply_to=card.reply_to, buttons=buttons)
+    return Outbound(
+        chat=card.chat,
+        text=card.text(endings=endings),
+        reply_to=card.reply_to,
+        buttons=card.buttons if card.open else (),
+    )

@@ -22,7 +22,16 @@ class Turns:
     """
 
     def __init__(self) -> None:
-        self._chats: dict[tuple[str, str], deque[asyncio.Future[None]]] = {}
+        # None: somebody has the turn, and nobody waits for it.
+        self._chats: dict[tuple[str, str], deque[asyncio.Future[None]] | None] = {}
+
+    def try_take(self, chat: Chat) -> bool:
+        """Take the chat's turn if nobody has it; ``give`` must follow."""
+        where = (chat.platform, chat.id)
+        if where in self._chats:
+            return False
+        self._chats[where] = None
+        return True
 
     async def take(self, chat: Chat) -> None:
         """Wait for the chat's turn; ``give`` must follow.
@@ -30,11 +39,12 @@ class Turns:
         Raises:
             TooManyRequests: Too many messages of this chat wait already (I15); no ``give`` is due.
         """
-        where = (chat.platform, chat.id)
-        waiting = self._chats.get(where)
-        if waiting is None:
-            self._chats[where] = deque()
+        if self.try_take(chat):
             return
+        where = (chat.platform, chat.id)
+        waiting = self._chats[where]
+        if waiting is None:
+            waiting = self._chats[where] = deque()
         if len(waiting) >= WAITING_AT_MOST:
             raise TooManyRequests("Too many messages at once. Wait a moment.", retry_after_s=5.0)
         future: asyncio.Future[None] = asyncio.get_running_loop().create_future()

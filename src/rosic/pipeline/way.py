@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import OrderedDict
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rosic.container.letters import ReplyTo
@@ -83,6 +84,7 @@ class Pipeline:
         self._teller = teller
         self._clock = clock
         self._face = face
+        self._shown = {robot: profile.shown for robot, profile in rooms.profiles.items()}
         self._turns = Turns()
         self._followed: OrderedDict[CommandId, None] = OrderedDict()
         self._replies = Replies(rooms, teller, clock)
@@ -105,7 +107,8 @@ class Pipeline:
         if only_stop or inbound.standing is not Standing.FRESH:
             return
         try:
-            await self._turns.take(inbound.chat)
+            if not self._turns.try_take(inbound.chat):
+                await self._turns.take(inbound.chat)
         except Refusal as refusal:
             self._replies.say(messenger, inbound, str(refusal))
             return
@@ -115,8 +118,14 @@ class Pipeline:
             self._turns.give(inbound.chat)
 
     async def _take(self, messenger: Messenger, inbound: Inbound, arrived_ns: int) -> None:
+        """AUTHENTICATE and GENERATEKEY, then follow each line."""
         try:
-            await self._authenticated(messenger, inbound, arrived_ns)
+            caller = self._rooms.authoriser.identify(inbound)
+            said = Said(messenger, inbound, caller, arrived_ns)
+            if inbound.nonce is None:
+                await self._lines(said, inbound.text)
+            else:
+                await self._tapped(said)
         except Unrecognised as stranger:
             self._replies.turn_away(messenger, inbound, str(stranger))
         except Refusal as refusal:
@@ -126,13 +135,8 @@ class Pipeline:
             log.exception("a message could not be handled")
             self._replies.say(messenger, inbound, FAULT)
 
-    async def _authenticated(self, messenger: Messenger, inbound: Inbound, arrived_ns: int) -> None:
-        """AUTHENTICATE and GENERATEKEY, then follow each line."""
-        caller = self._rooms.authoriser.identify(inbound)
-        said = Said(messenger, inbound, caller, arrived_ns)
-        if inbound.nonce is None:
-            await self._lines(said, inbound.text)
-            return
+    async def _tapped(self, said: Said) -> None:
+        messenger, inbound, caller = said.messenger, said.inbound, said.caller
         command = await self._replies.redeem(messenger, inbound, caller)
         if command == LEAVE:
             self._replies.say(messenger, inbound, "Nothing was done.")
@@ -148,7 +152,11 @@ class Pipeline:
         for number, line in enumerate(self._reader.lines(text, selected, visible)):
             cid = _command_id(inbound, number)
             try:
-                await self._follow(said, line, cid)
+                if isinstance(line, Do):
+                    self._rooms.organiser.charge(caller)
+                    await self._command(said, line, cid)
+                else:
+                    await self._follow(said, line, cid)
             except Refusal as refusal:
                 await self._replies.refuse(said.messenger, inbound, caller, cid, refusal)
             except Exception:
@@ -156,7 +164,7 @@ class Pipeline:
                 self._replies.say(said.messenger, inbound, FAULT)
 
     async def _follow(self, said: Said, line: Line, cid: CommandId) -> None:
-        """Follow one line.
+        """Follow one line that gives no order.
 
         Raises:
             Refusal: Why not; no robot has moved because of this line.
@@ -172,11 +180,9 @@ class Pipeline:
             self._rooms.organiser.charge(said.caller)
             raise NotUnderstood(line.sentence, offers=line.offers)
         self._rooms.organiser.charge(said.caller)
-        if isinstance(line, Do):
-            await self._command(said, line, cid)
-        elif self._repeated(cid):
+        if self._repeated(cid):
             return
-        elif isinstance(line, Resume):
+        if isinstance(line, Resume):
             text = await self._resuming.resume(said.caller, said.inbound, line, cid)
             self._replies.say(said.messenger, said.inbound, text)
         else:
@@ -210,86 +216,91 @@ class Pipeline:
 
     async def _command(self, said: Said, line: Do, cid: CommandId) -> None:
         """CHECKPERMISSIONS, PROCESSCOMMAND; RELAYCOMMAND goes on in a life of its own."""
-        organiser, container = self._rooms.organiser, self._rooms.container
-        requests = self._requests(said, line, cid)
+        organiser, inbound = self._rooms.organiser, said.inbound
         now_ns = self._clock.monotonic_ns()
-        for request in requests:
-            check_fresh(said.inbound, request, now_ns)
-            self._check_later_than_stop(said.inbound, request)
+        requests = self._requests(said, line, cid, now_ns)
         permits = organiser.admit(said.caller, requests)
         start_ns = now_ns + TOGETHER_NS if len(requests) > 1 else None
-        title = f"{line.group or self._shown(line.robots[0])}: {line.text}"
-        origin = ReplyTo(said.messenger.name, said.inbound.chat, reply_id(said.inbound), title)
+        title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
+        origin = ReplyTo(said.messenger.name, inbound.chat, reply_id(inbound), title)
         try:
-            self._check_all_free(line, requests)
-            orders = await container.prepare(permits, requests, origin, start_ns=start_ns)
+            if line.group:
+                self._check_all_free(requests)
+            orders = await self._rooms.container.prepare(
+                permits, requests, origin, start_ns=start_ns
+            )
         except BaseException:
             organiser.abandon(permits)
             raise
         said.asked.update(line.robots)
-        card = self._card(said, line, orders)
-        self._teller.show(card)
+        self._begin(said, line, orders)
+
+    def _begin(self, said: Said, line: Do, orders: tuple[Order, ...]) -> None:
+        messenger, chat, caller = said.messenger, said.inbound.chat, said.caller
+        card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self._face)
+        card.buttons = _stop_button(line.group or line.robots[0])
+        now_ns = self._clock.wall_ns()
         for order in orders:
-            self.lives.begin(order, said.caller, card)
+            shown = self._shown[order.robot]
+            life = card.add(order.cid, shown, f"{shown}: {order.words}", now_ns)
+            self.audience.note(order.robot, messenger, chat, caller.principal)
+            self.lives.begin(order, caller, card, life)
+        self._teller.show(card)
 
     def _check_later_than_stop(self, inbound: Inbound, request: Request) -> None:
         """Refuse motion received before its robot's last stop, wherever it waited since (I5)."""
         stopped = self._rooms.board[request.robot]
-        if request.skill.actuates and inbound.received_ns <= stopped.at_ns and not stopped.latched:
+        if inbound.received_ns <= stopped.at_ns and not stopped.latched and request.skill.actuates:
             raise Expired(
-                f"{self._shown(request.robot)} was stopped after you sent this. Nothing was done.",
+                f"{self._shown[request.robot]} was stopped after you sent this. Nothing was done.",
                 offers=(request.text,),
             )
 
-    def _check_all_free(self, line: Do, requests: list[Request]) -> None:
+    def _check_all_free(self, requests: list[Request]) -> None:
         """Of a group, all begin or none: see that no one is at work."""
-        for request in requests if line.group else ():
+        for request in requests:
             if not request.sequel:
                 self._rooms.linker.check_free(request.robot)
 
-    def _requests(self, said: Said, line: Do, cid: CommandId) -> list[Request]:
+    def _requests(self, said: Said, line: Do, cid: CommandId, now_ns: int) -> list[Request]:
+        """Return what the line asks of each robot, as long as it is fresh."""
         inbound = said.inbound
-        sent_ns = min(inbound.sent_ns, inbound.received_ns)
-        age_ns = inbound.received_ns - sent_ns
-        waited_ns = max(0, self._clock.wall_ns() - inbound.received_ns)
+        received_ns = inbound.received_ns
+        sent_ns = min(inbound.sent_ns, received_ns)
+        age_ns = received_ns - sent_ns
+        waited_ns = max(0, self._clock.wall_ns() - received_ns)
         # Whichever clock says that it is older: the wall clock may have been set back meanwhile.
-        asked_ns = min(said.arrived_ns, self._clock.monotonic_ns() - waited_ns) - age_ns
-        return [
-            Request(
+        asked_ns = min(said.arrived_ns, now_ns - waited_ns) - age_ns
+        requests: list[Request] = []
+        for robot, skill in zip(line.robots, line.skills, strict=True):
+            request = Request(
                 # The first carries the line's own id: understood anew, it is found all the same.
-                cid=robot_command_id(cid, robot) if at else cid,
-                robot=robot,
-                skill=skill,
-                spoken=line.spoken,
-                text=line.text,
-                sent_ns=sent_ns,
-                age_ns=age_ns,
-                deadline_ns=asked_ns + int(skill.order_lifetime_s * 1e9),
-                group=line.group,
-                sequel=robot in said.asked,
+                robot_command_id(cid, robot) if requests else cid,
+                robot,
+                skill,
+                line.spoken,
+                line.text,
+                sent_ns,
+                age_ns,
+                asked_ns + skill.order_lifetime_ns,
+                line.group,
+                robot in said.asked,
             )
-            for at, (robot, skill) in enumerate(zip(line.robots, line.skills, strict=True))
-        ]
-
-    def _card(self, said: Said, line: Do, orders: tuple[Order, ...]) -> Card:
-        chat, principal = said.inbound.chat, said.caller.principal
-        card = Card(said.messenger, chat, reply_id(said.inbound), principal, self._face)
-        stop = f"stop {line.group or line.robots[0]}"
-        card.buttons = ((Button("STOP", stop, stop),),)
-        now_ns = self._clock.wall_ns()
-        for order in orders:
-            shown = self._shown(order.robot)
-            card.add(order, shown, f"{shown}: {order.words}", now_ns)
-            self.audience.note(order.robot, said.messenger, chat, principal)
-        return card
-
-    def _shown(self, robot: RobotId) -> str:
-        return self._rooms.linker.profile(robot).shown
+            check_fresh(inbound, request, now_ns)
+            self._check_later_than_stop(inbound, request)
+            requests.append(request)
+        return requests
 
     async def close(self) -> None:
         """End every life: robots come to rest, outcomes are written and told."""
         await self.lives.close()
         await asyncio.sleep(0)
+
+
+@lru_cache(maxsize=1024)
+def _stop_button(name: str) -> tuple[tuple[Button, ...], ...]:
+    """Return the row under a life: a stop is never bound to anybody, nor used up."""
+    return ((Button("STOP", f"stop {name}", f"stop {name}"),),)
 
 
 def _command_id(inbound: Inbound, number: int) -> CommandId:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
+from types import coroutine
 from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
@@ -11,6 +12,8 @@ from rosic.core.robot import Presence, Profile
 from rosic.errors import RobotOffline
 
 if TYPE_CHECKING:
+    from collections.abc import Generator
+
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
     from rosic.core.gate import Gate
@@ -56,7 +59,7 @@ class MemoryRobot:
         self._doing = order
         tell(RECEIVED)
         try:
-            await (self._work() if self.work_s else asyncio.sleep(0))
+            await (self._work() if self.work_s else _one_turn())
         finally:
             self._doing = None
         return DONE if self.gate.still_allows(order) else CANCELLED
@@ -85,6 +88,12 @@ class MemoryRobot:
         """Always at hand, unless made absent."""
         doing = self._doing.skill.id if self._doing else ""
         return Presence(online=self.online, age_s=0.0, doing=doing, at_rest=self._doing is None)
+
+
+@coroutine
+def _one_turn() -> Generator[None, None, None]:
+    """Let everybody else have a turn, as a sleep of no seconds does, without its calls."""
+    yield
 
 
 def _finish(end: asyncio.Future[None]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.errors import StoreFault
@@ -11,12 +12,15 @@ from rosic.stores.settings import Settings
 from rosic.stores.writer import Writer
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from rosic.contracts.clock import Clock
-    from rosic.core.record import Memory, Record
+    from rosic.core.record import Decided, Memory, Record
 
 DEFAULTS = Settings()
+AT_ONCE = 500  # administrative acts read in one step
+NEWER_THAN_ALL = 2**63 - 1
 
 
 class DatabaseStore:
@@ -67,6 +71,13 @@ class DatabaseStore:
         """Write all or none; see ``contracts.store``."""
         await self._opened().put(records)
 
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        """Write soon, in order, and call ``then``; see ``contracts.store``."""
+        if self._lane is None or not self._lane.drop((record,), then):
+            if self._writer is not None:
+                self._writer.miss(1)
+            then()
+
     def note(self, *records: Record) -> None:
         """Write soon, in order. While the disk does not work, notes wait, within bounds."""
         if self._lane is not None and not self._lane.drop(records) and self._writer is not None:
@@ -86,6 +97,28 @@ class DatabaseStore:
         while step := await self._opened().call(self._writer.prune):
             total += step
         return total
+
+    async def decisions(self, limit: int) -> tuple[Decided, ...]:
+        """Return the newest administrative acts, the newest first; at most so many.
+
+        What was written or noted before the call is among them. Goes in small steps, so that
+        writes pass between them.
+
+        Raises:
+            StoreFault: They cannot be read now.
+        """
+        writer = self._writer
+        if writer is None:
+            raise StoreFault("The record is closed.")
+        found: list[Decided] = []
+        before = NEWER_THAN_ALL
+        while (size := min(limit - len(found), AT_ONCE)) > 0:
+            page = await self._opened().call(partial(writer.decisions, before, size))
+            found += [decided for _, decided in page]
+            if len(page) < size:
+                break
+            before = page[-1][0]
+        return tuple(found)
 
     async def shred(self, container: str) -> None:
         """Erase the personal content of one container for good, by erasing its key.

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Dialect, literal_column
-
 from rosic.stores import tables
-from rosic.stores.statements import Put, Take
+from rosic.stores.statements import Put, Take, TakePairs
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from sqlalchemy import Dialect
     from sqlalchemy.engine.interfaces import DBAPICursor
 
-    from rosic.stores.scribe import Batch
+    from rosic.stores.batch import Batch
 
-LATEST_PLACE = tables.letters.c.kind == literal_column("'placed'")
 HIGHEST = dict.fromkeys(("n", "fence", "generation"), "highest")
+LETTER = {"container": "new", "sealed": "new"}
+SIFTED = "commands"  # the part of the record that is sifted
 
 
 class Insertion:
@@ -28,39 +29,44 @@ class Insertion:
         put = partial(Put, dialect)
         self.containers = put(tables.containers, {"wrapped": "new"})
         self.commands = put(tables.commands)
-        self.opened = put(tables.open_lives)
-        self.endings = put(tables.endings, {})
-        self.letters = put(
-            tables.letters, {"container": "new", "sealed": "new"}, where=LATEST_PLACE
-        )
+        # The first outcome counts; one without a letter takes the words away, for nobody hears it.
+        self.endings = put(tables.endings, LETTER, unless="container")
+        self.places = put(tables.places, LETTER)
         self.tellings = put(tables.tellings, {})
+        self.opened = put(tables.open_lives)
         self.closed = Take(dialect, tables.open_lives.c.seq)
+        self.sifted = put(tables.sifted, {"below": "highest"})
         self.robots = put(tables.robots, HIGHEST)
         self.stops = put(tables.stops)
         self.principals = put(tables.principals, {"roles": "new", "at_ns": "new"})
-        self.cards = put(tables.cards, {"container": "new", "sealed": "new"})
+        self.cards = put(tables.cards, LETTER)
         self.issued = put(tables.keys, {})
         self.revocations = put(tables.revocations, {})
         self.seeds = put(tables.seeds, {})
         self.selections = put(tables.selections, {"robot": "new"})
+        self.ended = TakePairs(dialect, tables.facts.c.kind, tables.facts.c.key)
+        self.facts = put(tables.facts, LETTER | {"body": "new"}, known_by=("kind", "key"))
+        self.decisions = put(tables.decisions)
         self.gaps = put(tables.gaps)
 
     def run(self, cursor: DBAPICursor, batch: Batch) -> None:
         """Write the rows of a group."""
-        containers = [(key.container, key.wrapped) for key in batch.keys.values()]
-        letters = [(*place, *sealed) for place, sealed in batch.letters.items()]
-        robots = [(robot, *numbers) for robot, numbers in batch.robots.items()]
-        opened = [seq for cid, seq in batch.opened.items() if cid not in batch.closed]
-        self.containers.run(cursor, flat(containers))
+        if batch.keys:
+            keys = batch.keys.values()
+            self.containers.run(cursor, [part for k in keys for part in (k.container, k.wrapped)])
         self.commands.run(cursor, batch.commands)
-        self.opened.run(cursor, opened)
-        self.endings.run(cursor, batch.endings)
-        self.letters.run(cursor, flat(letters))
+        self.endings.run(cursor, flat(batch.endings.values()))
+        self.places.run(cursor, flat(batch.places.values()))
         self.tellings.run(cursor, batch.tellings)
-        self.closed.run(cursor, list(batch.closed.values()))
-        self.robots.run(cursor, flat(robots))
+        self.robots.run(cursor, flat((robot, *seen) for robot, seen in batch.robots.items()))
+        self.closed.run(cursor, batch.struck)
+        if batch.below is not None:
+            self.opened.run(cursor, batch.kept)
+            self.sifted.run(cursor, [SIFTED, batch.below])
         self.stops.run(cursor, batch.stops)
         self._run_people(cursor, batch)
+        if batch.decisions or batch.ended or batch.facts:
+            self._run_rooms(cursor, batch)
 
     def _run_people(self, cursor: DBAPICursor, batch: Batch) -> None:
         self.principals.run(cursor, flat((p, *row) for p, row in batch.principals.items()))
@@ -72,7 +78,12 @@ class Insertion:
             cursor, flat((*place, robot) for place, robot in batch.selections.items())
         )
 
+    def _run_rooms(self, cursor: DBAPICursor, batch: Batch) -> None:
+        self.decisions.run(cursor, batch.decisions)
+        self.ended.run(cursor, flat(batch.ended))
+        self.facts.run(cursor, flat((*place, *row) for place, row in batch.facts.items()))
+
 
 def flat(rows: Iterable[tuple[Any, ...]]) -> list[object]:
     """Return rows one after another in one list."""
-    return [value for row in rows for value in row]
+    return list(chain.from_iterable(rows))

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
+
+import msgspec
 
 from rosic.errors import StoreFault
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -23,28 +23,26 @@ R = TypeVar("R")
 RETRY_S = 0.25
 
 
-class Job(Generic[T]):
+class Job(msgspec.Struct, Generic[T], eq=False):
     """One thing to be done.
 
     Attributes:
         content: What; for ``call`` a function.
         future: Who waits; None for a note.
+        then: Called in the event loop when the job was tried, done or not.
         error: Set by the thread when it was not done.
+        result: Of a call.
     """
 
-    __slots__ = ("content", "error", "future", "result")
-
-    def __init__(self, content: T, future: asyncio.Future[Any] | None) -> None:
-        self.content = content
-        self.future = future
-        self.error: Exception | None = None
-        self.result: object = None
+    content: T
+    future: asyncio.Future[Any] | None
+    then: Callable[[], None] | None = None
+    error: Exception | None = None
+    result: object = None
 
 
-class Call(Job[Any]):
+class Call(Job[Any], eq=False):
     """A function to be run between two groups."""
-
-    __slots__ = ()
 
 
 class Lane(Generic[T]):
@@ -73,7 +71,8 @@ class Lane(Generic[T]):
         self._finish = finish
         self._group_max = group_max
         self._queue_max = queue_max
-        self._queue: SimpleQueue[list[Job[T]] | None] = SimpleQueue()
+        # What one turn of the loop asked for; a call; or, last, nothing any more.
+        self._queue: SimpleQueue[list[Job[T]] | Call | None] = SimpleQueue()
         self._turn: list[Job[T]] = []
         self._waiting = 0
         self._running = False
@@ -92,23 +91,37 @@ class Lane(Generic[T]):
         Raises:
             StoreFault: Too much is waiting, or the lane is closed. It was not done.
             Exception: Whatever ``settle`` left in ``error``.
+            CancelledError: It was done; with a cause, it was not.
         """
         future = self._admit()
-        self._append(Job(content, future))
-        await future
+        job = Job(content, future)
+        self._append(job)
+        try:
+            await future
+        except asyncio.CancelledError as cancelled:
+            await self._decided(job)
+            raise cancelled from job.error
+
+    async def _decided(self, job: Job[T]) -> None:
+        """Wait until it is known what became of a job that nobody can call back."""
+        if job.future is not None and job.future.cancelled() and self._loop is not None:
+            job.future = self._loop.create_future()
+            await asyncio.wait((job.future,))
 
     async def call(self, function: Callable[[], R]) -> R:
         """Run a function in the thread, after everything that was asked for before."""
         future = self._admit()
-        self._append(Call(function, future))
+        self._waiting += 1
+        self._hand_over()
+        self._queue.put(Call(function, future))
         result: R = await future
         return result
 
-    def drop(self, content: T) -> bool:
-        """Have something done without waiting. Return whether it was taken."""
+    def drop(self, content: T, then: Callable[[], None] | None = None) -> bool:
+        """Have something done without waiting, and ``then`` called. Return whether it was taken."""
         if not self._running or self._waiting >= 2 * self._queue_max:
             return False
-        self._append(Job(content, None))
+        self._append(Job(content, None, then))
         return True
 
     async def stop(self) -> None:
@@ -130,9 +143,10 @@ class Lane(Generic[T]):
 
     def _append(self, job: Job[T]) -> None:
         self._waiting += 1
-        self._turn.append(job)
-        if len(self._turn) == 1 and self._loop is not None:
+        turn = self._turn
+        if not turn and self._loop is not None:
             self._loop.call_soon(self._hand_over)
+        turn.append(job)
 
     def _hand_over(self) -> None:
         if self._turn:
@@ -145,39 +159,37 @@ class Lane(Generic[T]):
         again = False
         going = True
         while going:
-            jobs, going = self._next(again)
-            again = self._do(jobs)
+            jobs, call, going = self._next(again)
+            if jobs or call is None:
+                again = self._do(jobs)
+            if call is not None:
+                self._do_call(call)
         self._finish()
         self._report(self._end)
 
-    def _next(self, again: bool) -> tuple[list[Job[T]], bool]:
-        """Wait for work, and take all there is up to about one group."""
+    def _next(self, again: bool) -> tuple[list[Job[T]], Call | None, bool]:
+        """Wait for work, and take all there is up to about one group, or up to a call."""
         jobs: list[Job[T]] = []
         try:
-            turn = self._queue.get(timeout=RETRY_S if again else None)
-            while turn is not None:
-                jobs += turn
+            item = self._queue.get(timeout=RETRY_S if again else None)
+            while isinstance(item, list):
+                jobs += item
                 if len(jobs) >= self._group_max:
-                    return jobs, True
-                turn = self._queue.get_nowait()
+                    return jobs, None, True
+                item = self._queue.get_nowait()
         except Empty:
-            return jobs, True
-        return jobs, False
+            return jobs, None, True
+        return jobs, item, item is not None
 
     def _do(self, jobs: list[Job[T]]) -> bool:
-        """Do jobs in groups; a call stands between two groups."""
+        """Do jobs in groups. Return whether to do so again soon without new jobs."""
         if not jobs:
-            return self._do_group([])
-        again, start = False, 0
-        while start < len(jobs):
-            if isinstance(jobs[start], Call):
-                self._do_call(jobs[start])
-                end = start + 1
-            else:
-                end = self._end_of_group(jobs, start)
-                again = self._do_group(jobs[start:end])
-            self._report(self._resolve, jobs[start:end])
-            start = end
+            return self._do_group(jobs)
+        again = False
+        for start in range(0, len(jobs), self._group_max):
+            group = jobs[start : start + self._group_max]
+            again = self._do_group(group)
+            self._report(self._resolve, group)
         return again
 
     def _do_group(self, jobs: list[Job[T]]) -> bool:
@@ -188,18 +200,12 @@ class Lane(Generic[T]):
                 job.error = job.error or error
             return False
 
-    def _end_of_group(self, jobs: list[Job[T]], start: int) -> int:
-        end = min(start + self._group_max, len(jobs))
-        for index in range(start, end):
-            if isinstance(jobs[index], Call):
-                return index
-        return end
-
-    def _do_call(self, job: Job[Any]) -> None:
+    def _do_call(self, call: Call) -> None:
         try:
-            job.result = job.content()
+            call.result = call.content()
         except Exception as error:  # noqa: BLE001  whoever waits for the call gets it
-            job.error = error
+            call.error = error
+        self._report(self._resolve, [call])
 
     def _report(self, function: Callable[..., None], *arguments: object) -> None:
         loop = self._loop
@@ -213,12 +219,23 @@ class Lane(Generic[T]):
         self._waiting -= len(jobs)
         for job in jobs:
             future = job.future
+            if job.then is not None:
+                self._call(job.then)
             if future is None or future.done():
                 continue
             if job.error is None:
                 future.set_result(job.result)
             else:
                 future.set_exception(job.error)
+
+    def _call(self, then: Callable[[], None]) -> None:
+        """Call what follows a job. If it goes wrong, the rest of the group is told all the same."""
+        try:
+            then()
+        except Exception as error:  # noqa: BLE001  said below, and nobody else's business
+            if self._loop is not None:
+                context = {"message": "what follows a note failed", "exception": error}
+                self._loop.call_exception_handler(context)
 
     def _end(self) -> None:
         if not self._stopped.done():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -10,7 +12,9 @@ from rosic.core.order import Ending
 from rosic.core.record import (
     Claimed,
     Concluded,
+    Decided,
     Enrolled,
+    Fact,
     KeyIssued,
     KeyRevoked,
     Letter,
@@ -26,6 +30,7 @@ from rosic.core.record import (
     Unfinished,
 )
 from rosic.errors import Repeated, StoreFault
+from rosic.stores.facts import by_kind
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -36,6 +41,8 @@ if TYPE_CHECKING:
 IDS_MAX = 200_000
 LIVES_MAX = 100_000
 NO_NUMBERS = (0, 0)
+SETTLING = frozenset((Claimed, Refused, Resumed))
+DECISIONS_MAX = 10_000
 
 
 class MemoryStore:
@@ -47,9 +54,16 @@ class MemoryStore:
         ids_max: A duplicate is recognised while at most this many commands came after it, and
             forgotten after at most twice as many.
         lives_max: Commands whose end was not told, before further ones are refused.
+        decisions_max: Administrative acts that are kept; the oldest are forgotten first.
     """
 
-    def __init__(self, *, ids_max: int = IDS_MAX, lives_max: int = LIVES_MAX) -> None:
+    def __init__(
+        self,
+        *,
+        ids_max: int = IDS_MAX,
+        lives_max: int = LIVES_MAX,
+        decisions_max: int = DECISIONS_MAX,
+    ) -> None:
         self._ids_max = ids_max
         self._lives_max = lives_max
         self._open = False
@@ -68,6 +82,8 @@ class MemoryStore:
         self._selected: dict[tuple[PrincipalId, bytes], Selected] = {}
         self._numbers: dict[RobotId, tuple[int, int]] = {}
         self._generations: dict[RobotId, int] = {}
+        self._facts: dict[tuple[str, str], Fact] = {}
+        self._decisions: deque[Decided] = deque(maxlen=decisions_max)
         self._take: dict[type, Callable[[Any], None]] = {
             Claimed: self._claimed,
             Refused: self._refused,
@@ -81,6 +97,8 @@ class MemoryStore:
             KeyRevoked: self._key_revoked,
             Selected: self._select,
             Seeded: self._seed,
+            Fact: self._fact,
+            Decided: self._decisions.append,
         }
 
     async def open(self) -> Memory:
@@ -94,6 +112,7 @@ class MemoryStore:
             numbers=dict(self._numbers),
             generations=dict(self._generations),
             unfinished=tuple(self._unfinished(life) for life in self._lives.values()),
+            facts=by_kind(self._facts.values()),
         )
 
     async def close(self) -> None:
@@ -114,15 +133,38 @@ class MemoryStore:
         for record in records:
             take[type(record)](record)
 
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        """Write at once, and call ``then``."""
+        if type(record) in SETTLING:
+            self.note(record)
+        elif self._open:
+            self._take[type(record)](record)
+        then()
+
     def note(self, *records: Record) -> None:
         """Write at once; what cannot be written is dropped."""
-        try:
-            self._refuse_repeated(records)
-        except (Repeated, StoreFault):
+        if not self._open:
             return
-        if self._open:
-            for record in records:
-                self._take[type(record)](record)
+        take = self._take
+        for record in records:
+            if type(record) in SETTLING:
+                try:
+                    self._refuse_repeated(records)
+                except (Repeated, StoreFault):
+                    return
+                break
+        for record in records:
+            take[type(record)](record)
+
+    async def decisions(self, limit: int) -> tuple[Decided, ...]:
+        """Return the newest administrative acts, the newest first; at most so many.
+
+        Raises:
+            StoreFault: The record is closed.
+        """
+        if not self._open:
+            raise StoreFault("The record is closed.")
+        return tuple(islice(reversed(self._decisions), max(limit, 0)))
 
     async def shred(self, container: str) -> None:
         """Forget the personal content of one container for good."""
@@ -133,6 +175,7 @@ class MemoryStore:
         }
         without_letters(self._lives, container)
         without_letters(self._endings, container)
+        without_letters(self._facts, container)
         self._places = {
             cid: letter for cid, letter in self._places.items() if letter.container != container
         }
@@ -143,7 +186,7 @@ class MemoryStore:
         fresh: set[CommandId] | None = None
         for record in records:
             kind = type(record)
-            if kind is Claimed or kind is Refused or kind is Resumed:
+            if kind in SETTLING:
                 cid = record.cid  # type: ignore[union-attr]  # the three kinds that have one
                 if cid in young or cid in older or (fresh is not None and cid in fresh):
                     raise Repeated("This was already settled.")
@@ -165,10 +208,8 @@ class MemoryStore:
         self._lives[cid] = record
         robot = record.robot
         n, fence = self._numbers.get(robot, NO_NUMBERS)
-        self._numbers[robot] = (
-            max(n, record.n),
-            max(fence, record.fence),
-        )
+        if record.n > n or record.fence > fence:
+            self._numbers[robot] = (max(n, record.n), max(fence, record.fence))
         if record.stop_generation > self._generations.get(robot, 0):
             self._generations[robot] = record.stop_generation
 
@@ -232,6 +273,13 @@ class MemoryStore:
     def _seed(self, record: Seeded) -> None:
         self._seeded.setdefault(record.name_digest, record)
 
+    def _fact(self, record: Fact) -> None:
+        place = (record.kind, record.key)
+        if record.body:
+            self._facts[place] = record
+        else:
+            self._facts.pop(place, None)
+
     def _unfinished(self, life: Claimed | Refused) -> Unfinished:
         """Say what a life still lacks; a refusal names no robot and no skill."""
         claim, placed = content(life.letter), content(self._places.get(life.cid))
@@ -264,7 +312,7 @@ def content(letter: Letter | None) -> bytes | None:
     return None if letter is None else letter.content
 
 
-def without_letters(table: dict[CommandId, Any], container: str) -> None:
+def without_letters(table: dict[Any, Any], container: str) -> None:
     """Take the letters of one container out of records that stay."""
     for cid, record in table.items():
         if record.letter is not None and record.letter.container == container:

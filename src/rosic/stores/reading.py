@@ -6,25 +6,29 @@ import logging
 from typing import Any
 
 import msgspec
-from sqlalchemy import Column, ColumnElement, Connection, Row, func, select
+from sqlalchemy import (
+    Column,
+    ColumnElement,
+    Connection,
+    Row,
+    exists,
+    func,
+    or_,
+    select,
+    union_all,
+)
 
 from rosic.core.identity import AuthorisationKey, CommandId
 from rosic.core.order import Ending
-from rosic.core.record import Enrolled, Letter, Memory, Seeded, Selected, Unfinished
+from rosic.core.record import Enrolled, Fact, Letter, Memory, Seeded, Selected, Unfinished
 from rosic.stores import tables
-from rosic.stores.scribe import CARD, CLAIM, PLACED, SEAL, WORDS
-from rosic.stores.sealing import Key, Root, Unreadable
+from rosic.stores.facts import by_kind
+from rosic.stores.scribe import CARD, CLAIM, FACT, PLACED, WORDS, Standing
+from rosic.stores.sealing import Key, Root, Unreadable, place_of_fact
 
 log = logging.getLogger("rosic.stores")
 
 ROLES = tuple[str, ...]
-
-
-def seq_of(connection: Connection, cid: CommandId) -> int | None:
-    """Return the number of a command, if there is one."""
-    commands = tables.commands
-    seq: int | None = connection.scalar(select(commands.c.seq).where(commands.c.cid == cid))
-    return seq
 
 
 def wrapped_key(connection: Connection, container: str) -> bytes | None:
@@ -36,11 +40,18 @@ def wrapped_key(connection: Connection, container: str) -> bytes | None:
     return found
 
 
-def lives(connection: Connection) -> dict[CommandId, int]:
-    """Return the open commands and their numbers."""
-    commands = tables.commands
+def standing(connection: Connection) -> Standing:
+    """Return where the database stands.
+
+    The next number is never one below which it was sifted: a number that was given to a call that
+    was not written leaves no command behind, but may have been counted in sifting.
+    """
+    commands, sifted = tables.commands, tables.sifted
+    newest: int | None = connection.scalar(select(func.max(commands.c.seq)))
+    below: int = connection.scalar(select(func.max(sifted.c.below))) or 0
     open_commands = select(commands.c.cid, commands.c.seq).where(is_open(commands.c.seq))
-    return {cid: seq for cid, seq in connection.execute(open_commands)}  # noqa: C416  rows, not pairs
+    lives = {row.cid: row.seq for row in connection.execute(open_commands)}
+    return Standing(lives, below, max((newest or 0) + 1, below))
 
 
 def is_open(seq: Column[int]) -> ColumnElement[bool]:
@@ -48,13 +59,17 @@ def is_open(seq: Column[int]) -> ColumnElement[bool]:
 
     Not a join: that may be done from the side of the history, which is long.
     """
-    return seq.in_(select(tables.open_lives.c.seq))
-
-
-def next_seq(connection: Connection) -> int:
-    """Return the number of the next command."""
-    newest: int | None = connection.scalar(select(func.max(tables.commands.c.seq)))
-    return (newest or 0) + 1
+    commands, endings, tellings = tables.commands, tables.endings, tables.tellings
+    number = commands.c.seq
+    told = exists().where(tellings.c.seq == number)
+    ended_silently = exists().where(endings.c.seq == number, endings.c.container.is_(None))
+    unsifted = select(number).where(
+        number >= select(func.coalesce(func.max(tables.sifted.c.below), 0)).scalar_subquery(),
+        or_(commands.c.kind == "claimed", commands.c.container.is_not(None)),
+        ~told,
+        ~ended_silently,
+    )
+    return seq.in_(union_all(select(tables.open_lives.c.seq), unsifted.correlate(None)))
 
 
 class Reader:
@@ -85,6 +100,7 @@ class Reader:
             numbers={row.robot: (row.n, row.fence) for row in numbers if row.n or row.fence},
             generations={row.robot: row.generation for row in numbers if row.generation},
             unfinished=self._unfinished(),
+            facts=self._facts(),
         )
         if self.unreadable:
             log.warning("%d sealed letters could not be opened; left out", self.unreadable)
@@ -100,6 +116,26 @@ class Reader:
         return tuple(
             Selected(principal=row.principal, chat=row.chat, robot=row.robot) for row in rows
         )
+
+    def _facts(self) -> dict[str, tuple[Fact, ...]]:
+        """Return what is so, in the order in which it was first written."""
+        facts = tables.facts.c
+        rows = self._connection.execute(
+            select(facts.kind, facts.key, facts.body, facts.container, facts.sealed).order_by(
+                facts.id
+            )
+        )
+        return by_kind(
+            Fact(kind=kind, key=key, body=body)
+            if container is None
+            else self._fact(kind, key, body, container, sealed)
+            for kind, key, body, container, sealed in rows
+        )
+
+    def _fact(self, kind: str, key: str, body: bytes, container: str, sealed: bytes) -> Fact:
+        content = self._unsealed(container, FACT, place_of_fact(kind, key), sealed)
+        letter = None if content is None else Letter(container, content)
+        return Fact(kind=kind, key=key, body=body, letter=letter)
 
     def _unsealed(self, container: str, kind: bytes, subject: bytes, sealed: bytes) -> bytes | None:
         key = self._key(container)
@@ -161,41 +197,41 @@ class Reader:
         )
 
     def _unfinished(self) -> tuple[Unfinished, ...]:
-        commands, endings = tables.commands, tables.endings
+        commands, endings, places = tables.commands, tables.endings, tables.places
         query = (
-            select(commands, endings.c.ending)
+            select(
+                commands,
+                endings.c.ending,
+                endings.c.container.label("words_container"),
+                endings.c.sealed.label("words_sealed"),
+                places.c.container.label("placed_container"),
+                places.c.sealed.label("placed_sealed"),
+            )
             .where(is_open(commands.c.seq))
-            .outerjoin(endings, endings.c.seq == commands.c.seq)
+            .outerjoin_from(commands, endings, endings.c.seq == commands.c.seq)
+            .outerjoin(places, places.c.seq == commands.c.seq)
             .order_by(commands.c.seq)
         )
-        letters = self._letters()
-        return tuple(
-            self._life(row, letters.get(row.seq, {})) for row in self._connection.execute(query)
-        )
+        return tuple(self._life(row) for row in self._connection.execute(query))
 
-    def _life(self, row: Row[Any], letters: dict[str, bytes | None]) -> Unfinished:
+    def _life(self, row: Row[Any]) -> Unfinished:
         claimed = row.kind == "claimed"
+        claim = self._letter(row.container, CLAIM, row.cid, row.sealed)
+        words = self._letter(row.words_container, WORDS, row.cid, row.words_sealed)
         return Unfinished(
             cid=row.cid,
             principal=row.principal,
             robot=row.robot or "",
             skill=row.skill or "",
             ending=row.ending if claimed else Ending.REFUSED.value,
-            claim=letters.get(CLAIM),
-            words=letters.get(WORDS) if claimed else None,
-            placed=letters.get(PLACED),
+            claim=claim,
+            words=words if claimed else None,
+            placed=self._letter(row.placed_container, PLACED, row.cid, row.placed_sealed),
         )
 
-    def _letters(self) -> dict[int, dict[str, bytes | None]]:
-        """Return the letters of open commands by number and kind."""
-        letters, commands = tables.letters, tables.commands
-        query = (
-            select(letters, commands.c.cid)
-            .join(commands, commands.c.seq == letters.c.seq)
-            .where(is_open(letters.c.seq))
-        )
-        found: dict[int, dict[str, bytes | None]] = {}
-        for row in self._connection.execute(query):
-            content = self._unsealed(row.container, SEAL[row.kind], row.cid, row.sealed)
-            found.setdefault(row.seq, {})[row.kind] = content
-        return found
+    def _letter(
+        self, container: str | None, kind: bytes, cid: CommandId, sealed: bytes | None
+    ) -> bytes | None:
+        if container is None or sealed is None:
+            return None
+        return self._unsealed(container, kind, cid, sealed)

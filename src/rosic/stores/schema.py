@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from sqlalchemy import Connection
 
 MIGRATIONS = Path(__file__).with_name("migrations")
-FORMS = ("0001",)  # every form this ROSIC can read, oldest first; the steps are in migrations
+# Every form this ROSIC can read, oldest first; the steps are in migrations. Behind the dot stands
+# how often a form was changed before its release: its drafts were never meant to be kept.
+FORMS = ("0001.2",)
 ALEMBIC_TABLE = "alembic_version"
 
 
@@ -40,14 +42,26 @@ def check(connection: Connection) -> None:
     """See whether this ROSIC can use the database. Changes nothing.
 
     Raises:
-        ConfigurationError: A newer ROSIC wrote it, or something else than ROSIC.
+        ConfigurationError: A newer ROSIC wrote it, one that was never released, or something else
+            than ROSIC.
     """
     form = present(connection)
-    if form is not None and form not in FORMS:
+    if form is None or form in FORMS:
+        return
+    if number(form) in map(number, FORMS):
         raise ConfigurationError(
-            "The record was written by a newer ROSIC.",
-            hint="Install that version again, or start with an empty data folder.",
+            "The record was written by a version of ROSIC that was never released.",
+            hint="Keep the data folder for that version, and start with an empty one.",
         )
+    raise ConfigurationError(
+        "The record was written by a newer ROSIC.",
+        hint="Install that version again, or start with an empty data folder.",
+    )
+
+
+def number(form: str) -> str:
+    """Return which form it is, without its draft."""
+    return form.partition(".")[0]
 
 
 def upgrade(connection: Connection, migrations: Path = MIGRATIONS) -> None:

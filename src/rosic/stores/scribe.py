@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from rosic.core.identity import CommandId
 from rosic.core.record import (
     Claimed,
     Concluded,
+    Decided,
     Enrolled,
+    Fact,
     KeyIssued,
     KeyRevoked,
     Letter,
@@ -23,73 +26,35 @@ from rosic.core.record import (
     Told,
 )
 from rosic.errors import StoreFault
+from rosic.stores.batch import Batch
+from rosic.stores.sealing import place_of_fact
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.robot import RobotId
     from rosic.stores.sealing import Key, Root
+    from rosic.stores.settings import Settings
 
-CLAIM, WORDS, PLACED = "claim", "words", "placed"
-# One byte each, for ever: they are part of what a letter is sealed with.
-SEAL = {CLAIM: b"c", WORDS: b"w", PLACED: b"p"}
-CARD = b"e"
+# The kinds of letters. One byte each, for ever: they are part of what a letter is sealed with.
+CLAIM, WORDS, PLACED, CARD, FACT = b"c", b"w", b"p", b"e", b"f"
 
 KEYS_MAX = 10_000  # kept at hand; more are read again when they are needed
-NO_NUMBERS = (0, 0, 0)
-NOTHING = (None,) * 9
+NO_LETTER = (None, None)
 
 
-class Batch:
-    """The rows of one group, table by table; each list is flat, row after row.
-
-    Where a later record of the group replaces an earlier one, a dict keeps only the last: no
-    statement may touch a row twice.
+class Standing(msgspec.Struct, frozen=True):
+    """Where the database stands.
 
     Attributes:
-        fresh: Commands that are new in this group.
-        opened: Those of them whose author is to hear of them.
-        closed: Commands that need not be told any more.
-        keys: Keys of containers that are new in this group.
+        lives: Open commands and their numbers.
+        below: Up to which number it is sifted.
+        next_seq: The number of the next command.
     """
 
-    __slots__ = (
-        "cards",
-        "closed",
-        "commands",
-        "endings",
-        "fresh",
-        "issued",
-        "keys",
-        "letters",
-        "opened",
-        "principals",
-        "revocations",
-        "robots",
-        "seeds",
-        "selections",
-        "stops",
-        "tellings",
-    )
-
-    def __init__(self) -> None:
-        self.commands: list[object] = []
-        self.endings: list[object] = []
-        self.tellings: list[object] = []
-        self.stops: list[object] = []
-        self.issued: list[object] = []
-        self.revocations: list[object] = []
-        self.seeds: list[object] = []
-        self.letters: dict[tuple[int, str], tuple[str, bytes]] = {}
-        self.robots: dict[RobotId, tuple[int, int, int]] = {}
-        self.principals: dict[PrincipalId, tuple[str, int]] = {}
-        self.cards: dict[PrincipalId, tuple[str, bytes]] = {}
-        self.selections: dict[tuple[PrincipalId, bytes], str] = {}
-        self.keys: dict[str, Key] = {}
-        self.fresh: dict[CommandId, int] = {}
-        self.opened: dict[CommandId, int] = {}
-        self.closed: dict[CommandId, int] = {}
+    lives: dict[CommandId, int]
+    below: int
+    next_seq: int
 
 
 class Scribe:
@@ -97,27 +62,26 @@ class Scribe:
 
     Args:
         root: Wraps the keys of new containers.
-        lives: Open commands and their numbers, as the database has them.
-        next_seq: The number of the next command.
+        standing: From where to go on.
         find_seq: Asks the database for the number of a command that is not open any more.
         find_key: Asks the database for the wrapped key of a container.
-        lives_max: Open commands, before further ones are refused.
+        settings: How many commands may be open, and how many are left unsifted.
     """
 
     def __init__(
         self,
         root: Root,
-        lives: dict[CommandId, int],
-        next_seq: int,
+        standing: Standing,
         find_seq: Callable[[CommandId], int | None],
         find_key: Callable[[str], bytes | None],
         *,
-        lives_max: int,
+        settings: Settings,
     ) -> None:
-        self._lives_max = lives_max
+        self._settings = settings
         self._root = root
-        self._lives = lives
-        self._next_seq = next_seq
+        self._lives = dict(standing.lives)
+        self._below = standing.below
+        self._next_seq = standing.next_seq
         self._find_seq = find_seq
         self._find_key = find_key
         self._keys: dict[str, Key] = {}
@@ -134,6 +98,8 @@ class Scribe:
             KeyRevoked: self._key_revoked,
             Selected: self._selected,
             Seeded: self._seeded,
+            Fact: self._fact,
+            Decided: self._decided,
         }
 
     def rows(self, calls: Iterable[tuple[Record, ...]]) -> Batch:
@@ -142,20 +108,35 @@ class Scribe:
         Raises:
             StoreFault: Too many commands are open.
         """
-        batch = Batch()
-        take = self._take
+        batch, first, take = Batch(), self._next_seq, self._take
         for records in calls:
             for record in records:
                 take[type(record)](batch, record)
-        if batch.opened and len(self._lives) + len(batch.opened) > self._lives_max:
+        if batch.opened and len(self._lives) + len(batch.opened) > self._settings.lives_max:
             raise StoreFault("The record is full. Nothing was written.")
+        below = self._below
+        batch.struck = [seq for seq in batch.closed.values() if seq < below]
+        unsifted = self._settings.unsifted
+        if first - below >= 2 * unsifted:
+            self._sift(batch, first - unsifted)
         return batch
+
+    def _sift(self, batch: Batch, below: int) -> None:
+        """Write down which commands are open below a number; none of them is of this batch."""
+        batch.below = below
+        batch.kept = [
+            seq
+            for cid, seq in self._lives.items()
+            if self._below <= seq < below and cid not in batch.closed
+        ]
 
     def remember(self, batch: Batch) -> None:
         """The rows are in the database now."""
         self._lives.update(batch.opened)
         for cid in batch.closed:
             self._lives.pop(cid, None)
+        if batch.below is not None:
+            self._below = batch.below
         if len(self._keys) > KEYS_MAX:
             self._keys.clear()
         self._keys.update(batch.keys)
@@ -166,22 +147,18 @@ class Scribe:
 
     # ---- commands ----
 
-    def _number(self, batch: Batch, cid: CommandId) -> int:
+    def _number(self) -> int:
         seq = self._next_seq
         self._next_seq = seq + 1
-        batch.fresh[cid] = seq
         return seq
 
     def _seq(self, batch: Batch, cid: CommandId) -> int | None:
-        seq = self._lives.get(cid)
-        if seq is None:
-            seq = batch.fresh.get(cid)
+        seq = self._lives.get(cid) or batch.opened.get(cid) or batch.silent.get(cid)
         return self._find_seq(cid) if seq is None else seq
 
     def _claimed(self, batch: Batch, record: Claimed) -> None:
         cid, robot = record.cid, record.robot
-        seq = self._number(batch, cid)
-        batch.opened[cid] = seq
+        seq = batch.opened[cid] = self._number()
         batch.commands += (
             seq,
             cid,
@@ -199,47 +176,51 @@ class Scribe:
             record.epoch,
             record.digest,
             record.expires_ns,
+            *self._sealed(batch, CLAIM, cid, record.letter),
         )
         self._raise(batch, robot, record.n, record.fence, record.stop_generation)
-        if record.letter is not None:
-            self._letter(batch, seq, CLAIM, cid, record.letter)
 
     def _refused(self, batch: Batch, record: Refused) -> None:
-        cid = record.cid
-        seq = self._number(batch, cid)
+        cid, letter = record.cid, record.letter
+        seq = self._number()
+        (batch.silent if letter is None else batch.opened)[cid] = seq
         batch.commands += (seq, cid, "refused", record.principal, record.at_ns, record.code)
-        batch.commands += (None, None, *NOTHING[:8])
-        if record.letter is not None:
-            batch.opened[cid] = seq
-            self._letter(batch, seq, CLAIM, cid, record.letter)
+        batch.commands += (None,) * 10
+        batch.commands += self._sealed(batch, CLAIM, cid, letter)
 
     def _resumed(self, batch: Batch, record: Resumed) -> None:
-        seq = self._number(batch, record.cid)
+        seq = batch.silent[record.cid] = self._number()
         batch.commands += (seq, record.cid, "resumed", record.principal, record.at_ns, None)
         batch.commands += (None, record.robot, None, None, None, None, record.generation)
-        batch.commands += (None, None, None)
+        batch.commands += (None, None, None, *NO_LETTER)
         self._raise(batch, record.robot, 0, 0, record.generation)
 
     def _concluded(self, batch: Batch, record: Concluded) -> None:
-        seq = self._seq(batch, record.cid)
+        cid, letter = record.cid, record.letter
+        seq = self._seq(batch, cid)
         if seq is None:
             return  # the command itself was never written, so nothing came of it
-        batch.endings += (seq, record.ending, record.at_ns)
-        if record.letter is None:
-            batch.closed[record.cid] = seq
-        elif (seq, WORDS) not in batch.letters:
-            self._letter(batch, seq, WORDS, record.cid, record.letter)
+        first = batch.endings.get(seq)
+        if first is None:
+            sealed = self._sealed(batch, WORDS, cid, letter)
+            batch.endings[seq] = (seq, record.ending, record.at_ns, *sealed)
+        elif letter is None:
+            batch.endings[seq] = (*first[:3], *NO_LETTER)
+        if letter is None:
+            batch.closed[cid] = seq
 
     def _placed(self, batch: Batch, record: Placed) -> None:
-        seq = self._seq(batch, record.cid)
+        cid = record.cid
+        seq = self._seq(batch, cid)
         if seq is not None:
-            self._letter(batch, seq, PLACED, record.cid, record.letter)
+            batch.places[seq] = (seq, *self._sealed(batch, PLACED, cid, record.letter))
 
     def _told(self, batch: Batch, record: Told) -> None:
-        seq = self._seq(batch, record.cid)
+        cid = record.cid
+        seq = self._seq(batch, cid)
         if seq is not None:
             batch.tellings += (seq, record.at_ns)
-            batch.closed[record.cid] = seq
+            batch.closed[cid] = seq
 
     # ---- robots ----
 
@@ -249,8 +230,10 @@ class Scribe:
         self._raise(batch, robot, 0, 0, generation)
 
     def _raise(self, batch: Batch, robot: RobotId, n: int, fence: int, generation: int) -> None:
-        seen = batch.robots.get(robot, NO_NUMBERS)
-        batch.robots[robot] = (max(n, seen[0]), max(fence, seen[1]), max(generation, seen[2]))
+        seen = batch.robots.get(robot)
+        if seen is not None:
+            n, fence, generation = max(n, seen[0]), max(fence, seen[1]), max(generation, seen[2])
+        batch.robots[robot] = (n, fence, generation)
 
     # ---- people ----
 
@@ -276,12 +259,32 @@ class Scribe:
     def _seeded(self, batch: Batch, record: Seeded) -> None:
         batch.seeds += (record.name_digest, record.principal)
 
+    # ---- what the rooms know ----
+
+    def _fact(self, batch: Batch, record: Fact) -> None:
+        place = (record.kind, record.key)
+        if record.body:
+            subject = place_of_fact(*place)
+            batch.facts[place] = (record.body, *self._sealed(batch, FACT, subject, record.letter))
+        else:
+            # Taken back and said again in one group, it stands behind all others.
+            batch.facts.pop(place, None)
+            batch.ended.add(place)
+
+    def _decided(self, batch: Batch, record: Decided) -> None:
+        batch.decisions += (record.act, record.by, record.about, record.at_ns, record.digest)
+
     # ---- letters ----
 
-    def _letter(self, batch: Batch, seq: int, kind: str, cid: CommandId, letter: Letter) -> None:
+    def _sealed(
+        self, batch: Batch, kind: bytes, subject: bytes, letter: Letter | None
+    ) -> tuple[object, object]:
+        """Return whose key seals a letter, and the sealed letter."""
+        if letter is None:
+            return NO_LETTER
         container = letter.container
         key = self._keys.get(container) or self._key(batch, container)
-        batch.letters[seq, kind] = (container, key.seal(SEAL[kind], cid, letter.content))
+        return container, key.seal(kind, subject, letter.content)
 
     def _key(self, batch: Batch, container: str) -> Key:
         key = self._keys.get(container) or batch.keys.get(container)

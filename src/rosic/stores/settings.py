@@ -13,6 +13,9 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
         queue_max: Calls that may wait; one more is refused with a sentence.
         notes_max: Notes kept for later while the disk does not work; the oldest are lost first.
         lives_max: Commands whose end was never told, before further ones are refused.
+        unsifted: Commands that are not sifted yet, after every sifting. At most twice as many and
+            one group more are looked through at opening, and a command that is settled before so
+            many others were claimed costs no row in the table of open ones.
         busy_timeout_ms: How long another program may hold the database before a write fails.
         synchronous: Anything weaker than ``FULL`` is refused at opening: it loses claims.
         pages_max: Size of the database file in pages of 4,096 bytes; None is the disk's size.
@@ -24,6 +27,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     queue_max: int = 10_000
     notes_max: int = 10_000
     lives_max: int = 100_000
+    unsifted: int = 1_024
     busy_timeout_ms: int = 250
     synchronous: str = "FULL"
     pages_max: int | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING
 
 from sqlalchemy import Connection, Engine, create_engine, event, pool
@@ -13,7 +13,10 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 from rosic.errors import ConfigurationError, StoreFault
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
+
+    from sqlalchemy.engine.interfaces import DBAPICursor
 
     from rosic.stores.settings import Settings
 
@@ -70,6 +73,24 @@ def quoted(path: Path) -> str:
 def begin(connection: Connection) -> None:
     """Take the right to write at once: two halves of a transaction never wait for each other."""
     connection.exec_driver_sql("BEGIN IMMEDIATE")
+
+
+@contextmanager
+def transaction(connection: Connection) -> Iterator[DBAPICursor]:
+    """Write everything that is run on a cursor, or nothing; in the driver's own words.
+
+    The same as ``connection.begin()`` without what it costs: it stands around each group.
+    """
+    driver = connection.connection
+    cursor = driver.cursor()
+    cursor.execute("BEGIN IMMEDIATE")
+    try:
+        yield cursor
+        driver.commit()
+    except BaseException:
+        with suppress(*FAILURES):
+            driver.rollback()
+        raise
 
 
 def make_file(path: Path) -> None:

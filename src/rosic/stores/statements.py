@@ -6,19 +6,20 @@ loop then delays a group of writes once, not once for each row.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from sqlalchemy import (
-    BindParameter,
     Column,
     ColumnElement,
-    Delete,
     Dialect,
     Table,
+    and_,
     bindparam,
     case,
     delete,
+    select,
 )
 
 if TYPE_CHECKING:
@@ -28,14 +29,36 @@ if TYPE_CHECKING:
     from sqlalchemy.sql import ClauseElement
     from sqlalchemy.sql.dml import Insert
 
-ROWS_MAX = 128  # in one statement; more rows are several statements
+# Rows in one statement; more rows are several statements. Few sizes, for the driver keeps each
+# prepared; close together, so that a group needs two or three statements a table.
+SIZES = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 
 
 class Many:
-    """A statement that comes in sizes: for 1, 2, 4 ... rows."""
+    """A statement that comes in sizes.
 
-    def __init__(self, dialect: Dialect, width: int) -> None:
-        self._dialect = dialect
+    It is compiled for one row; the text for more rows repeats what stands there for one.
+
+    Args:
+        statement: For one row, its values as parameters in the order of the flat list.
+        unit: How one row looks in its text.
+        width: Values of one row.
+        between: What stands between two of them.
+    """
+
+    def __init__(
+        self,
+        dialect: Dialect,
+        statement: ClauseElement,
+        unit: str,
+        width: int,
+        *,
+        between: str = ", ",
+    ) -> None:
+        self._between = between
+        self._head, self._unit, self._tail = in_words(dialect, statement).partition(unit)
+        if not self._unit:
+            raise ValueError(f"{self._head} has no {unit}")
         self._width = width
         self._texts: dict[int, str] = {}
 
@@ -46,21 +69,16 @@ class Many:
         """
         start, width = 0, self._width
         while start < len(flat):
-            rows = min((len(flat) - start) // width, ROWS_MAX)
-            rows = 1 << (rows.bit_length() - 1)
-            text = self._texts.get(rows) or self._prepare(rows)
+            rows = (len(flat) - start) // width
+            rows = SIZES[bisect_right(SIZES, rows) - 1]
+            text = self._texts.get(rows) or self._repeated(rows)
             end = start + rows * width
             cursor.execute(text, tuple(flat[start:end]))
             start = end
 
-    def _prepare(self, rows: int) -> str:
-        compiled = self.statement(rows).compile(dialect=self._dialect)
-        self._texts[rows] = str(compiled)
-        return self._texts[rows]
-
-    def statement(self, rows: int) -> ClauseElement:
-        """Build it for a number of rows; parameters in the order of the flat list."""
-        raise NotImplementedError
+    def _repeated(self, rows: int) -> str:
+        text = self._texts[rows] = self._head + self._between.join([self._unit] * rows) + self._tail
+        return text
 
 
 class Put(Many):
@@ -70,7 +88,8 @@ class Put(Many):
         settle: What happens to a row that is there already: None is an error, an empty mapping
             leaves it, and a mapping says for each column whether it takes the ``new`` value or
             the ``highest``.
-        where: A row that is there already and is not like this is left, too.
+        unless: A row that is there already stays as it is unless this column is NULL in the new.
+        known_by: Columns by which a row is known; none for those of its primary key.
     """
 
     def __init__(
@@ -79,49 +98,78 @@ class Put(Many):
         table: Table,
         settle: Mapping[str, str] | None = None,
         *,
-        where: ColumnElement[bool] | None = None,
+        unless: str | None = None,
+        known_by: tuple[str, ...] = (),
     ) -> None:
-        columns = [column for column in table.columns if column.name != "id"]
-        super().__init__(dialect, len(columns))
-        self._table = table
         # Each dialect has an insert of its own that knows ON CONFLICT; both are used alike.
-        self._insert = import_module(f"sqlalchemy.dialects.{dialect.name}").insert
-        self._names = [column.name for column in columns]
-        self._settle = settle
-        self._where = where
-
-    def statement(self, rows: int) -> Insert:
-        """Build the insertion of a number of rows."""
-        insert: Any = self._insert(self._table).values(
-            [{name: bindparam(f"row{row}_{name}") for name in self._names} for row in range(rows)]
-        )
-        if self._settle is None:
-            return insert  # type: ignore[no-any-return]  # one of two dialects' inserts
-        if not self._settle:
-            return insert.on_conflict_do_nothing()  # type: ignore[no-any-return]
-        new = insert.excluded
-        changes = {
-            name: new[name] if how == "new" else highest(self._table.c[name], new[name])
-            for name, how in self._settle.items()
-        }
-        return insert.on_conflict_do_update(  # type: ignore[no-any-return]
-            index_elements=list(self._table.primary_key.columns),
-            set_=changes,
-            where=self._where,
-        )
+        insert = import_module(f"sqlalchemy.dialects.{dialect.name}").insert
+        names = [column.name for column in table.columns if column.name != "id"]
+        one_row = insert(table).values([{name: bindparam(name) for name in names}])
+        place = [table.c[name] for name in known_by] or list(table.primary_key.columns)
+        statement = settled(one_row, place, settle, unless)
+        super().__init__(dialect, statement, f"({', '.join('?' * len(names))})", len(names))
 
 
 class Take(Many):
     """Delete the rows in which a column has one of many values."""
 
     def __init__(self, dialect: Dialect, column: Column[Any]) -> None:
-        super().__init__(dialect, 1)
-        self._column = column
+        statement = delete(column.table).where(column.in_([bindparam("value")]))
+        super().__init__(dialect, statement, "?", 1)
 
-    def statement(self, rows: int) -> Delete:
-        """Build the deletion for a number of values."""
-        values: list[BindParameter[Any]] = [bindparam(f"row{row}") for row in range(rows)]
-        return delete(self._column.table).where(self._column.in_(values))
+
+class TakePairs(Many):
+    """Delete the rows in which two columns together have one of many pairs of values.
+
+    Each pair is found by the index of the two; a list of pairs would be looked for row by row.
+    """
+
+    def __init__(self, dialect: Dialect, first: Column[Any], second: Column[Any]) -> None:
+        pair = and_(first == bindparam("first"), second == bindparam("second"))
+        unit = in_words(dialect, pair)
+        super().__init__(dialect, delete(first.table).where(pair), unit, 2, between=" OR ")
+
+
+class Find:
+    """Look up one value of one row."""
+
+    def __init__(self, dialect: Dialect, wanted: Column[Any], known: Column[Any]) -> None:
+        self._text = in_words(dialect, select(wanted).where(known == bindparam("value")))
+
+    def run(self, cursor: DBAPICursor, value: object) -> Any:  # noqa: ANN401  a column's type
+        """Return the value; None if there is no such row."""
+        cursor.execute(self._text, (value,))
+        rows = cursor.fetchall()
+        return rows[0][0] if rows else None
+
+
+def in_words(dialect: Dialect, statement: ClauseElement) -> str:
+    """Return a statement in the driver's words."""
+    return str(statement.compile(dialect=dialect))
+
+
+def settled(
+    insert: Any,  # noqa: ANN401  one of two dialects' inserts
+    place: Sequence[Column[Any]],
+    settle: Mapping[str, str] | None,
+    unless: str | None,
+) -> Insert:
+    """Say in an insertion what happens to a row that is there already, in its place."""
+    if settle is None:
+        return insert  # type: ignore[no-any-return]
+    if not settle:
+        return insert.on_conflict_do_nothing()  # type: ignore[no-any-return]
+    new = insert.excluded
+    old = place[0].table.c
+    changes = {
+        name: new[name] if how == "new" else highest(old[name], new[name])
+        for name, how in settle.items()
+    }
+    return insert.on_conflict_do_update(  # type: ignore[no-any-return]
+        index_elements=place,
+        set_=changes,
+        where=None if unless is None else new[unless].is_(None),
+    )
 
 
 def highest(old: ColumnElement[Any], new: ColumnElement[Any]) -> ColumnElement[Any]:

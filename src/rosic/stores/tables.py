@@ -2,7 +2,8 @@
 
 A command has a small number of its own, ``seq``, given in order. Everything that follows from the
 command is kept under that number, so that what happens together lies together on the disk; only
-the table of commands itself is searched by the command's id.
+the table of commands itself is searched by the command's id. A row is written once and then left
+alone; a letter stands in the row of what it was written with, so that it costs no row of its own.
 
 No table here holds what can name a person, except sealed.
 """
@@ -19,6 +20,7 @@ from sqlalchemy import (
     MetaData,
     Table,
     Text,
+    UniqueConstraint,
 )
 
 # SQLite numbers its rows with exactly this type.
@@ -30,6 +32,11 @@ metadata = MetaData()
 def belonging() -> Column[int]:
     """Return the column that says which command a row belongs to."""
     return Column("seq", NUMBER, ForeignKey("commands.seq"), primary_key=True, autoincrement=False)
+
+
+def container() -> Column[str]:
+    """Return the column that says whose key seals the letter of a row; NULL without a letter."""
+    return Column("container", Text, ForeignKey("containers.container"))
 
 
 commands = Table(
@@ -51,14 +58,28 @@ commands = Table(
     Column("epoch", BigInteger),
     Column("digest", LargeBinary),
     Column("expires_ns", BigInteger),
+    container(),
+    Column("sealed", LargeBinary),
 )
 
+# An ending without a letter is told to nobody.
 endings = Table(
     "endings",
     metadata,
     belonging(),
     Column("ending", Text, nullable=False),
     Column("at_ns", BigInteger, nullable=False),
+    container(),
+    Column("sealed", LargeBinary),
+)
+
+# Which message shows a life.
+places = Table(
+    "places",
+    metadata,
+    belonging(),
+    Column("container", Text, ForeignKey("containers.container"), nullable=False),
+    Column("sealed", LargeBinary, nullable=False),
 )
 
 tellings = Table(
@@ -68,7 +89,16 @@ tellings = Table(
     Column("at_ns", BigInteger, nullable=False),
 )
 
-# Commands whose author has not heard how they ended. Small, whatever the history.
+# Up to which number the commands were sifted: of those below it, the ones whose author has not
+# heard how they ended stand in ``open_lives``. A command that is settled sooner is in no table of
+# open ones at all, and what has to be looked through at opening stays small, whatever the history.
+sifted = Table(
+    "sifted",
+    metadata,
+    Column("part", Text, primary_key=True),
+    Column("below", BigInteger, nullable=False),
+)
+
 open_lives = Table("open_lives", metadata, belonging())
 
 # ``wrapped`` is the container's key, sealed by the root key; NULL once the container was erased.
@@ -77,16 +107,6 @@ containers = Table(
     metadata,
     Column("container", Text, primary_key=True),
     Column("wrapped", LargeBinary),
-)
-
-letters = Table(
-    "letters",
-    metadata,
-    belonging(),
-    Column("kind", Text, primary_key=True),
-    Column("container", Text, ForeignKey("containers.container"), nullable=False),
-    Column("sealed", LargeBinary, nullable=False),
-    sqlite_with_rowid=False,
 )
 
 # What the record knows of each robot's numbers; none of them ever falls (I13).
@@ -160,6 +180,32 @@ selections = Table(
     Column("principal", Text, primary_key=True),
     Column("chat", LargeBinary, primary_key=True),
     Column("robot", Text, nullable=False),
+)
+
+# What the rooms know besides commands: the newest of each kind and key. A row keeps its ``id``, and
+# with it its place among the others, until the fact is removed.
+facts = Table(
+    "facts",
+    metadata,
+    Column("id", NUMBER, primary_key=True),
+    Column("kind", Text, nullable=False),
+    Column("key", Text, nullable=False),
+    Column("body", LargeBinary, nullable=False),
+    container(),
+    Column("sealed", LargeBinary),
+    UniqueConstraint("kind", "key"),
+)
+
+# Administrative acts. Rows are only ever added.
+decisions = Table(
+    "decisions",
+    metadata,
+    Column("id", NUMBER, primary_key=True),
+    Column("act", Text, nullable=False),
+    Column("by", Text, nullable=False),
+    Column("about", Text, nullable=False),
+    Column("at_ns", BigInteger, nullable=False),
+    Column("digest", LargeBinary, nullable=False),
 )
 
 # Notes that could not be kept while the record was not writable: when that was noticed, how many.

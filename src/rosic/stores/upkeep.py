@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import Connection, Dialect, delete, select, update
 
-from rosic.stores import tables
+from rosic.stores import reading, tables
 from rosic.stores.statements import Take
 
 if TYPE_CHECKING:
@@ -32,16 +32,16 @@ class Erasure:
     """The statements that forget."""
 
     def __init__(self, dialect: Dialect) -> None:
-        parts = (tables.letters, tables.endings, tables.tellings, tables.commands)
+        parts = (tables.endings, tables.places, tables.tellings, tables.commands)
         self._takes = [Take(dialect, table.c.seq) for table in parts]
         self._take_stops = Take(dialect, tables.stops.c.id)
 
     def prune(self, connection: Connection, before_ns: int) -> int:
         """Forget the oldest commands that are settled, and old stops; some, not all at once."""
-        commands, lives, stops = tables.commands, tables.open_lives, tables.stops
+        commands, stops = tables.commands, tables.stops
         oldest = (
             select(commands.c.seq, commands.c.at_ns)
-            .where(~select(lives.c.seq).where(lives.c.seq == commands.c.seq).exists())
+            .where(~reading.is_open(commands.c.seq))
             .order_by(commands.c.seq)
             .limit(AT_ONCE)
         )
@@ -56,8 +56,11 @@ class Erasure:
 
     def shred(self, connection: Connection, container: str) -> None:
         """Erase the key of a container, and with it every letter sealed with it."""
-        containers, cards = tables.containers, tables.cards
+        containers, cards, facts = tables.containers, tables.cards, tables.facts
         connection.execute(delete(cards).where(cards.c.container == container))
+        connection.execute(
+            update(facts).where(facts.c.container == container).values(container=None, sealed=None)
+        )
         connection.execute(
             update(containers).where(containers.c.container == container).values(wrapped=None)
         )

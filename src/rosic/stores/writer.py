@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.record import Claimed, Memory, Record, Refused, Resumed, Stopped
+from rosic.core.record import Claimed, Decided, Memory, Record, Refused, Resumed, Stopped
 from rosic.errors import ConfigurationError, Repeated, RosicError, StoreFault
-from rosic.stores import reading, schema, sqlite, upkeep
+from rosic.stores import reading, schema, sqlite, tables, upkeep
+from rosic.stores.decisions import Decisions
 from rosic.stores.insertion import Insertion
 from rosic.stores.lane import Job
 from rosic.stores.scribe import Scribe
 from rosic.stores.sealing import Root, Unreadable
+from rosic.stores.statements import Find
 
 if TYPE_CHECKING:
     from sqlalchemy import Connection
@@ -47,6 +49,10 @@ class Writer:
         self._engine = sqlite.engine_for(folder.database, settings)
         self._insertion = Insertion(self._engine.dialect)
         self._erasure = upkeep.Erasure(self._engine.dialect)
+        commands, containers = tables.commands.c, tables.containers.c
+        self._find_seq = Find(self._engine.dialect, commands.seq, commands.cid)
+        self._find_key = Find(self._engine.dialect, containers.wrapped, containers.container)
+        self._decisions = Decisions(self._engine.dialect)
         self._connection: Connection | None = None
         self._root: Root | None = None
         self._scribe: Scribe | None = None
@@ -108,11 +114,10 @@ class Writer:
     def _new_scribe(self, connection: Connection, root: Root) -> Scribe:
         return Scribe(
             root,
-            reading.lives(connection),
-            reading.next_seq(connection),
-            partial(reading.seq_of, connection),
-            partial(reading.wrapped_key, connection),
-            lives_max=self._settings.lives_max,
+            reading.standing(connection),
+            partial(self._find_seq.run, cursor_of(connection)),
+            partial(self._find_key.run, cursor_of(connection)),
+            settings=self._settings,
         )
 
     def close(self) -> None:
@@ -127,8 +132,8 @@ class Writer:
             sqlite.close(self._connection)
         self._connection = self._scribe = None
 
-    def _connected(self) -> tuple[Connection, Scribe]:
-        """Return the connection and a scribe; after a failure, one who asks the database anew."""
+    def _reconnected(self) -> tuple[Connection, Root]:
+        """Return the connection, after a failure a new one, and the root key."""
         if self._root is None:
             raise StoreFault("The record is closed. Nothing was written.")
         if self._connection is None:
@@ -139,10 +144,15 @@ class Writer:
                 sqlite.close(connection)
                 raise
             self._connection = connection
+        return self._connection, self._root
+
+    def _connected(self) -> tuple[Connection, Scribe]:
+        """Return the connection and a scribe; after a failure, one who asks the database anew."""
+        connection, root = self._reconnected()
         if self._scribe is None:
-            with self._connection.begin():
-                self._scribe = self._new_scribe(self._connection, self._root)
-        return self._connection, self._scribe
+            with connection.begin():
+                self._scribe = self._new_scribe(connection, root)
+        return connection, self._scribe
 
     # ---- writing ----
 
@@ -161,17 +171,17 @@ class Writer:
         connection, scribe = self._connected()
         missed = self._unrecorded
         try:
-            with connection.begin():
+            with sqlite.transaction(connection) as cursor:
                 batch = scribe.rows([job.content for job in group])
-                self._insertion.run(cursor_of(connection), batch)
-                self._record_gap(connection, missed)
+                self._insertion.run(cursor, batch)
+                self._record_gap(cursor, missed)
             scribe.remember(batch)
         except Exception as error:
             if not is_unfit(error):
                 raise
             with connection.begin():
                 self._divide(connection, scribe, group)
-                self._record_gap(connection, missed)
+                self._record_gap(cursor_of(connection), missed)
         self._failing = False
         if missed:
             self.miss(0, recorded=missed)
@@ -203,14 +213,21 @@ class Writer:
             self.miss(1)
         elif isinstance(error, StoreFault):
             job.error = error
-        elif is_repeated(connection, job.content):
+        elif self._is_repeated(cursor_of(connection), job.content):
             job.error = Repeated("This was already settled.")
         else:
             job.error = fault("This cannot be written down. Nothing was written.", error)
 
-    def _record_gap(self, connection: Connection, missed: int) -> None:
+    def _is_repeated(self, cursor: DBAPICursor, records: tuple[Record, ...]) -> bool:
+        """Whether a call would settle something a second time."""
+        cids = [record.cid for record in records if isinstance(record, Claimed | Refused | Resumed)]
+        return len(set(cids)) < len(cids) or any(
+            self._find_seq.run(cursor, cid) is not None for cid in cids
+        )
+
+    def _record_gap(self, cursor: DBAPICursor, missed: int) -> None:
         if missed:
-            self._insertion.gaps.run(cursor_of(connection), [self._clock.wall_ns(), missed])
+            self._insertion.gaps.run(cursor, [self._clock.wall_ns(), missed])
 
     def _fail(self, group: Calls, error: Exception) -> None:
         """Nothing of a group was written. Notes wait; whoever waits for a write is told."""
@@ -236,6 +253,20 @@ class Writer:
         with self._counting:
             self.lost += count
             self._unrecorded += count - recorded
+
+    # ---- reading ----
+
+    def decisions(self, before: int, limit: int) -> list[tuple[int, Decided]]:
+        """Return the newest administrative acts before one of them, each with its number.
+
+        Raises:
+            StoreFault: They cannot be read.
+        """
+        try:
+            connection, _ = self._reconnected()
+            return self._decisions.run(cursor_of(connection), before, limit)
+        except sqlite.FAILURES as error:
+            raise fault(f"{sqlite.reason(error)}. Try again.", error) from error
 
     # ---- upkeep ----
 
@@ -278,14 +309,6 @@ def cursor_of(connection: Connection) -> DBAPICursor:
 def is_unfit(error: Exception) -> bool:
     """Whether it is what was to be written that failed, not the database."""
     return isinstance(error, sqlite.UNFIT) or not isinstance(error, sqlite.FAILURES)
-
-
-def is_repeated(connection: Connection, records: tuple[Record, ...]) -> bool:
-    """Whether a call would settle something a second time."""
-    cids = [record.cid for record in records if isinstance(record, Claimed | Refused | Resumed)]
-    return len(set(cids)) < len(cids) or any(
-        reading.seq_of(connection, cid) is not None for cid in cids
-    )
 
 
 def late(record: Record) -> Record:

@@ -8,7 +8,9 @@ from rosic.core.identity import AuthorisationKey, CommandId, command_id
 from rosic.core.record import (
     Claimed,
     Concluded,
+    Decided,
     Enrolled,
+    Fact,
     Letter,
     Placed,
     Refused,
@@ -94,3 +96,15 @@ def a_key(name: str = "k-ada") -> AuthorisationKey:
 def an_enrolment(roles: tuple[str, ...] = ("operator",), at_ns: int = 10) -> Enrolled:
     """Return that Ada became known."""
     return Enrolled(principal=ADA, roles=roles, at_ns=at_ns, letter=Letter(ADA, AWKWARD))
+
+
+def a_fact(
+    key: str, body: bytes = b"so", *, kind: str = "slot", letter: Letter | None = None
+) -> Fact:
+    """Return that something is so; with an empty body, that it is not so any more."""
+    return Fact(kind=kind, key=key, body=body, letter=letter)
+
+
+def a_decision(about: str, at_ns: int = 1_000) -> Decided:
+    """Return that the owner let somebody in."""
+    return Decided(act="enrol", by="owner", about=about, at_ns=at_ns, digest=b"digest")

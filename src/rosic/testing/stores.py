@@ -8,7 +8,7 @@ rule is known to fail on a store that breaks it: ``rosic.testing.wicked_stores``
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -21,6 +21,8 @@ from rosic.core.record import (
     Unfinished,
 )
 from rosic.errors import Repeated, StoreFault
+from rosic.testing.fact_rules import FactRules
+from rosic.testing.premises import Premises, lives, recall
 from rosic.testing.records import (
     ADA,
     AWKWARD,
@@ -41,38 +43,12 @@ from rosic.testing.records import (
 
 if TYPE_CHECKING:
     from rosic.contracts.store import Store
-    from rosic.core.identity import CommandId
 
 
-class Premises(Protocol):
-    """Where stores of one kind can be had."""
-
-    def make(self) -> Store:
-        """Return a store that was never opened, without any data."""
-        ...
-
-    def survivor(self, store: Store) -> Store:
-        """Return what the next process would find if the one that owns ``store`` died now.
-
-        The answer was never opened. ``store`` itself is not touched, whether open or closed.
-        """
-        ...
+PATIENCE_S = 10.0
 
 
-async def recall(premises: Premises, store: Store) -> Memory:
-    """Return what the next process would know."""
-    survivor = premises.survivor(store)
-    memory = await survivor.open()
-    await survivor.close()
-    return memory
-
-
-async def lives(premises: Premises, store: Store) -> dict[CommandId, Unfinished]:
-    """Return the unfinished lives that the next process would find."""
-    return {life.cid: life for life in (await recall(premises, store)).unfinished}
-
-
-class StoreConformance:
+class StoreConformance(FactRules):
     """The rules. Each opens a store of its own and closes it."""
 
     # ---- durable, whole, in order ----
@@ -105,6 +81,20 @@ class StoreConformance:
         await store.close()
         with pytest.raises(StoreFault):
             await store.write(a_claim(1))
+
+    async def test_a_cancelled_write_leaves_when_it_is_decided(self, premises: Premises) -> None:
+        store = premises.make()
+        await store.open()
+        writing = asyncio.ensure_future(store.write(a_claim(1)))
+        await asyncio.sleep(0)
+        writing.cancel()
+        written = True
+        try:
+            await writing
+        except asyncio.CancelledError as cancelled:
+            written = cancelled.__cause__ is None
+        assert (an_id(1) in await lives(premises, store)) is written
+        await store.close()
 
     # ---- once ----
 
@@ -192,6 +182,33 @@ class StoreConformance:
         store.note(a_stop(1))
 
     # ---- what never goes back ----
+
+    async def test_what_is_kept_is_written_when_it_says_so(self, premises: Premises) -> None:
+        store = premises.make()
+        await store.open()
+        await store.write(a_claim(1))
+        kept = asyncio.Event()
+        survivors: list[Store] = []
+
+        def then() -> None:
+            survivors.append(premises.survivor(store))
+            kept.set()
+
+        store.keep(a_conclusion(1), then)
+        await asyncio.wait_for(kept.wait(), PATIENCE_S)
+        [survivor] = survivors
+        [life] = (await survivor.open()).unfinished
+        assert life.ending is not None
+        await survivor.close()
+        await store.close()
+
+    async def test_what_cannot_be_kept_says_so_all_the_same(self, premises: Premises) -> None:
+        store = premises.make()
+        await store.open()
+        await store.close()
+        said: list[int] = []
+        store.keep(a_conclusion(1), lambda: said.append(1))
+        assert said == [1]
 
     async def test_numbers_never_decrease(self, premises: Premises) -> None:
         store = premises.make()

@@ -26,67 +26,20 @@ from rosic.core.record import (
     Unfinished,
 )
 from rosic.errors import Repeated, StoreFault
+from rosic.testing.wicked import Wicked
+from rosic.testing.wicked_facts import (
+    ForgetsFacts,
+    KeepsFactsThatWereTakenBack,
+    KeepsTheFirstFact,
+    PutsTheLatestLast,
+)
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.contracts.store import Store
-    from rosic.testing.stores import Premises
 
 replace = msgspec.structs.replace
-
-
-class Wicked:
-    """An honest store inside, and a way to do wrong outside.
-
-    Args:
-        inner: The honest store.
-        diary: What the sinner keeps over restarts.
-    """
-
-    def __init__(self, inner: Store, diary: dict[Any, Any]) -> None:
-        self.inner = inner
-        self.diary = diary
-
-    async def open(self) -> Memory:
-        """Open the honest store and tell about it."""
-        return self.tell(await self.inner.open())
-
-    def tell(self, memory: Memory) -> Memory:
-        """Return what is said to be remembered."""
-        return memory
-
-    async def close(self) -> None:
-        """Close the honest store."""
-        await self.inner.close()
-
-    async def write(self, *records: Record) -> None:
-        """Write what is let through."""
-        await self.inner.write(*(twisted for record in records for twisted in self.twist(record)))
-
-    def note(self, *records: Record) -> None:
-        """Note what is let through."""
-        self.inner.note(*(twisted for record in records for twisted in self.twist(record)))
-
-    def twist(self, record: Record) -> tuple[Record, ...]:
-        """Return what is written instead of a record."""
-        return (record,)
-
-
-class WickedPremises:
-    """Premises on which every store sins in the same way."""
-
-    def __init__(self, honest: Premises, sinner: type[Wicked]) -> None:
-        self._honest = honest
-        self._sinner = sinner
-        self._diary: dict[Any, Any] = {}
-
-    def make(self) -> Wicked:
-        """Return a wicked store without data."""
-        return self._sinner(self._honest.make(), self._diary)
-
-    def survivor(self, store: Store) -> Wicked:
-        """Return the wicked store that the next process would find."""
-        assert isinstance(store, Wicked)
-        return self._sinner(self._honest.survivor(store.inner), self._diary)
 
 
 class Invents(Wicked):
@@ -187,6 +140,39 @@ class LosesNotes(Wicked):
 
     def note(self, *records: Record) -> None:
         del records
+
+
+class CanBeCalledBack(Wicked):
+    """Does not say that nothing was written when whoever asked was cancelled."""
+
+    async def write(self, *records: Record) -> None:
+        for _ in range(3):
+            await asyncio.sleep(0)
+        await super().write(*records)
+
+
+class SaysTooEarlyThatItIsKept(Wicked):
+    """Does not wait for the disk."""
+
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        then()
+        self.inner.keep(record, lambda: None)
+
+
+class KeepsSilentWhenItFails(Wicked):
+    """Forgets whoever waits once it is closed."""
+
+    def __init__(self, inner: Store, diary: dict[Any, Any]) -> None:
+        super().__init__(inner, diary)
+        self._closed = False
+
+    async def close(self) -> None:
+        self._closed = True
+        await super().close()
+
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        if not self._closed:
+            super().keep(record, then)
 
 
 class RaisesFromNotes(Wicked):
@@ -357,6 +343,7 @@ SINNERS: dict[str, type[Wicked]] = {
     "test_what_was_written_survives": AcknowledgesEarly,
     "test_writes_keep_their_order": LosesOrder,
     "test_a_closed_record_takes_nothing": PretendsToWrite,
+    "test_a_cancelled_write_leaves_when_it_is_decided": CanBeCalledBack,
     "test_a_command_is_settled_once": ForgetsDuplicates,
     "test_a_command_is_settled_once_over_a_restart": ForgetsDuplicatesOverNight,
     "test_a_repeated_call_writes_nothing": WritesHalf,
@@ -364,6 +351,8 @@ SINNERS: dict[str, type[Wicked]] = {
     "test_notes_keep_their_order_with_writes": NotesLate,
     "test_a_note_is_written_before_closing": LosesNotes,
     "test_a_note_never_raises": RaisesFromNotes,
+    "test_what_is_kept_is_written_when_it_says_so": SaysTooEarlyThatItIsKept,
+    "test_what_cannot_be_kept_says_so_all_the_same": KeepsSilentWhenItFails,
     "test_numbers_never_decrease": LetsNumbersFall,
     "test_generations_never_decrease": LetsGenerationsFall,
     "test_a_revoked_key_stays_revoked": RevivesKeys,
@@ -380,4 +369,12 @@ SINNERS: dict[str, type[Wicked]] = {
     "test_people_are_remembered": ForgetsPeople,
     "test_the_newest_roles_count": KeepsTheFirstRoles,
     "test_letters_come_back_as_they_were": TidiesLetters,
+    "test_facts_are_remembered": ForgetsFacts,
+    "test_the_newest_fact_of_a_kind_and_key_counts": KeepsTheFirstFact,
+    "test_a_fact_can_be_taken_back": KeepsFactsThatWereTakenBack,
+    "test_facts_stand_in_the_order_in_which_they_were_first_said": PutsTheLatestLast,
+    "test_facts_asked_for_together_keep_their_order": LosesOrder,
+    "test_facts_that_are_noted_keep_their_order_with_writes": NotesLate,
+    "test_a_repeated_call_says_nothing_new": WritesHalf,
+    "test_letters_of_facts_come_back_as_they_were": TidiesLetters,
 }

@@ -54,9 +54,11 @@ async def test_the_greeting_is_answered_and_words_go_both_ways(
             robot_process.say("texts 3")
             await until(lambda: len(said) == 5)
     assert said[1:] == ["heard: turn  left \ufffd", "1", "2", "3"]
-    assert f"Sending to robot: {GREETING}" in caplog.text
-    assert "Sending to robot: turn  left \ufffd" in caplog.text
-    assert "Received from robot: heard: turn  left \ufffd" in caplog.text
+    assert f"Sending to robot: {len(GREETING)} characters, to Talker" in caplog.text
+    assert "Sending to robot: 12 characters, to Talker" in caplog.text
+    assert "Received from robot: 19 characters, from Talker" in caplog.text
+    for words in (GREETING, "turn", "left", "heard"):
+        assert words not in caplog.text
 
 
 async def test_a_greeting_without_an_answer_is_said_and_shown(

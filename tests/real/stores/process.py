@@ -1,8 +1,8 @@
 """A process that writes until it is killed, and says on standard output what was acknowledged.
 
 ``process.py FOLDER FIRST [early]``: claims numbered from FIRST, 32 at a time, each written in one
-call with the place where it is shown. With ``early`` it says so before it is true: the fault that
-the test must find.
+call with the place where it is shown, an administrative act and a fact. With ``early`` it says so
+before it is true: the fault that the test must find.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ import time
 from itertools import count
 from pathlib import Path
 
+from rosic.core.record import Letter
 from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import FileLatch
-from rosic.testing.records import a_claim, a_place
+from rosic.testing.records import ADA, a_claim, a_decision, a_fact, a_place
 
 AT_ONCE = 32
 
@@ -48,7 +49,12 @@ async def main(folder: Path, first: int, *, early: bool) -> None:
         for number in numbers:
             if early:
                 say("written", number)
-            await store.write(a_claim(number, n=number), a_place(number, b"shown"))
+            await store.write(
+                a_claim(number, n=number),
+                a_decision(str(number)),
+                a_fact(str(number), letter=Letter(ADA, b"%d" % number)),
+                a_place(number, b"shown"),
+            )
             if not early:
                 say("written", number)
 

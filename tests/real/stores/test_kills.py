@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.core.record import Letter
 from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import FileLatch
 from rosic.testing.clock import ManualClock
-from rosic.testing.records import OMNI, an_id, told
+from rosic.testing.records import ADA, OMNI, a_fact, an_id, told
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -55,7 +56,14 @@ async def what_is_there(folder: Path) -> tuple[list[int], set[int]]:
     claimed = {an_id(number): number for number in range(memory.numbers.get(OMNI, (0, 0))[0] + 1)}
     numbers = [claimed[life.cid] for life in memory.unfinished]
     half = {claimed[life.cid] for life in memory.unfinished if life.placed != b"shown"}
+    facts = {int(fact.key): fact for fact in memory.facts.get("slot", ())}
+    half |= {n for n, fact in facts.items() if fact.letter != Letter(ADA, b"%d" % n)}
+    acts = [int(act.about) for act in await store.decisions(len(numbers))]
+    half |= set(numbers) ^ set(facts)
+    half |= set(numbers) ^ set(acts)
+    assert list(facts) == acts[::-1] == numbers, "in the order of the calls"
     await store.write(*(told(number) for number in numbers))
+    await store.write(*(a_fact(str(number), b"") for number in numbers))
     await store.close()
     return numbers, half
 

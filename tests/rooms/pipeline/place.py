@@ -21,7 +21,7 @@ from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Callable
 
     from rosic.contracts.store import Latch, Store
     from rosic.core.message import Button, Outbound
@@ -64,7 +64,28 @@ PEOPLE = (
 )
 
 
-class BrokenStore(MemoryStore):
+class WritingStore(MemoryStore):
+    """Keeps by writing: what a double does to ``write``, it does to ``keep``."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._keeping: set[asyncio.Task[None]] = set()
+
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        """Write in a task of its own; what fails becomes a note."""
+        task = asyncio.ensure_future(self._keep(record, then))
+        self._keeping.add(task)
+        task.add_done_callback(self._keeping.discard)
+
+    async def _keep(self, record: Record, then: Callable[[], None]) -> None:
+        try:
+            await self.write(record)
+        except StoreFault:
+            self.note(record)
+        then()
+
+
+class BrokenStore(WritingStore):
     """Writes nothing once it is broken."""
 
     broken = False
@@ -79,7 +100,7 @@ class BrokenStore(MemoryStore):
             super().note(*records)
 
 
-class SlowStore(MemoryStore):
+class SlowStore(WritingStore):
     """Its disk takes its time with one kind of record, until ``ready``."""
 
     def __init__(self, slow: type) -> None:
@@ -92,6 +113,16 @@ class SlowStore(MemoryStore):
         if any(isinstance(record, self._slow) for record in records):
             await self.ready.wait()
         await super().write(*records)
+
+
+def edited(clock: ManualClock) -> MemoryMessenger:
+    """Return a messenger whose messages can be edited."""
+    return MemoryMessenger("memory", clock=clock)
+
+
+def line_by_line(clock: ManualClock) -> MemoryMessenger:
+    """Return a messenger that cannot change what was said."""
+    return MemoryMessenger("memory", clock=clock, edits=False)
 
 
 class Place:
@@ -110,12 +141,12 @@ class Place:
         clock: ManualClock | None = None,
         limit: RateLimit | None = None,
         fleet: tuple[Profile, ...] = FLEET,
-        edits: bool = True,
+        chat: Callable[[ManualClock], MemoryMessenger] = edited,
     ) -> None:
         self.clock = clock or ManualClock()
         self.store = store or MemoryStore()
         self.latch = latch or MemoryLatch()
-        self.chat = MemoryMessenger("memory", clock=self.clock, edits=edits)
+        self.chat = chat(self.clock)
         self._settings = Settings(
             profiles=fleet,
             people=PEOPLE,
@@ -164,7 +195,7 @@ class Place:
                 if closing.done():
                     break
                 await self.clock.advance(0.01)
-            await closing
+            await asyncio.wait_for(closing, 5)
 
     async def say(self, text: str, **how: object) -> str:
         """Say something and return everything that was told because of it, newest last."""

@@ -14,8 +14,7 @@ from rosic.core.message import Chat
 from rosic.core.record import Resumed
 from rosic.errors import MessengerFault, RosicError
 from rosic.stores.latch import MemoryLatch
-from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import BO, VI, Place, SlowStore
+from tests.rooms.pipeline.place import BO, VI, Place, SlowStore, WritingStore
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
 FLOOD = 1_000
 
 
-class TakesATurn(MemoryStore):
+class TakesATurn(WritingStore):
     """Like a disk: whoever writes gives way to others for a moment."""
 
     async def write(self, *records: Record) -> None:

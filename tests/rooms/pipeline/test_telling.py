@@ -8,12 +8,16 @@ from msgspec.structs import replace
 
 from rosic.core.order import Report, Stage
 from rosic.robots.memory import DONE, MemoryRobot
-from tests.rooms.pipeline.place import Place
+from tests.rooms.pipeline.place import Place, edited, line_by_line
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.contracts.robot import Tell
     from rosic.core.message import Outbound
     from rosic.core.order import Order, Outcome
+    from rosic.messengers.memory import MemoryMessenger
+    from rosic.testing.clock import ManualClock
 
 STEPS = 5_000
 BOUND = 600
@@ -31,15 +35,15 @@ class Talkative(MemoryRobot):
         return DONE
 
 
-def talkative(*, edits: bool) -> Place:
-    place = Place(edits=edits)
+def talkative(chat: Callable[[ManualClock], MemoryMessenger] = edited) -> Place:
+    place = Place(chat=chat)
     parts = place.gateway._parts
     place.gateway._parts = replace(parts, robot_factory=lambda _kind: Talkative)
     return place
 
 
 async def test_an_ending_outlives_a_messenger_that_is_away_for_long() -> None:
-    async with talkative(edits=True).open() as place:
+    async with talkative().open() as place:
         await place.say("omni move 1 m")
         place.chat.down = True
         await place.clock.advance(600.0)
@@ -64,7 +68,7 @@ async def test_a_fault_of_the_messenger_that_nobody_foresaw_does_not_silence_a_c
 
 
 async def test_what_a_robot_reports_is_bounded_when_it_cannot_be_said() -> None:
-    async with talkative(edits=False).open() as place:
+    async with talkative(line_by_line).open() as place:
         place.chat.down = True
         await place.say("omni move 1 m")
         await place.clock.advance(9.0)

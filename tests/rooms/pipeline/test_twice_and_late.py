@@ -18,7 +18,7 @@ from rosic.robots.simulated.robot import SimulatedRobot
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
 from rosic.testing.orders import OrderBook
-from tests.rooms.pipeline.place import Place, SlowStore
+from tests.rooms.pipeline.place import Place, SlowStore, WritingStore
 
 if TYPE_CHECKING:
     from rosic.core.message import Inbound
@@ -98,7 +98,7 @@ def _with(inbound: Inbound, text: str, number: int) -> Inbound:
 # ---- I7 and the order of effects ----
 
 
-class FailsOnce(MemoryStore):
+class FailsOnce(WritingStore):
     """One outcome cannot be written; everything else can, before and after."""
 
     def __init__(self) -> None:

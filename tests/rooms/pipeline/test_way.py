@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from rosic.core.message import ChatKind, Standing
 from rosic.core.rate import RateLimit
 from rosic.core.record import Concluded
-from tests.rooms.pipeline.place import ADA, BO, STRANGER, VI, Place, SlowStore
+from tests.rooms.pipeline.place import ADA, BO, STRANGER, VI, Place, SlowStore, line_by_line
 
 MINUTE_NS = 60_000_000_000
 
@@ -41,7 +41,7 @@ async def test_an_ending_is_not_told_before_it_is_on_disk() -> None:
 
 
 async def test_without_edits_every_step_is_a_line() -> None:
-    async with Place(edits=False).open() as place:
+    async with Place(chat=line_by_line).open() as place:
         told = await place.say("omni move 1 m")
         assert told.splitlines() == [
             "omni: move, 1.00 m forward: accepted",

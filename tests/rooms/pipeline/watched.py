@@ -11,6 +11,8 @@ from rosic.robots.memory import CANCELLED, DONE, RECEIVED, SENT, MemoryRobot
 from rosic.stores.latch import MemoryLatch
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.contracts.messenger import Receive
     from rosic.contracts.robot import Tell
     from rosic.core.message import Inbound, Outbound
@@ -37,6 +39,7 @@ class Disk:
         self._world = world
         self._one = asyncio.Lock()
         self._notes: list[tuple[Record, ...]] = []
+        self._keeping: set[asyncio.Task[None]] = set()
 
     async def open(self) -> Memory:
         return await self._world.store.open()
@@ -46,7 +49,12 @@ class Disk:
 
     async def write(self, *records: Record) -> None:
         # What was handed over is written although whoever asked for it is cancelled meanwhile.
-        await asyncio.shield(asyncio.ensure_future(self._write(records)))
+        writing = asyncio.ensure_future(self._write(records))
+        try:
+            await asyncio.shield(writing)
+        except asyncio.CancelledError as cancelled:
+            await asyncio.wait((writing,))
+            raise cancelled from (None if writing.cancelled() else writing.exception())
 
     async def _write(self, records: tuple[Record, ...]) -> None:
         async with self._one:
@@ -56,6 +64,18 @@ class Disk:
                 raise StoreFault("the disk is full")
             await self._world.store.write(*records)
             self._world.log.append(Written(records))
+
+    def keep(self, record: Record, then: Callable[[], None]) -> None:
+        task = asyncio.ensure_future(self._keep(record, then))
+        self._keeping.add(task)
+        task.add_done_callback(self._keeping.discard)
+
+    async def _keep(self, record: Record, then: Callable[[], None]) -> None:
+        try:
+            await self._write((record,))
+        except StoreFault:
+            self.note(record)
+        then()
 
     def note(self, *records: Record) -> None:
         if not self.dead:
@@ -173,7 +193,7 @@ class Recorder(MemoryRobot):
         self.world.log.append(
             Acted(
                 self.profile.id, order.cid, order.n, permit.fence, permit.stop_generation,
-                self._clock.wall_ns(), skill.order_lifetime_s, skill.actuates,
+                self._clock.wall_ns(), skill.order_lifetime_ns / 1e9, skill.actuates,
                 self._doing is not None or self._clock.monotonic_ns() < self._rests_ns,
             )
         )  # fmt: skip

@@ -98,6 +98,19 @@ async def test_stopping_finishes_what_waits_and_takes_nothing_more() -> None:
         await lane.put("late")
 
 
+async def test_what_follows_a_note_may_fail_and_hurts_nobody_else() -> None:
+    def stumble() -> None:
+        raise ValueError("stumbled")
+
+    said: list[object] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: said.append(context))
+    lane = Desk().lane()
+    assert lane.drop("note", stumble)
+    await lane.put("behind it")
+    assert len(said) == 1
+    await lane.stop()
+
+
 async def test_a_loop_that_has_gone_does_not_hurt_the_thread() -> None:
     desk = Desk()
 

@@ -7,7 +7,7 @@ import pytest
 from rosic.core.record import Letter
 from rosic.errors import Repeated, StoreFault
 from rosic.stores.memory import MemoryStore
-from rosic.testing.records import ADA, a_claim, a_conclusion, a_place, an_enrolment, told
+from rosic.testing.records import ADA, a_claim, a_conclusion, a_fact, a_place, an_enrolment, told
 
 
 async def test_ids_are_kept_up_to_a_horizon() -> None:
@@ -49,8 +49,13 @@ async def test_an_erased_container_is_empty() -> None:
     await store.write(an_enrolment(), a_claim(1), a_place(1, b"there"), a_conclusion(1))
     await store.write(a_claim(2, letter=Letter("p-bob", b"two")))
     await store.shred(ADA)
+    await store.write(
+        a_fact("1", letter=Letter(ADA, b"Ada")), a_fact("2", letter=Letter("p-bob", b"Bob"))
+    )
+    await store.shred(ADA)
     memory = await store.open()
     assert memory.enrolled == ()
+    assert memory.facts["slot"] == (a_fact("1"), a_fact("2", letter=Letter("p-bob", b"Bob")))
     first, second = memory.unfinished
     assert (first.claim, first.words, first.placed) == (None, None, None)
     assert (first.ending, second.claim) == ("done", b"two")

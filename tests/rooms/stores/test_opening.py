@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sqlite3
 from contextlib import closing
+from hashlib import blake2b
 from typing import TYPE_CHECKING
 
 import pytest
@@ -30,12 +31,24 @@ def a_store(folder: Path, settings: Settings | None = None) -> DatabaseStore:
     return DatabaseStore(folder, clock=ManualClock(), settings=settings or Settings())
 
 
-TROUBLE = """
+TROUBLE = f"""
 from alembic import op
-revision, down_revision = "0002", "0001"
+revision, down_revision = "9998", "{schema.FORMS[-1]}"
 def upgrade():
     op.drop_table("gaps")
     raise RuntimeError("in the middle")
+"""
+
+
+COLUMNS = """
+SELECT made.name, the.name, the.type, the."notnull", the.pk
+FROM sqlite_schema AS made, pragma_table_info(made.name) AS the
+WHERE made.type = 'table' ORDER BY 1, the.cid
+"""
+INDICES = """
+SELECT made.name, one."unique", the.name FROM sqlite_schema AS made,
+pragma_index_list(made.name) AS one, pragma_index_info(one.name) AS the
+WHERE made.type = 'table' ORDER BY 1, one.seq, the.seqno
 """
 
 
@@ -116,6 +129,29 @@ async def test_a_newer_record_is_refused(tmp_path: Path) -> None:
     assert "written by a newer ROSIC" in await refused(folder)
 
 
+@pytest.mark.parametrize("draft", ["0001", "0001.1", "0001.x"])
+async def test_a_record_that_was_never_released_is_refused(tmp_path: Path, draft: str) -> None:
+    """It has not all the tables; without this, the first question to one would fail."""
+    folder = await a_used_folder(tmp_path)
+    with sqlite3.connect(folder / DATABASE) as database:
+        database.execute("UPDATE alembic_version SET version_num = ?", (draft,))
+        database.execute("DROP TABLE facts")
+        database.execute("DROP TABLE decisions")
+    database.close()
+    assert "by a version of ROSIC that was never released" in await refused(folder)
+
+
+def test_whoever_changes_the_tables_of_a_form_gives_it_another_name(tmp_path: Path) -> None:
+    """A record with other tables under the same name would fail with the database's own words."""
+    sqlite.make_file(tmp_path / DATABASE)
+    with sqlite.engine_for(tmp_path / DATABASE, Settings()).connect() as connection:
+        with connection.begin():
+            schema.upgrade(connection)
+        made = [connection.exec_driver_sql(query).all() for query in (COLUMNS, INDICES)]
+    digest = blake2b(repr(made).encode(), digest_size=8).hexdigest()
+    assert (schema.FORMS[-1], digest) == ("0001.2", "867462c65ddb4705")
+
+
 async def test_somebody_elses_database_is_refused(tmp_path: Path) -> None:
     (await a_used_folder(tmp_path) / DATABASE).unlink()
     with sqlite3.connect(tmp_path / DATABASE) as database:
@@ -173,7 +209,7 @@ async def test_the_migrations_lead_to_the_tables(tmp_path: Path) -> None:
     with sqlite.engine_for(folder / DATABASE, Settings()).connect() as connection:
         context = MigrationContext.configure(connection, opts={"compare_type": True})
         assert compare_metadata(context, tables.metadata) == []
-        referenced = connection.exec_driver_sql("PRAGMA foreign_key_list(letters)").all()
+        referenced = connection.exec_driver_sql("PRAGMA foreign_key_list(places)").all()
         assert {row[2] for row in referenced} == {"commands", "containers"}
 
 
@@ -185,7 +221,7 @@ def test_every_migration_is_known() -> None:
 def test_a_migration_that_fails_leaves_nothing(tmp_path: Path) -> None:
     migrations, path = tmp_path / "migrations", tmp_path / DATABASE
     shutil.copytree(schema.MIGRATIONS, migrations)
-    (migrations / "versions" / "0002_trouble.py").write_text(TROUBLE)
+    (migrations / "versions" / "9998_trouble.py").write_text(TROUBLE)
     sqlite.make_file(path)
     with (
         sqlite.engine_for(path, Settings()).connect() as connection,
@@ -207,8 +243,7 @@ async def test_opening_looks_at_open_commands_only(tmp_path: Path) -> None:
         driver.set_trace_callback(asked.append)
         root = Root((folder / ROOT_KEY).read_bytes())
         assert len(reading.Reader(connection, root).memory().unfinished) == 1
-        reading.lives(connection)
-        reading.next_seq(connection)
+        reading.standing(connection)
         driver.set_trace_callback(None)
         plans = [
             row[3]
@@ -216,9 +251,10 @@ async def test_opening_looks_at_open_commands_only(tmp_path: Path) -> None:
             if statement.lstrip().startswith("SELECT")
             for row in driver.execute(f"EXPLAIN QUERY PLAN {statement}")
         ]
+    assert not [plan for plan in plans if "TEMP B-TREE" in plan and "facts" in plan]
     walked = {plan.split()[1] for plan in plans if plan.startswith("SCAN")}
     assert "robots" in walked
-    assert not walked & {"commands", "letters", "endings", "tellings", "stops"}
+    assert not walked & {"commands", "endings", "places", "tellings", "stops", "decisions"}
 
 
 async def test_an_empty_folder_and_an_empty_file_are_new_records(tmp_path: Path) -> None:

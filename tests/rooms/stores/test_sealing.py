@@ -8,20 +8,21 @@ from contextlib import closing
 from typing import TYPE_CHECKING
 
 import pytest
+from nacl.bindings import crypto_aead_xchacha20poly1305_ietf_encrypt as encrypt
 
 from rosic.core.record import Concluded, Enrolled, Letter, Placed
 from rosic.errors import ConfigurationError
 from rosic.stores.database import DatabaseStore
 from rosic.stores.folder import DATABASE, ROOT_KEY
 from rosic.stores.latch import FileLatch
-from rosic.stores.sealing import Root, Unreadable
+from rosic.stores.sealing import NONCE_BYTES, ROOM_BYTES, Root, Sealer, Unreadable
 from rosic.testing.clock import ManualClock
-from rosic.testing.records import ADA, a_claim, a_conclusion, an_enrolment, an_id, told
+from rosic.testing.records import ADA, a_claim, a_conclusion, a_fact, an_enrolment, an_id, told
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rosic.core.record import Record, Unfinished
+    from rosic.core.record import Fact, Record, Unfinished
 
 BOB = "p-bob"
 
@@ -34,7 +35,7 @@ def everything(folder: Path) -> bytes:
     return b"".join(path.read_bytes() for path in folder.iterdir())
 
 
-def four_records(index: int, *said: bytes) -> tuple[Record, ...]:
+def five_records(index: int, *said: bytes) -> tuple[Record, ...]:
     letters = [Letter(f"p{index % 20}", b"at " + text + b" there") for text in said]
     cid = an_id(index)
     return (
@@ -42,6 +43,7 @@ def four_records(index: int, *said: bytes) -> tuple[Record, ...]:
         Placed(cid=cid, letter=letters[1]),
         Concluded(cid=cid, ending="done", at_ns=1, letter=letters[2]),
         Enrolled(principal=f"e{index}", roles=(), at_ns=1, letter=letters[3]),
+        a_fact(str(index), letter=letters[4]),
     )
 
 
@@ -52,6 +54,13 @@ async def unfinished(folder: Path) -> dict[bytes, Unfinished]:
     return lives
 
 
+async def facts(folder: Path) -> list[Fact]:
+    store = a_store(folder)
+    found = (await store.open()).facts
+    await store.close()
+    return [fact for kind in found.values() for fact in kind]
+
+
 def change(folder: Path, *statements: str) -> None:
     with closing(sqlite3.connect(folder / DATABASE)) as database, database:
         for statement in statements:
@@ -60,12 +69,12 @@ def change(folder: Path, *statements: str) -> None:
 
 async def test_a_thousand_secrets_are_in_no_file(tmp_path: Path) -> None:
     folder = tmp_path / "data"
-    secrets = [f"secret-{index:04d}-of-somebody".encode() for index in range(1000)]
+    secrets = [f"secret-{index:04d}-of-somebody".encode() for index in range(1250)]
     store, latch = a_store(folder), FileLatch(folder / "latch")
     await store.open()
     await asyncio.gather(
         *(
-            store.write(*four_records(index, *secrets[index * 4 : index * 4 + 4]))
+            store.write(*five_records(index, *secrets[index * 5 : index * 5 + 5]))
             for index in range(250)
         )
     )
@@ -86,19 +95,20 @@ async def test_a_thousand_secrets_are_in_no_file(tmp_path: Path) -> None:
     told = b"|".join(
         part or b"" for life in memory.unfinished for part in (life.claim, life.placed, life.words)
     ) + b"|".join(record.letter.content for record in memory.enrolled)
+    told += b"|".join(fact.letter.content for fact in memory.facts["slot"] if fact.letter)
     assert not [secret for secret in secrets if secret not in told]
 
 
 SWAPS = {
-    "another command": "UPDATE letters SET sealed = (SELECT sealed FROM letters WHERE seq = 2 AND"
-    " kind = 'claim') WHERE seq = 1 AND kind = 'claim'",
-    "another kind": "UPDATE letters SET sealed = (SELECT sealed FROM letters WHERE seq = 1 AND"
-    " kind = 'words') WHERE seq = 1 AND kind = 'claim'",
-    "another container": "UPDATE letters SET container = 'p-bob' WHERE seq = 1 AND kind = 'claim'",
-    "two bytes": "UPDATE letters SET sealed = CAST(substr(sealed, 1, 40) || x'0000' ||"
-    " substr(sealed, 43) AS BLOB) WHERE seq = 1 AND kind = 'claim'",
-    "another form": "UPDATE letters SET sealed = CAST(x'02' || substr(sealed, 2) AS BLOB)"
-    " WHERE seq = 1 AND kind = 'claim'",
+    "another command": "UPDATE commands SET sealed = (SELECT sealed FROM commands WHERE seq = 2)"
+    " WHERE seq = 1",
+    "another kind": "UPDATE commands SET sealed = (SELECT sealed FROM endings WHERE seq = 1)"
+    " WHERE seq = 1",
+    "another container": "UPDATE commands SET container = 'p-bob' WHERE seq = 1",
+    "two bytes": "UPDATE commands SET sealed = CAST(substr(sealed, 1, 40) || x'0000' ||"
+    " substr(sealed, 43) AS BLOB) WHERE seq = 1",
+    "another form": "UPDATE commands SET sealed = CAST(x'02' || substr(sealed, 2) AS BLOB)"
+    " WHERE seq = 1",
 }
 
 
@@ -115,6 +125,67 @@ async def test_a_letter_is_readable_in_its_place_only(tmp_path: Path, swap: str)
     lives = await unfinished(tmp_path)
     assert lives[an_id(1)].claim is None
     assert (lives[an_id(2)].claim, lives[an_id(3)].claim) == (b"two", b"three")
+
+
+FACT_SWAPS = {
+    "another key": "UPDATE facts SET sealed = (SELECT sealed FROM facts WHERE key = 'c')"
+    " WHERE id = 1",
+    "another kind": "UPDATE facts SET sealed = (SELECT sealed FROM facts WHERE kind = 'grant')"
+    " WHERE id = 1",
+    "a kind that runs on into the key": "UPDATE facts SET kind = 'slota', key = 'b' WHERE id = 1",
+    "another container": "UPDATE facts SET container = 'p-bob' WHERE id = 1",
+}
+
+
+@pytest.mark.parametrize("swap", FACT_SWAPS)
+async def test_a_letter_of_a_fact_is_readable_in_its_place_only(tmp_path: Path, swap: str) -> None:
+    store = a_store(tmp_path)
+    await store.open()
+    said = a_fact("ab", letter=Letter(ADA, b"one"))
+    await store.write(said, a_fact("c", letter=Letter(ADA, b"two")))
+    await store.write(a_fact("ab", kind="grant", letter=Letter(ADA, b"three")))
+    await store.write(a_fact("d", letter=Letter(BOB, b"four")))
+    await store.close()
+    assert said in (await facts(tmp_path))
+    change(tmp_path, FACT_SWAPS[swap])
+    first, *others = await facts(tmp_path)
+    assert (first.body, first.letter) == (b"so", None)
+    assert [fact.letter and fact.letter.content for fact in others] == [b"two", b"four", b"three"]
+
+
+async def test_erasing_a_container_erases_the_letters_of_its_facts(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    store = a_store(tmp_path)
+    await store.open()
+    await store.write(*(a_fact(key, letter=Letter(ADA, b"Ada")) for key in "12"))
+    await store.write(a_fact("3", letter=Letter(BOB, b"Bob")), a_fact("2", b""), a_fact("4"))
+    with closing(sqlite3.connect(tmp_path / DATABASE)) as database:
+        sealed = dict(database.execute("SELECT key, sealed FROM facts").fetchall())
+        keys = dict(database.execute("SELECT container, wrapped FROM containers").fetchall())
+    assert sealed["1"] in everything(tmp_path)
+    await store.shred(ADA)
+    assert sealed["1"] not in everything(tmp_path)
+    assert keys[ADA] not in everything(tmp_path)
+    assert sealed["3"] in everything(tmp_path)
+    await store.write(a_fact("5", letter=Letter(ADA, b"Ada again")))
+    await store.close()
+    assert await facts(tmp_path) == [
+        a_fact("1"),
+        a_fact("3", letter=Letter(BOB, b"Bob")),
+        a_fact("4"),
+        a_fact("5", letter=Letter(ADA, b"Ada again")),
+    ]
+    assert "could not be opened" not in caplog.text
+
+
+async def test_a_letter_of_a_fact_whose_key_has_gone_is_left_out(tmp_path: Path) -> None:
+    store = a_store(tmp_path)
+    await store.open()
+    await store.write(a_fact("1", letter=Letter(ADA, b"Ada")))
+    await store.close()
+    change(tmp_path, "UPDATE containers SET wrapped = NULL WHERE container = 'p-ada'")
+    assert await facts(tmp_path) == [a_fact("1")]
 
 
 async def test_nobody_becomes_somebody_else_by_exchanging_cards(tmp_path: Path) -> None:
@@ -192,6 +263,28 @@ def test_a_key_opens_nothing_of_another_root() -> None:
         Root(bytes(32)).unwrap(BOB, wrapped)
     with pytest.raises(Unreadable):
         Root(bytes(32)).unwrap(ADA, wrapped[:40])
+
+
+@pytest.mark.parametrize("size", [0, 1, 80, ROOM_BYTES, ROOM_BYTES + 1, 100_000])
+def test_what_is_sealed_is_what_the_library_itself_would_seal(size: int) -> None:
+    sealer, key, content = Sealer(), bytes(range(32)), b"w" * size
+    for associated in (b"", b"ada"):
+        sealed = sealer.seal(content, associated, key)
+        nonce = sealed[1 : 1 + NONCE_BYTES]
+        assert sealed == b"\x01" + nonce + encrypt(content, associated, nonce, key)
+
+
+def test_no_nonce_is_used_twice() -> None:
+    root = Root(bytes(32))
+    keys = [root.new_key(ADA), root.new_key(BOB)]
+    sealed = [key.seal(b"c", b"1", b"one") for _ in range(200) for key in keys]
+    sealed += [key.wrapped for key in keys]
+    assert len({letter[1 : 1 + NONCE_BYTES] for letter in sealed}) == len(sealed)
+
+
+def test_nothing_is_sealed_with_half_a_key() -> None:
+    with pytest.raises(ValueError, match="not a key"):
+        Sealer().seal(b"one", b"", bytes(16))
 
 
 async def test_the_sentence_about_the_root_key_names_no_key(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from rosic.app.start import latch_of
 from rosic.core.gate import Gate
 from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR
 from rosic.core.language import Vocabulary
-from rosic.core.order import Ending, Order, Outcome, Permit, Report, Rest, Stop
+from rosic.core.order import Ending, Order, Outcome, Permit, Rest, Stage, Stop
 from rosic.core.record import Claimed, Concluded, Stopped, Told
 from rosic.errors import RosicError
 from rosic.stores.database import DatabaseStore
@@ -37,6 +37,8 @@ EVERY_S = 0.02
 SLOW_M_S = 0.1
 SLOW_RAD_S = 0.2
 STREAM_S = 2.0
+# Coming to rest takes a moment after the watchdog has barked, even from a slow drive.
+BRAKING_S = 0.5
 
 
 @runtime_checkable
@@ -68,9 +70,8 @@ class Trial:
     async def run(self) -> AsyncIterator[Finding]:
         """Measure, one thing after another."""
         about = self._profile.id
-        if not await self._until(
-            lambda: self._robot.presence().online is not False, THERE_WITHIN_S
-        ):
+        await self._until(lambda: self._robot.presence().online is True, THERE_WITHIN_S)
+        if self._robot.presence().online is False:
             text = f"{self._profile.shown} is not there; nothing was measured"
             yield Finding(about, Verdict.LOOK, text)
             return
@@ -93,9 +94,13 @@ class Trial:
 
     async def _move_until_stopped(self) -> Rest | None:
         """Let it move slowly and stop it; None if it did not move."""
-        order = await self._claim()
-        moving = asyncio.create_task(self._robot.execute(order, _unheard))
+        order, heard = await self._claim(), set[Stage]()
+        moving = asyncio.create_task(
+            self._robot.execute(order, lambda report: heard.add(report.stage))
+        )
         try:
+            # Whoever listens at the robot may have to be found first: that is no slow start.
+            await self._until(lambda: Stage.SENT in heard or moving.done(), LIVES_S)
             seen = await self._until(
                 lambda: self._robot.presence().at_rest is False, MOVING_WITHIN_S
             )
@@ -127,15 +132,25 @@ class Trial:
         if not isinstance(robot, FallsSilent):
             text = "watchdog: this link cannot fall silent on purpose"
             return Finding(about, Verdict.NOT_MEASURED, text)
-        order = await self._claim()
-        rest = await robot.fall_silent(order, _unheard)
+        order, heard = await self._claim(), set[Stage]()
+        rest = await robot.fall_silent(order, lambda report: heard.add(report.stage))
         await self._conclude(order, Outcome(Ending.DONE))
-        stated = f"the profile says {self._profile.watchdog_s:g} s"
-        if not rest.confirmed:
-            text = f"watchdog: still moving {rest.seconds:.1f} s after the last message; {stated}"
-            return Finding(about, Verdict.LOOK, text)
-        text = f"watchdog: at rest {rest.seconds:.2f} s after the last message; {stated}"
-        return Finding(about, Verdict.GOOD, text)
+        if Stage.RECEIVED not in heard:
+            text = "watchdog: it did not move when it was sent velocities"
+            return Finding(about, Verdict.NOT_MEASURED, text)
+        return self._judged(rest)
+
+    def _judged(self, rest: Rest) -> Finding:
+        """Hold what was measured against what the profile says."""
+        stated_s = self._profile.watchdog_s or 0.0
+        late = rest.seconds > stated_s + BRAKING_S
+        what = "at rest" if rest.confirmed else "still moving"
+        text = (
+            f"watchdog: {what} {rest.seconds:.2f} s after the last message; "
+            f"the profile says {stated_s:g} s"
+        )
+        good = rest.confirmed and not late
+        return Finding(self._profile.id, Verdict.GOOD if good else Verdict.LOOK, text)
 
     async def _claim(self) -> Order:
         """Decide a slow motion, on disk before it begins, like every other (I9)."""
@@ -232,7 +247,3 @@ def slow_arguments(profile: Profile, skill: Skill) -> dict[str, Argument]:
             value = min(max(slow, parameter.low), parameter.high)
         arguments[parameter.name] = parameter.low if value is None else value
     return arguments
-
-
-def _unheard(_report: Report) -> None:
-    """Nobody follows the steps of a trial."""

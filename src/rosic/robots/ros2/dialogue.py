@@ -39,7 +39,8 @@ class Dialogue:
 
     The greeting verifies it, at the start and whenever the robot comes back: that it was answered
     is what is known of the robot. A topic does not acknowledge, and words that come back may be
-    about anything, so no order ends better than ``SENT``.
+    about anything, so no order ends better than ``SENT``. The log says how much was said, and not
+    what.
 
     Attributes:
         answered: None while the greeting's answer may still come, then whether anything came.
@@ -123,7 +124,7 @@ class Dialogue:
         """
         if self._publisher is None:
             raise NotSent("The link to ROS 2 is closed; nothing was sent.")
-        _log.info("Sending to robot: %s", message)
+        _log.info("Sending to robot: %d characters, to %s", len(message), self._shown)
         self._publisher.publish({"data": message})
 
     def tell_stop(self) -> None:
@@ -138,7 +139,7 @@ class Dialogue:
         text = clean_text(message.data)
         self.answered = True
         self.heard_ns = self._clock.monotonic_ns()
-        _log.info("Received from robot: %s", text)
+        _log.info("Received from robot: %d characters, from %s", len(text), self._shown)
         if self._say is not None and text.strip():
             self._say(text)
 

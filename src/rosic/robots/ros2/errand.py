@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.core.order import Report, Stage
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.rest import Brakes, Resting
     from rosic.robots.ros2.ros import RosObject
     from rosic.robots.ros2.runtime import RosRuntime
+
+_log = logging.getLogger(__name__)
 
 NOTE_BYTES = 240
 DECLINED = "robot-declined"
@@ -110,6 +113,7 @@ class Errand:
         """
         self.side.gate.pass_order(self.order, self.side.clock.monotonic_ns())
         self.left = True
+        _log.debug("%s: order %d is sent", self.order.robot, self.order.n)
         self._tell(Report(Stage.SENT))
 
     def allowed(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, proxy
 
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.faults import NotSent
@@ -33,7 +33,7 @@ class Station:
     """The runtime that robots of one clock share, and one slow look at the graph for them all."""
 
     def __init__(self, clock: Clock) -> None:
-        self._clock = clock
+        self._clock: Clock = proxy(clock)  # a value that holds its key is never let go
         self._types: set[str] = set()
         self._runtime: RosRuntime | None = None
         self._watchers: list[Watcher] = []

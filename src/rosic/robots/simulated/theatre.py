@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from typing import TYPE_CHECKING
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, proxy
 
 from rosic.robots.simulated.machines.world import World, build_world
 
@@ -19,12 +19,13 @@ STEP_S = 0.02
 class Theatre:
     """A world and the task that steps it.
 
-    At rest nothing runs: a gateway with six simulated robots idles.
+    At rest nothing runs: a gateway with six simulated robots idles. It does not keep its clock
+    alive, but its robots do: the world ends with the last of them and whoever owns the clock.
     """
 
     def __init__(self, clock: Clock) -> None:
         self.world: World = build_world()
-        self._clock = clock
+        self._clock: Clock = proxy(clock)  # a value that holds its key is never let go
         self._watchers: list[Callable[[], None]] = []
         self._task: asyncio.Task[None] | None = None
 

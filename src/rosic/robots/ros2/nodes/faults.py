@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from importlib import import_module
+from math import inf
 from typing import TYPE_CHECKING
 
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
+from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.machines.world import CUBE
 
 if TYPE_CHECKING:
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
     from rosic.robots.simulated.machines.world import World
     from rosic.robots.simulated.machines.yumi import Side
 
-LINK, BATTERY, OBJECT = "link", "battery", "object"
+LINK, BATTERY, OBJECT, WATCHDOG = "link", "battery", "object", "watchdog_s"
 ARMS: dict[str, Side] = {"left_arm": "left", "right_arm": "right"}
 
 
@@ -25,6 +27,8 @@ class Faults:
     - ``battery``: its charge from 0.0 to 1.0 (robots with one).
     - ``object``: false takes the cube away, true puts one at its station (kuka).
     - ``left_arm``, ``right_arm``: false lets one fail (yumi).
+    - ``watchdog_s``: after so long without a velocity it comes to rest by itself; 0.0 switches
+      that off (omni).
     """
 
     def __init__(self, owner: MachineNode, world: World) -> None:
@@ -38,6 +42,8 @@ class Faults:
             names[OBJECT] = True
         if owner.model == "yumi":
             names |= dict.fromkeys(ARMS, True)
+        if isinstance(owner.machine, Omni):
+            names[WATCHDOG] = owner.machine.watchdog_s
         for name, value in names.items():
             owner.node.declare_parameter(name, value)
         owner.node.add_on_set_parameters_callback(self._set)
@@ -56,6 +62,8 @@ class Faults:
             if not isinstance(value, float) or not 0.0 <= value <= 1.0:
                 return "a battery is a number from 0.0 to 1.0"
             self._world.set_battery(self._owner.id, value)
+        elif name == WATCHDOG:
+            return self._watchdog(value)
         elif not isinstance(value, bool):
             return "true or false"
         elif name == LINK:
@@ -64,6 +72,13 @@ class Faults:
             self._object(there=value)
         elif name in ARMS:
             self._arm(ARMS[name], works=value, now_s=now_s)
+        return ""
+
+    def _watchdog(self, value: object) -> str:
+        machine = self._owner.machine
+        if not isinstance(value, float) or not 0.0 <= value < inf or not isinstance(machine, Omni):
+            return "a watchdog is a number of seconds; 0.0 is none"
+        machine.watchdog_s = value or inf
         return ""
 
     def _link(self, *, there: bool, now_s: float) -> None:

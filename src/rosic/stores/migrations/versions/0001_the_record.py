@@ -5,7 +5,8 @@ from __future__ import annotations
 import sqlalchemy as sa
 from alembic import op
 
-revision = "0001"
+# What stands behind the dot grows when this file is changed; after a release, it never is.
+revision = "0001.2"
 down_revision = None
 
 NUMBER = sa.BigInteger().with_variant(sa.Integer(), "sqlite")
@@ -18,12 +19,27 @@ def belonging() -> sa.Column[int]:
     )
 
 
+def container() -> sa.Column[str]:
+    """Return the column that says whose key seals the letter of a row."""
+    return sa.Column("container", sa.Text, sa.ForeignKey("containers.container"))
+
+
 def upgrade() -> None:
     """Make the first tables."""
+    containers()
     lives()
-    letters()
     robots()
     people()
+    rooms()
+
+
+def containers() -> None:
+    """Whose letters there are, with the keys that open them."""
+    op.create_table(
+        "containers",
+        sa.Column("container", sa.Text, primary_key=True),
+        sa.Column("wrapped", sa.LargeBinary),
+    )
 
 
 def lives() -> None:
@@ -46,32 +62,30 @@ def lives() -> None:
         sa.Column("epoch", sa.BigInteger),
         sa.Column("digest", sa.LargeBinary),
         sa.Column("expires_ns", sa.BigInteger),
+        container(),
+        sa.Column("sealed", sa.LargeBinary),
     )
     op.create_table(
         "endings",
         belonging(),
         sa.Column("ending", sa.Text, nullable=False),
         sa.Column("at_ns", sa.BigInteger, nullable=False),
-    )
-    op.create_table("tellings", belonging(), sa.Column("at_ns", sa.BigInteger, nullable=False))
-    op.create_table("open_lives", belonging())
-
-
-def letters() -> None:
-    """Containers and the letters in them."""
-    op.create_table(
-        "containers",
-        sa.Column("container", sa.Text, primary_key=True),
-        sa.Column("wrapped", sa.LargeBinary),
+        container(),
+        sa.Column("sealed", sa.LargeBinary),
     )
     op.create_table(
-        "letters",
+        "places",
         belonging(),
-        sa.Column("kind", sa.Text, primary_key=True),
         sa.Column("container", sa.Text, sa.ForeignKey("containers.container"), nullable=False),
         sa.Column("sealed", sa.LargeBinary, nullable=False),
-        sqlite_with_rowid=False,
     )
+    op.create_table("tellings", belonging(), sa.Column("at_ns", sa.BigInteger, nullable=False))
+    op.create_table(
+        "sifted",
+        sa.Column("part", sa.Text, primary_key=True),
+        sa.Column("below", sa.BigInteger, nullable=False),
+    )
+    op.create_table("open_lives", belonging())
 
 
 def robots() -> None:
@@ -140,4 +154,27 @@ def people() -> None:
         sa.Column("principal", sa.Text, primary_key=True),
         sa.Column("chat", sa.LargeBinary, primary_key=True),
         sa.Column("robot", sa.Text, nullable=False),
+    )
+
+
+def rooms() -> None:
+    """What the rooms know besides commands, and who decided it."""
+    op.create_table(
+        "facts",
+        sa.Column("id", NUMBER, primary_key=True),
+        sa.Column("kind", sa.Text, nullable=False),
+        sa.Column("key", sa.Text, nullable=False),
+        sa.Column("body", sa.LargeBinary, nullable=False),
+        container(),
+        sa.Column("sealed", sa.LargeBinary),
+        sa.UniqueConstraint("kind", "key"),
+    )
+    op.create_table(
+        "decisions",
+        sa.Column("id", NUMBER, primary_key=True),
+        sa.Column("act", sa.Text, nullable=False),
+        sa.Column("by", sa.Text, nullable=False),
+        sa.Column("about", sa.Text, nullable=False),
+        sa.Column("at_ns", sa.BigInteger, nullable=False),
+        sa.Column("digest", sa.LargeBinary, nullable=False),
     )

@@ -1,0 +1,40 @@
+"""`rosic bench`: what it prints is well formed. What it measures is looked at by people."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tests.cli.running import rosic
+
+MOMENTS = ("handed to the adapter", "kept by the latch", "rest told", "before it is handed over")
+STOPS = [
+    f"{store}, {robots}: {moment}"
+    for store in ("memory", "durable")
+    for robots in ("one robot", "all robots")
+    for moment in MOMENTS
+]
+
+
+@pytest.mark.limit(120)
+def test_the_bench_of_stops_prints_one_object() -> None:
+    ran = rosic("bench", "stop", "--quick", "--json", within_s=100)
+
+    assert (ran.status, ran.err) == (0, "")
+    report = json.loads(ran.out)
+    assert set(report) == {"machine", "method", "cases"}
+    assert "at least 1000 orders wait" in report["method"]
+    assert [case["name"] for case in report["cases"]] == STOPS
+    for case in report["cases"]:
+        assert set(case) == {"name", "rate_per_s", "p50_us", "p99_us"}
+        assert 0 < case["p50_us"] <= case["p99_us"]
+        assert case["rate_per_s"] > 0
+
+
+def test_an_unknown_bench_names_those_that_exist() -> None:
+    ran = rosic("bench", "walk")
+
+    assert ran.status == 2
+    assert "pipeline" in ran.err
+    assert "stop" in ran.err

@@ -1,0 +1,155 @@
+"""`rosic doctor --try` on a robot that is a process of its own on a ROS 2 graph."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.app.config import load_config
+from rosic.app.doctor.findings import Finding, Verdict
+from rosic.app.doctor.trying import try_robot
+from rosic.robots.ros2.parameters import SET_PARAMETERS
+from rosic.robots.ros2.registry import TypeRegistry
+from rosic.robots.ros2.runtime import RosRuntime
+from rosic.system import SystemClock, SystemEntropy
+from rosic.testing.ros2.graph import RosGraph
+from tests.cli.running import rosic, write_config
+from tests.real.ros2.simulated import Simulated, set_fault, simulated, until
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+    from pathlib import Path
+
+ODOMETRY = "nav_msgs/msg/Odometry"
+OMNI = """
+[[messenger]]
+kind = "terminal"
+
+[[principal]]
+name = "Ada"
+address = "terminal:{uid}"
+role = "admin"
+
+[[robot]]
+profile = "omni"
+"""
+STOPPED = re.compile(r"stop: at rest after (\d+\.\d\d) s \(from a slow drive\)")
+BARKED = re.compile(
+    r"watchdog: (at rest|still moving) (\d+\.\d\d) s after the last message; the profile says 0.5 s"
+)
+
+pytestmark = [pytest.mark.usefixtures("omni"), pytest.mark.limit(120)]
+
+
+@pytest.fixture(scope="module")
+def omni(tmp_path_factory: pytest.TempPathFactory, interfaces: Path) -> Iterator[Simulated]:  # noqa: ARG001 - built before
+    folder = tmp_path_factory.mktemp("omni")
+    with RosGraph(folder) as graph, simulated(graph, folder, "omni") as simulation:
+        yield simulation
+
+
+@pytest.fixture
+async def onlooker(omni: Simulated) -> AsyncIterator[RosRuntime]:
+    """Somebody else on the graph, who mends afterwards what a test has broken."""
+    types = TypeRegistry([ODOMETRY, SET_PARAMETERS])
+    domain = omni.graph.domain_id
+    async with await RosRuntime.open(types, node_name="onlooker", domain_id=domain) as runtime:
+        yield runtime
+        await set_fault(runtime, "omni", "watchdog_s", 0.5)
+        await set_fault(runtime, "omni", "battery", 1.0)
+
+
+async def tried(folder: Path) -> tuple[Finding, Finding]:
+    """Try it; return what was found of its stop, and of its watchdog."""
+    config = load_config(write_config(folder, OMNI))
+    stop, watchdog = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
+    return stop, watchdog
+
+
+def watched(finding: Finding) -> tuple[str, float]:
+    """Return what a finding says of the watchdog: how it ended, and the seconds."""
+    said = BARKED.fullmatch(finding.text)
+    assert said is not None, finding.text
+    return said[1], float(said[2])
+
+
+async def test_its_stop_and_its_watchdog_are_measured(tmp_path: Path, omni: Simulated) -> None:
+    before = len(omni.actuations("omni"))
+
+    stop, watchdog = await tried(tmp_path)
+
+    assert (stop.verdict, watchdog.verdict) == (Verdict.GOOD, Verdict.GOOD)
+    measured = STOPPED.fullmatch(stop.text)
+    assert measured is not None, stop.text
+    assert 0.02 < float(measured[1]) < 1.0
+    how, seconds = watched(watchdog)
+    assert how == "at rest"
+    assert 0.4 < seconds < 1.0
+    assert len(omni.actuations("omni")) == before + 2
+
+
+async def test_a_robot_without_a_watchdog_is_seen_to_go_on_and_is_stopped(
+    tmp_path: Path, onlooker: RosRuntime
+) -> None:
+    await set_fault(onlooker, "omni", "watchdog_s", 0.0)
+    odometry = await onlooker.latest("/omni/odom", ODOMETRY)
+
+    _, watchdog = await tried(tmp_path)
+
+    assert watchdog.verdict is Verdict.LOOK
+    how, seconds = watched(watchdog)
+    assert how == "still moving"
+    assert seconds >= 5.0
+    await until(lambda: speed_m_s(odometry.message()) == 0.0)
+
+
+async def test_a_watchdog_slower_than_its_profile_says_is_looked_at(
+    tmp_path: Path, onlooker: RosRuntime
+) -> None:
+    await set_fault(onlooker, "omni", "watchdog_s", 2.0)
+
+    _, watchdog = await tried(tmp_path)
+
+    assert watchdog.verdict is Verdict.LOOK
+    how, seconds = watched(watchdog)
+    assert how == "at rest"
+    assert 1.8 < seconds < 3.0
+
+
+async def test_a_robot_that_does_not_move_has_no_watchdog_measured(
+    tmp_path: Path, onlooker: RosRuntime
+) -> None:
+    await set_fault(onlooker, "omni", "battery", 0.01)
+
+    stop, watchdog = await tried(tmp_path)
+
+    assert "(it was not moving)" in stop.text
+    assert watchdog == Finding(
+        "omni",
+        Verdict.NOT_MEASURED,
+        "watchdog: it did not move when it was sent velocities",
+    )
+
+
+async def test_the_command_says_so_line_by_line(tmp_path: Path, omni: Simulated) -> None:
+    config = write_config(tmp_path, OMNI)
+
+    ran = await asyncio.to_thread(
+        rosic, "doctor", "-c", config, "--try", "omni", env=omni.graph.environment
+    )
+
+    assert ran.err == ""
+    *_, stop, watchdog = ran.out.splitlines()
+    assert re.fullmatch(r"omni +stop: at rest after \d\.\d\d s \(from a slow drive\)", stop)
+    assert re.fullmatch(r"omni +watchdog: at rest \d\.\d\d s after the last message; .*", watchdog)
+
+
+def speed_m_s(message: object) -> float | None:
+    """Return how fast odometry says that it is; None before the first word."""
+    if message is None:
+        return None
+    linear = message.twist.twist.linear  # type: ignore[attr-defined]
+    return float(abs(linear.x) + abs(linear.y))

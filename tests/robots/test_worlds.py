@@ -1,0 +1,64 @@
+"""What robots of one clock share ends with them: no world is kept for good."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+from weakref import ref
+
+from msgspec.structs import replace
+
+from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.core.gate import Gate
+from rosic.core.order import Ending
+from rosic.core.robot import Link
+from rosic.robots.ros2.station import station_of
+from rosic.robots.simulated.robot import SimulatedRobot
+from rosic.robots.simulated.theatre import theatre_of
+from rosic.system import SystemClock
+from rosic.testing.orders import OrderBook
+
+
+async def moved_once(clock: SystemClock) -> None:
+    """Let a robot live, move and go."""
+    shipped = load_profile(shipped_profiles()["omni"])
+    profile = replace(shipped, link=Link(kind="simulated", model="omni"))
+    robot = SimulatedRobot(profile, Gate("omni"), clock)
+    await robot.open(lambda _text: None)
+    order = OrderBook(profile, clock).order(
+        "drive", {"linear": 0.1, "lateral": 0.0, "angular": 0.0, "duration": 0.1}
+    )
+    outcome = await robot.execute(order, lambda _report: None)
+    assert outcome.ending is Ending.DONE
+    await robot.close()
+
+
+async def test_a_world_lives_as_long_as_its_clock() -> None:
+    clock = SystemClock()
+    world = ref(theatre_of(clock))
+    await moved_once(clock)
+    assert world() is theatre_of(clock)
+
+    del clock
+    async with asyncio.timeout(5):
+        while world() is not None:  # what stepped it is being cancelled
+            await asyncio.sleep(0)
+            gc.collect()
+
+
+async def test_two_clocks_are_two_worlds() -> None:
+    ours, theirs = SystemClock(), SystemClock()
+
+    assert theatre_of(ours) is theatre_of(ours)
+    assert theatre_of(ours) is not theatre_of(theirs)
+
+
+def test_a_ros_2_station_lives_as_long_as_its_clock() -> None:
+    clock = SystemClock()
+    station = ref(station_of(clock))
+    assert station() is station_of(clock)
+
+    del clock
+    gc.collect()
+
+    assert station() is None
