@@ -6,6 +6,8 @@ RosicError
 |   |-- NotUnderstood      container: the words do not say what to do
 |   |-- OutOfBounds        container: understood, but outside what the robot allows
 |   |-- NotPermitted       organiser: no role gives this right
+|   |-- FirstNeeded        organiser: may, once it was confirmed, proven or agreed to
+|   |-- TakeOver           organiser: may, once whoever has the robot has given way
 |   |-- TooManyRequests    organiser: wait, then ask again
 |   |-- RobotTaken         organiser: somebody else has this robot now
 |   |-- RobotBusy          linker: the robot is doing something else
@@ -80,6 +82,42 @@ class NotPermitted(Refusal):
     """No role of this person gives the right."""
 
     code = "not-permitted"
+
+
+class FirstNeeded(Refusal):
+    """They may, once something else has happened. Nothing was done.
+
+    Attributes:
+        need: ``confirmation``, ``step-up`` or ``second person``.
+        robot: Of which robot.
+        text: The command, to be given again then.
+    """
+
+    code = "first-needed"
+
+    def __init__(self, sentence: str, *, need: str, robot: str, text: str) -> None:
+        super().__init__(sentence)
+        self.need = need
+        self.robot = robot
+        self.text = text
+
+
+class TakeOver(Refusal):
+    """They may, once whoever has the robot has given way. Nothing was done.
+
+    Attributes:
+        robot: Which.
+        others: Ids of those who have it, or whose time it is.
+    """
+
+    code = "take-over"
+
+    def __init__(
+        self, sentence: str, *, offers: tuple[str, ...], robot: str, others: tuple[str, ...]
+    ) -> None:
+        super().__init__(sentence, offers=offers)
+        self.robot = robot
+        self.others = others
 
 
 class TooManyRequests(Refusal):

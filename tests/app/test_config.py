@@ -6,11 +6,15 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from rosic.app.authority import fleet_of
 from rosic.app.config import load_config, read_config
 from rosic.app.config_file import LogLevel
-from rosic.core.authority import Policy, Role, Scope
+from rosic.app.profiles import known_units
 from rosic.core.identity import Address
+from rosic.core.limits import unit_converter
 from rosic.core.rate import RateLimit
+from rosic.core.rights import Rights
+from rosic.core.roles import Grant
 from rosic.core.secret import Secret
 from tests.app.profile_text import GOOD as PROFILE
 from tests.app.profile_text import write
@@ -45,7 +49,7 @@ def test_a_file_becomes_what_a_gateway_is_seeded_with(path: Path) -> None:
     assert admin.addresses == (Address("telegram", "1001"),)
     assert student.addresses == (Address("telegram", "1002"), Address("terminal", "local"))
     assert student.roles == ("viewer", "student")
-    assert config.roles == {"student": ("rover:move", "omni:read", "*:resume")}
+    assert config.rulebook.roles["student"].scopes == ("rover:move", "omni:read", "*:resume")
 
 
 def test_what_is_left_out_has_a_sensible_value(tmp_path: Path) -> None:
@@ -118,16 +122,13 @@ def test_a_secret_is_hidden_wherever_it_stands(
 
 def test_a_role_of_the_file_gives_what_it_says(path: Path) -> None:
     config = load_config(path, environ={"BOT_TOKEN": TOKEN})
-    policy = Policy(
-        epoch=1,
-        roles=[Role(n, tuple(map(Scope.parse, texts))) for n, texts in config.roles.items()],
-        skills={robot.id: tuple(robot.skills) for robot in config.robots},
-        people={"p": ("student",)},
-    )
-    assert policy.allows("p", "rover", "move")
-    assert not policy.allows("p", "rover", "drive")
-    assert policy.allows("p", "omni", "read")
-    assert not policy.allows("p", "omni", "move")
+    students = {"p": (Grant(role="student"),)}
+    convert = unit_converter(known_units())
+    rights = Rights.draw_up(1, config.rulebook, fleet_of(config.robots), students, convert)
+    assert rights.holds("p", "rover", "move", 0)
+    assert not rights.holds("p", "rover", "drive", 0)
+    assert rights.holds("p", "omni", "read", 0)
+    assert not rights.holds("p", "omni", "move", 0)
 
 
 def test_the_process_environment_is_where_a_variable_is_looked_for(

@@ -56,9 +56,9 @@ class Desk:
         yield "STOP sent to omni."
         yield "STOP: omni at rest (0.08 s)."
 
-    async def revoke(self, name: str) -> str:
+    async def do(self, ask: Ask) -> tuple[str, ...]:
         await self.hold.wait()
-        return f"{name} has no access any more, also after a restart."
+        return (f"{' '.join(ask.names)} has no access any more, also after a restart.",)
 
 
 @pytest.fixture

@@ -121,7 +121,7 @@ def test_somebody_revoked_stays_revoked(tmp_path: Path) -> None:
             "Ada has no access already. Nothing was changed.\n"
         )
         assert rosic("revoke", "Zed", "-c", config) == (
-            1, "", "Nobody is called Zed. There are: Ada, Bob.\n"
+            1, "", "rosic: Nobody is called Zed. There are: Ada, Bob.\n"
         )  # fmt: skip
         running.end()
     with gateway(config) as again:

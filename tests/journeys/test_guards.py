@@ -133,8 +133,8 @@ GUARDS = (
     Fault(
         name="I7 a group's command that was claimed is told to be refused after a kill",
         file="pipeline/way.py",
-        guard="cid=robot_command_id(cid, robot) if at else cid,",
-        without="cid=robot_command_id(cid, robot),",
+        guard="robot_command_id(cid, robot) if requests else cid,",
+        without="robot_command_id(cid, robot),",
         caught_by=(f"{JOURNEYS}/test_given_again.py",),
     ),
 )

@@ -12,6 +12,7 @@ WAY = "tests/rooms/pipeline/test_way.py"
 STOPPING = "tests/rooms/pipeline/test_stopping.py"
 BUTTONS = "tests/rooms/pipeline/test_buttons.py"
 EDGES = "tests/rooms/pipeline/test_edges.py"
+RIGHTS = "tests/rooms/pipeline/test_rights.py"
 GATE = "tests/core/test_gate.py"
 
 
@@ -105,8 +106,8 @@ FAULTS = (
     Fault(
         name="I5 whoever may see a robot may resume it",
         file="organiser/organiser.py",
-        guard="        self._allow(caller, robot, RESUME)\n",
-        without="        self._allow(caller, robot, READ)\n",
+        guard="decision = self.decision(caller, robot, RESUME)",
+        without='decision = self.decision(caller, robot, "read")',
         caught_by=(f"{STOPPING}::test_after_a_stop_nothing_moves_until_somebody_who_may_resumes",),
     ),
     Fault(
@@ -144,8 +145,8 @@ FAULTS = (
     Fault(
         name="I12 two holders",
         file="organiser/organiser.py",
-        guard="if holder is not None and holder != principal:",
-        without="if False:",
+        guard="return holder is None or holder == caller.principal",
+        without="return True",
         caught_by=(f"{WAY}::test_a_robot_has_one_holder_until_it_has_been_idle",),
     ),
     Fault(
@@ -261,5 +262,47 @@ FAULTS = (
         guard="self._let_go(life)  # erased with its container: there is nobody to tell",
         without="pass",
         caught_by=(f"{EDGES}::test_a_life_that_nobody_can_be_told_of_is_closed_at_the_next_start",),
+    ),
+    Fault(
+        name="I8 a lock keeps nobody out",
+        file="pipeline/way.py",
+        guard="            self._rooms.organiser.check_unlocked(caller)\n",
+        without="",
+        caught_by=(RIGHTS,),
+    ),
+    Fault(
+        name="I8 what somebody locked out moves goes on",
+        file="app/authority.py",
+        guard="if locked or gone or lost:",
+        without="if gone or lost:",
+        caught_by=(RIGHTS,),
+    ),
+    Fault(
+        name="I12 a robot is taken over without a word",
+        file="organiser/organiser.py",
+        guard="if decision.preempts and self.holder(request.robot) != caller.principal:",
+        without="if False:",
+        caught_by=(RIGHTS,),
+    ),
+    Fault(
+        name="I8 somebody else's time keeps nobody out",
+        file="organiser/organiser.py",
+        guard="                return False\n        holder = lease",
+        without="                pass\n        holder = lease",
+        caught_by=(RIGHTS,),
+    ),
+    Fault(
+        name="I16 what has to be confirmed first is done",
+        file="organiser/organiser.py",
+        guard="if decision.needs:",
+        without="if False:",
+        caught_by=(RIGHTS,),
+    ),
+    Fault(
+        name="I8 a right that is limited counts as one without limits",
+        file="organiser/organiser.py",
+        guard="if right is None or not right.plain or not self._open(",
+        without="if right is None or not self._open(",
+        caught_by=(RIGHTS,),
     ),
 )

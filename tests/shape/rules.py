@@ -49,6 +49,7 @@ FOREIGN_NAMES = (
     ),
     re.compile(r"[\"']Authorization[\"']|\bAuthorization:|[\"']Unauthorized[\"']|</?center>"),
     re.compile(r"\binitializer="),
+    re.compile(r"\bscipy\.optimize\b"),
     re.compile(r"\binitialize(?:Operator|Robot)\b"),  # the paper's functions
     re.compile(r"\bpor favor\b"),  # "please", in Spanish and Portuguese
     re.compile(r"\b\w*(?:accent|icon|fill|name)_color\w*"),  # Telegram's fields

@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.adapters import robot_factory
+from rosic.app.authority import fleet_of
 from rosic.app.config import Config, read_config
 from rosic.app.control import socket_path
 from rosic.app.profiles import known_units
 from rosic.app.start import messenger_of
-from rosic.core.authority import DEFAULT_ROLES, Policy, Role, Scope
 from rosic.core.language import Vocabulary
+from rosic.core.limits import unit_converter
+from rosic.core.rights import Rights
+from rosic.core.roles import Grant
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -68,17 +71,15 @@ def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
 def _advice(config: Config) -> list[ConfigurationError]:
     """Say which robots nobody may move, and who could never write."""
     where = str(config.path)
-    roles = {**DEFAULT_ROLES, **config.roles}
-    policy = Policy(
-        epoch=0,
-        roles=[Role(name, tuple(map(Scope.parse, texts))) for name, texts in roles.items()],
-        skills={profile.id: tuple(profile.skills) for profile in config.robots},
-        people={person.name: person.roles for person in config.people},
-    )
+    people = {p.name: tuple(Grant(role=role) for role in p.roles) for p in config.people}
+    fleet = fleet_of(config.robots)
+    rights = Rights.draw_up(0, config.rulebook, fleet, people, unit_converter(known_units()))
     unmoved = [
         f"Nobody of this file may move {profile.shown}."
         for profile in config.robots
-        if not any(policy.who_can(profile.id, skill) for skill in profile.skills)
+        if not any(
+            rights.holds(p, profile.id, skill, 0) for p in people for skill in profile.skills
+        )
     ]
     kinds = {table.kind for table in config.messengers}
     silent = [

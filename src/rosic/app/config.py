@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
+from rosic.app.authority import rulebook_of
 from rosic.app.config_file import (
     ConfigFile,
     LogLevel,
     PrincipalTable,
     config_rules,
+    rule_findings,
     said_addresses,
     said_roles,
-    scope_findings,
 )
 from rosic.app.people import Seed
 from rosic.app.profiles import find_profile, fleet_findings, known_units, read_profile
@@ -28,6 +29,7 @@ from rosic.app.shape import Finding, Walker
 from rosic.app.toml_file import read_toml
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Profile
+from rosic.core.roles import Rulebook
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -60,7 +62,8 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         path: The file.
         name: Of this place, as people see it.
         data: Folder of the record, absolute.
-        roles: Name to scopes; they stand beside the default roles, or in their place.
+        rulebook: Roles, care and pre-emption.
+        zone: Of the place.
     """
 
     path: Path
@@ -71,7 +74,8 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     messengers: tuple[MessengerSettings, ...]
     robots: tuple[Profile, ...]
     people: tuple[Seed, ...]
-    roles: dict[str, tuple[str, ...]]
+    rulebook: Rulebook
+    zone: str
     limits: RateLimit
 
 
@@ -148,7 +152,8 @@ def read_config(
         messengers=messengers,
         robots=robots,
         people=tuple(_seed(person) for person in file.principal),
-        roles={name: role.scopes for name, role in file.role.items()},
+        rulebook=rulebook_of(file.role, file.care, file.gateway.preempt),
+        zone=file.gateway.zone,
         limits=file.limits,
     )
     return ReadConfig(config, [], reading.advice)
@@ -195,8 +200,10 @@ class _Reading:
         ]
         robots = [profile for profile in found if profile is not None]
         if len(robots) == len(found):
-            self._note(fleet_findings(robots, known_units() if units is None else units))
-            self._note(scope_findings(self._file.role, robots))
+            table = known_units() if units is None else units
+            self._note(fleet_findings(robots, table))
+            if not self.errors:
+                self._note(rule_findings(self._file, robots, table))
         return tuple(robots)
 
     def _note(self, findings: Iterable[Finding]) -> None:

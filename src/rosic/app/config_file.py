@@ -7,17 +7,20 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
+from rosic.app.authority import fleet_of, rulebook_of
 from rosic.app.profile_forms import NAMED
-from rosic.app.profile_rules import FLEET
 from rosic.app.shape import Bounds, Field, Finding, Form, Rules
 from rosic.app.source import Place, nearest
-from rosic.core.authority import DEFAULT_ROLES, READ, RESUME, Scope, rights_of
 from rosic.core.identity import Address
+from rosic.core.limits import unit_converter
 from rosic.core.rate import RateLimit
+from rosic.core.role_mistakes import rulebook_mistakes
+from rosic.core.roles import DEFAULT_ROLES, Care, Role
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator
 
+    from rosic.core.language import UnitTable
     from rosic.core.robot import Profile
 
 
@@ -36,12 +39,16 @@ class GatewayTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     Attributes:
         name: Of this place, as people see it.
         data: Folder of the record, relative to the configuration file.
+        zone: Of the place, an IANA name such as Europe/Berlin; times are said in it.
+        preempt: Robots, patterns or groups that a higher role may take over.
         lease_idle_s: A robot that its holder has not used for so long is free again.
         log_level: How much the log tells.
     """
 
     name: str = "rosic"
     data: str = "rosic-data"
+    zone: str = "UTC"
+    preempt: tuple[str, ...] = ()
     lease_idle_s: float = 60.0
     log_level: LogLevel = LogLevel.INFO
 
@@ -76,21 +83,13 @@ class PrincipalTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     roles: tuple[str, ...] = ()
 
 
-class RoleTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a role may do.
-
-    Attributes:
-        scopes: ``robot:skill``, with * for anything.
-    """
-
-    scopes: tuple[str, ...]
-
-
 class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The file as it is written.
 
     Attributes:
         messenger: Accounts on messengers; besides kind and name, what the adapter asks for.
+        role: What a role may do; beside the default roles, or instead of one.
+        care: Skills that want more than the right to them.
         limits: How fast one person may give commands.
     """
 
@@ -98,7 +97,8 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     messenger: tuple[dict[str, Any], ...] = ()
     robot: tuple[RobotTable, ...] = ()
     principal: tuple[PrincipalTable, ...] = ()
-    role: dict[str, RoleTable] = {}
+    role: dict[str, Role] = {}
+    care: tuple[Care, ...] = ()
     limits: RateLimit = RateLimit()
 
 
@@ -113,6 +113,9 @@ FORMS: Final[dict[Field, Form]] = {
     (GatewayTable, "name"): _SHOWN,
     (GatewayTable, "data"): _SHOWN._replace(
         pattern=r"[^\x00-\x1f\x7f]+", meaning="a folder", hint="Name a folder."
+    ),
+    (GatewayTable, "zone"): Form(
+        r"[A-Za-z0-9_+/-]{1,64}", "a time zone", "Use an IANA name, for example Europe/Berlin."
     ),
     (RobotTable, "link"): NAMED._replace(empty=True),
     (PrincipalTable, "name"): _SHOWN,
@@ -136,7 +139,6 @@ def config_rules() -> Rules:
         hidden=frozenset(),
         checks={
             PrincipalTable: (_reachable,),
-            RoleTable: (_readable_scopes,),
             ConfigFile: (_people, _talkers, _something),
         },
     )
@@ -179,14 +181,6 @@ def _reachable(person: PrincipalTable) -> Iterator[Finding]:
                 f"{address.account} is a username, which can pass to somebody else.",
                 "Give the account's number or id.",
             )
-
-
-def _readable_scopes(role: RoleTable) -> Iterator[Finding]:
-    for index, text in enumerate(role.scopes):
-        try:
-            Scope.parse(text)
-        except ValueError as fault:
-            yield Finding(("scopes", index), f"{fault}.")
 
 
 def _people(file: ConfigFile) -> Iterator[Finding]:
@@ -237,28 +231,14 @@ def _something(file: ConfigFile) -> Iterator[Finding]:
         yield Finding((), "There is no [[robot]].", 'For example: [[robot]] profile = "omni".')
 
 
-def scope_findings(roles: Mapping[str, RoleTable], robots: Iterable[Profile]) -> Iterator[Finding]:
-    """Find scopes that no robot of this file answers to: they give nothing to anybody."""
-    known = list(robots)
-    skills = {profile.id: tuple(profile.skills) for profile in known}
-    groups = {group for profile in known for group in profile.groups}
-    for name, role in roles.items():
-        for index, text in enumerate(role.scopes):
-            scope = Scope.parse(text)
-            if scope.robot == FLEET or rights_of([scope], skills):
-                continue
-            sentence, hint = _gives_nothing(scope, skills, groups)
-            yield Finding(("role", name, "scopes", index), sentence, hint)
-
-
-def _gives_nothing(
-    scope: Scope, skills: Mapping[str, tuple[str, ...]], groups: set[str]
-) -> tuple[str, str]:
-    anything = Scope(scope.robot, "*")
-    robots = rights_of([anything], skills)
-    if robots:
-        words = {word for robot in robots for word in (*skills[robot], READ, RESUME)}
-        return f"No robot it names has a skill {scope.skill!r}.", nearest(scope.skill, words)
-    if scope.robot in groups:
-        return f"{scope.robot!r} is a group; a role names robots.", "Use a pattern such as cf*."
-    return f"No robot of this file is called {scope.robot!r}.", nearest(scope.robot, skills)
+def rule_findings(
+    file: ConfigFile, robots: Iterable[Profile], units: UnitTable
+) -> Iterator[Finding]:
+    """Find what is wrong with roles and care: it would give or ask for something else."""
+    rulebook = rulebook_of(file.role, file.care, file.gateway.preempt)
+    mistakes = rulebook_mistakes(rulebook, fleet_of(robots), unit_converter(units))
+    for mistake in mistakes:
+        place: Place = mistake.place
+        if place and place[0] == "preempt":
+            place = ("gateway", *place)
+        yield Finding(place, mistake.sentence, mistake.hint)

@@ -6,17 +6,17 @@ Unix, 0600, in the data folder; one JSON object a line, both ways; only the same
 from __future__ import annotations
 
 import asyncio
-import enum
 import logging
 import os
 import socket
 import stat
 import struct
 from contextlib import suppress
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.app.asked import Ask, Verb
 from rosic.errors import ConfigurationError, Fault, RosicError
 
 if TYPE_CHECKING:
@@ -25,9 +25,24 @@ if TYPE_CHECKING:
 
     from rosic.app.operating import Operating
 
+__all__ = (
+    "ANSWER_BYTES",
+    "ASK_BYTES",
+    "AT_ONCE",
+    "LONGEST_PATH_BYTES",
+    "Answer",
+    "Ask",
+    "ControlServer",
+    "NotRunning",
+    "Verb",
+    "ask_gateway",
+    "peer_uid",
+    "socket_path",
+)
+
 SOCKET = "control.sock"
 LONGEST_PATH_BYTES = 107
-ASK_BYTES = 16_384
+ASK_BYTES = 262_144  # a plan of 2,000 slots
 ANSWER_BYTES = 1_048_576
 CONNECTIONS_AT_MOST = 256
 AT_ONCE = 16  # a stop is not counted
@@ -36,26 +51,6 @@ READ_WITHIN_S = 5.0
 ANSWER_WITHIN_S = 60.0
 
 log = logging.getLogger("rosic.control")
-
-
-class Verb(enum.Enum):
-    """What may be asked."""
-
-    STATUS = "status"
-    STOP = "stop"
-    PEOPLE = "people"
-    REVOKE = "revoke"
-
-
-class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One request; one connection carries one.
-
-    Attributes:
-        names: Robots, or a person; none means all.
-    """
-
-    verb: Verb
-    names: Annotated[tuple[str, ...], msgspec.Meta(max_length=256)] = ()
 
 
 class Answer(msgspec.Struct, frozen=True):
@@ -236,10 +231,9 @@ class ControlServer:
         elif ask.verb is Verb.STOP:
             async for text in operating.stop(ask.names):
                 yield text
-        elif ask.verb is Verb.PEOPLE:
-            yield "\n".join(operating.people())
         else:
-            yield await operating.revoke(" ".join(ask.names))
+            for text in await operating.do(ask):
+                yield text
 
 
 def peer_uid(connection: socket.socket) -> int:

@@ -10,6 +10,11 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.app.access import Access
+from rosic.app.authority import Authority, key_of
+from rosic.app.furnishing import Furnishing
+from rosic.app.holding import Holding
+from rosic.app.minding import Minder
 from rosic.app.people import Seed, remember, seed
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
@@ -19,19 +24,20 @@ from rosic.contracts.clock import Clock
 from rosic.contracts.entropy import Entropy
 from rosic.contracts.messenger import Messenger
 from rosic.contracts.store import Latch, Store
-from rosic.core.authority import DEFAULT_ROLES, Policy, Role, Scope
 from rosic.core.gate import Gate
-from rosic.core.language import UnitTable, Vocabulary, clean, skills_of
+from rosic.core.language import UnitTable, Vocabulary, clean
 from rosic.core.life import Face
 from rosic.core.message import Chat, Outbound
 from rosic.core.rate import RateLimit
-from rosic.core.record import KeyRevoked, Memory
 from rosic.core.robot import Profile, RobotId
+from rosic.core.roles import DEFAULT_ROLES, Rulebook
 from rosic.core.stopboard import StopBoard
 from rosic.errors import ConfigurationError
 from rosic.linker.linker import Linker
 from rosic.organiser.organiser import Organiser
+from rosic.organiser.roster import GRANT
 from rosic.pipeline import Pipeline
+from rosic.pipeline.containers.parts import Vault
 from rosic.pipeline.recovery import Recovery
 from rosic.pipeline.rooms import Rooms
 from rosic.pipeline.stopping import StopLane
@@ -40,6 +46,7 @@ from rosic.pipeline.telling import Note, Teller
 if TYPE_CHECKING:
     from rosic.contracts.robot import Robot
     from rosic.core.identity import PrincipalId
+    from rosic.core.record import Memory
 
 log = logging.getLogger("rosic.gateway")
 
@@ -55,13 +62,17 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     """What a gateway is made with, besides its adapters.
 
     Attributes:
-        roles: Name to scopes; the default roles where it says nothing.
+        rulebook: Roles, care and pre-emption.
+        place: Name of this place, as people see it.
+        zone: Of the place, an IANA name.
         lease_idle_s: How long a robot stays somebody's after their last order ended.
     """
 
     profiles: tuple[Profile, ...]
     people: tuple[Seed, ...] = ()
-    roles: Mapping[str, tuple[str, ...]] = msgspec.field(default_factory=dict)
+    rulebook: Rulebook = Rulebook(roles=DEFAULT_ROLES)
+    place: str = "rosic"
+    zone: str = "UTC"
     limit: RateLimit = RateLimit()
     lease_idle_s: float = 60.0
 
@@ -83,22 +94,24 @@ class Gateway:
     """A running ROSIC.
 
     Attributes:
-        pipeline, rooms, stop_lane, robots: Made by ``open``.
+        pipeline, rooms, stop_lane, robots, authority, access, furnishing: Made by ``open``.
     """
 
     pipeline: Pipeline
     rooms: Rooms
     stop_lane: StopLane
     robots: dict[RobotId, Robot]
+    authority: Authority
+    access: Access
+    furnishing: Furnishing
 
     def __init__(self, settings: Settings, parts: Parts) -> None:
         self._settings = settings
         self._parts = parts
-        self._roles_of: dict[PrincipalId, tuple[str, ...]] = {}
+        self._messengers: tuple[Messenger, ...] = parts.messengers
         self._opened: list[Robot] = []
         self._listening: list[asyncio.Task[None]] = []
         self._teller: Teller | None = None
-        self._epoch = 0
 
     async def open(self) -> None:
         """Read the record, make the rooms, connect the robots, settle what was interrupted.
@@ -141,14 +154,16 @@ class Gateway:
             for robot, profile in profiles.items()
         }  # fmt: skip
         authoriser = Authoriser(Directory(), parts.clock, parts.entropy)
-        self._roles_of = remember(authoriser, memory)
-        self._roles_of.update(
-            await seed(settings.people, memory, authoriser, parts.store, parts.clock, parts.entropy)
-        )
+        authority = await self._authority(authoriser, memory)
         organiser = Organiser(
-            self._policy(), profiles, board, parts.clock,
+            authority.draw_up(), profiles, board, parts.clock,
             limit=settings.limit, lease_idle_s=settings.lease_idle_s,
         )  # fmt: skip
+        organiser.key_of = partial(key_of, authoriser)
+        self.access = Access(
+            authoriser, authority, parts.store, parts.clock, parts.entropy, place=settings.place
+        )
+        self.access.restore(memory, organiser)
         organiser.name_of = lambda principal: clean(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
         container = Containers(
@@ -157,27 +172,40 @@ class Gateway:
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
         linker = Linker(self.robots, board, parts.latch, parts.clock)
-        linker.epoch = organiser.policy.epoch
         self.rooms = Rooms(authoriser, organiser, container, linker, vocabulary, profiles, board)
         self.stop_lane = StopLane(self.rooms, parts.store, parts.clock)
+        self.authority = authority
+        authority.attach(self.rooms, self.stop_lane)
+        holding = Holding(self.rooms, self.access, authority, parts.clock)
+        self._messengers = holding.record(parts.messengers, parts.store)
         self._teller = Teller(container, parts.clock)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
-
-    def _policy(self) -> Policy:
-        """Return the policy of now, under the next epoch."""
-        self._epoch += 1
-        scopes = {**DEFAULT_ROLES, **self._settings.roles}
-        return Policy(
-            epoch=self._epoch,
-            roles=[Role(n, tuple(map(Scope.parse, texts))) for n, texts in scopes.items()],
-            skills={p.id: tuple(skills_of(p)) for p in self._settings.profiles},
-            people=self._roles_of,
+        self.furnishing = Furnishing(
+            self.rooms, self.pipeline, self.access, self.stop_lane, self._teller
         )
+        self.furnishing.furnish(
+            authority, self._messengers, parts.clock, parts.entropy, settings.zone
+        )
+        if isinstance(parts.store, Vault):
+            await holding.furnish(self.pipeline, parts.store, memory, parts.units, parts.entropy)
+
+    async def _authority(self, authoriser: Authoriser, memory: Memory) -> Authority:
+        """Make everybody known, of the record and of the configuration; return their rights."""
+        parts, settings = self._parts, self._settings
+        roles = remember(authoriser, memory)
+        roles.update(
+            await seed(settings.people, memory, authoriser, parts.store, parts.clock, parts.entropy)
+        )
+        authority = Authority(settings.rulebook, settings.profiles, parts.units, parts.clock)
+        for principal, names in roles.items():
+            authority.roster.set_roles(principal, names)
+        authority.roster.restore(memory.facts.get(GRANT, ()))
+        return authority
 
     async def _recover(self, memory: Memory) -> None:
         assert self._teller is not None  # noqa: S101 - made just before
         parts = self._parts
-        messengers = {messenger.name: messenger for messenger in parts.messengers}
+        messengers = {messenger.name: messenger for messenger in self._messengers}
         recovery = Recovery(parts.store, self.rooms.linker, self._teller, parts.clock, messengers)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
         if count:
@@ -190,14 +218,20 @@ class Gateway:
             MessengerFault, ConfigurationError: From the messenger that failed.
         """
         self._listening = [
-            asyncio.create_task(m.run(partial(self.pipeline.receive, m)))
-            for m in self._parts.messengers
+            asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
+        minder = Minder(self.access, self.authority, self.furnishing.admitting, self._parts.clock)
+        keeping = [
+            asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
+        ]  # fmt: skip
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
             for task in done:
                 task.result()
         finally:
+            for task in keeping:
+                task.cancel()
+            await self.furnishing.keeper.close()
             await self._fall_deaf()
 
     async def _fall_deaf(self) -> None:
@@ -214,21 +248,23 @@ class Gateway:
             False if there was no key to take back.
 
         Raises:
-            StoreFault: Not written; the person still has the right.
+            RecordUnavailable: Not written; the person still has the right.
         """
-        authoriser, organiser = self.rooms.authoriser, self.rooms.organiser
-        key = authoriser.directory.key_of(principal)
-        if key is None or key.revoked_ns is not None:
-            return False
-        await self._parts.store.write(
-            KeyRevoked(key=key.id, by=by, at_ns=self._parts.clock.wall_ns())
-        )
-        authoriser.revoke(key.id)
-        self._roles_of.pop(principal, None)
-        organiser.policy = self._policy()
-        self.rooms.linker.epoch = organiser.policy.epoch
-        held = organiser.release_all(principal)
-        if held:
+        access, held = self.access, self.rooms.organiser.held_by(principal)
+        async with access.changes.turn() as turn:
+            good = [key for key in access.keys.of(principal) if key.revoked_ns is None]
+            if not good:
+                return False
+            made = [i for i in access.enrolment.invitations.open() if i.issuer == principal]
+            await turn.write(
+                (
+                    *(r for key in good for r in access.keys.revoke(key.id, by).records),
+                    *(r for i in made for r in access.enrolment.invitations.withdraw(i.id, by)),
+                    *self.authority.roster.take(principal, by),
+                )
+            )
+        self.rooms.organiser.release_all(principal)
+        if held:  # also what only idles in their hands: nobody knows who had the phone
             self.stop_lane.stop_robots(held, by)
         return True
 

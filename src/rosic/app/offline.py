@@ -1,92 +1,165 @@
-"""People and their access while no gateway runs: straight from the data, which it takes."""
+"""The operator's desk while no gateway runs: straight from the data, which it takes."""
 
 from __future__ import annotations
 
+import enum
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.app.operating import people_lines, revoked, the_one
-from rosic.app.people import Seed, remember, seed
+from rosic.app.access import Access
+from rosic.app.authority import Authority, key_of
+from rosic.app.books import Books, zone_or_universal
+from rosic.app.naming import people_lines
+from rosic.app.operator_desk import OperatorDesk
+from rosic.app.people import remember, seed
+from rosic.app.profiles import known_units
+from rosic.app.start import STOPS
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
-from rosic.core.identity import OPERATOR
-from rosic.core.language import clean
-from rosic.core.record import KeyRevoked, Memory
+from rosic.core.language import Vocabulary, clean
+from rosic.core.rate import RateLimit
+from rosic.core.roles import DEFAULT_ROLES, Assurance, Rulebook
+from rosic.core.stopboard import StopBoard
+from rosic.organiser.organiser import Organiser
+from rosic.organiser.roster import GRANT
+from rosic.organiser.zones import UNIVERSAL
 from rosic.stores.database import DatabaseStore
 from rosic.stores.folder import DATABASE
+from rosic.stores.latch import FileLatch
+from rosic.stores.memory import MemoryStore
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Sequence
+    from collections.abc import AsyncIterator, Iterable, Sequence
     from pathlib import Path
 
+    from rosic.app.asked import Ask
+    from rosic.app.config import Config
+    from rosic.app.people import Seed
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
+    from rosic.contracts.store import Store
+    from rosic.core.record import Memory
+    from rosic.core.robot import RobotId
+
+LOCAL = {"terminal": Assurance.LOCAL}
 
 
-class People:
-    """Everybody on a record that is open.
+class Seeding(enum.Enum):
+    """What becomes of people of the file who are not on the record yet."""
 
-    Attributes:
-        store: Open.
-        memory: What it held.
+    WRITTEN = "written"
+    IMAGINED = "imagined"
+    LEFT = "left"
+
+
+class Alone:
+    """Answers when no gateway does.
+
+    Args:
+        data: The data folder.
+        config: None when only the folder is known: then there are no robots, and no own roles.
     """
 
-    def __init__(self, store: DatabaseStore, memory: Memory, authoriser: Authoriser) -> None:
-        self.store = store
-        self.memory = memory
-        self.authoriser = authoriser
+    def __init__(self, data: Path, config: Config | None, clock: Clock, entropy: Entropy) -> None:
+        self._data = data
+        self._config = config
+        self._clock = clock
+        self._entropy = entropy
 
+    async def do(self, ask: Ask, seeding: Seeding) -> tuple[str, ...]:
+        """Do what is asked and return the answers.
 
-async def list_people(
-    data: Path, seeds: Sequence[Seed], clock: Clock, entropy: Entropy
-) -> tuple[str, ...]:
-    """Return a line for everybody; those of the file who are not on the record yet are marked.
+        Raises:
+            ConfigurationError: The data cannot be used, for example because a gateway just started.
+            Refusal: Why not; nothing was changed.
+            StoreFault: Not written; nothing was changed.
+        """
+        async with self._opened(seeding) as books:
+            return tuple(await OperatorDesk(books).do(ask))
 
-    Raises:
-        ConfigurationError: The data cannot be used.
-    """
-    waiting = [f"{person.name}: not taken over yet; the first start does it" for person in seeds]
-    if not (data / DATABASE).exists():
-        return tuple(waiting) or ("Nobody is known yet.",)
-    async with _opened(data, clock, entropy) as people:
-        known = {person.name.casefold() for person in people.authoriser.directory.people()}
-        new = [
-            line for person, line in zip(seeds, waiting, strict=True)
-            if person.name.casefold() not in known
-        ]  # fmt: skip
-        return (*people_lines(people.authoriser.directory), *new)
+    async def people(self) -> tuple[str, ...]:
+        """Return a line for everybody; those of the file who are not on the record are marked.
 
+        Raises:
+            ConfigurationError: The data cannot be used.
+        """
+        async with self._opened(Seeding.LEFT) as books:
+            found = books.authoriser.directory.people()
+            known = {person.name.casefold() for person in found}
+            new = [
+                f"{clean(person.name)}: not taken over yet; the first start does it"
+                for person in self._seeds
+                if person.name.casefold() not in known
+            ]
+            return (*people_lines(books), *new) or ("Nobody is known yet.",)
 
-async def revoke_person(
-    data: Path, name: str, seeds: Sequence[Seed], clock: Clock, entropy: Entropy
-) -> str:
-    """Take somebody's access back before any gateway starts. Return what was done.
+    @property
+    def _seeds(self) -> Sequence[Seed]:
+        return () if self._config is None else self._config.people
 
-    People of the configuration file are taken over first: once they are on the record, the file
-    has no say in it again.
+    @asynccontextmanager
+    async def _opened(self, seeding: Seeding) -> AsyncIterator[Books]:
+        """Open the data. What only looks makes no data where there is none."""
+        there = seeding is Seeding.WRITTEN or (self._data / DATABASE).exists()
+        store: Store = DatabaseStore(self._data, clock=self._clock) if there else MemoryStore()
+        memory = await store.open()
+        try:
+            yield await self.books(store, memory, seeding)
+        finally:
+            await store.close()
 
-    Raises:
-        ConfigurationError: The data cannot be used, for example because a gateway just started.
-        NotUnderstood: Nobody, or more than one, is called so.
-        StoreFault: Not written; they still have access.
-    """
-    async with _opened(data, clock, entropy) as people:
-        await seed(seeds, people.memory, people.authoriser, people.store, clock, entropy)
-        person = the_one(people.authoriser.directory, name)
-        key = people.authoriser.directory.key_of(person.id)
-        if key is None or key.revoked_ns is not None:
-            return f"{clean(person.name)} has no access already. Nothing was changed."
-        await people.store.write(KeyRevoked(key=key.id, by=OPERATOR, at_ns=clock.wall_ns()))
-        return revoked(person)
-
-
-@asynccontextmanager
-async def _opened(data: Path, clock: Clock, entropy: Entropy) -> AsyncIterator[People]:
-    store = DatabaseStore(data, clock=clock)
-    memory = await store.open()
-    try:
+    async def books(self, store: Store, memory: Memory, seeding: Seeding) -> Books:
+        """Put together what an open record holds and the configuration says."""
+        config, clock, entropy = self._config, self._clock, self._entropy
+        robots = () if config is None else config.robots
+        rulebook = Rulebook(roles=DEFAULT_ROLES) if config is None else config.rulebook
+        profiles = {profile.id: profile for profile in robots}
         authoriser = Authoriser(Directory(), clock, entropy)
-        remember(authoriser, memory)
-        yield People(store, memory, authoriser)
-    finally:
-        await store.close()
+        roles = remember(authoriser, memory)
+        if seeding is not Seeding.LEFT:
+            sink = store if seeding is Seeding.WRITTEN else await _nowhere()
+            roles |= await seed(self._seeds, memory, authoriser, sink, clock, entropy)
+        authority = Authority(rulebook, robots, known_units(), clock)
+        for principal, names in roles.items():
+            authority.roster.set_roles(principal, names)
+        authority.roster.restore(memory.facts.get(GRANT, ()))
+        stops = await self._stops(memory, profiles)
+        organiser = Organiser(
+            authority.draw_up(), profiles, StopBoard(profiles, stops),
+            clock, limit=RateLimit(), lease_idle_s=1.0,
+        )  # fmt: skip
+        organiser.key_of = lambda key: key_of(authoriser, key)
+        organiser.name_of = lambda who: clean(authoriser.directory.name(who))
+        place = "rosic" if config is None else config.name
+        access = Access(authoriser, authority, store, clock, entropy, place=place)
+        access.restore(memory, organiser)
+        return Books(
+            access=access, authority=authority, authoriser=authoriser, organiser=organiser,
+            vocabulary=Vocabulary.build(robots, known_units()), profiles=profiles, clock=clock,
+            zone=zone_or_universal(UNIVERSAL if config is None else config.zone),
+            assurances=LOCAL,
+        )  # fmt: skip
+
+    async def _stops(
+        self, memory: Memory, robots: Iterable[RobotId]
+    ) -> dict[RobotId, tuple[int, bool]]:
+        """Return which robots stay stopped at the next start."""
+        path = self._data / STOPS
+        found: dict[RobotId, tuple[int, bool]] = {}
+        if path.exists():
+            latch = FileLatch(path)
+            try:
+                found = latch.read()
+            finally:
+                await latch.close()
+        for robot in robots:
+            generation = memory.generations.get(robot, 0)
+            if generation > found.get(robot, (0, False))[0]:
+                found[robot] = (generation, True)
+        return found
+
+
+async def _nowhere() -> MemoryStore:
+    store = MemoryStore()
+    await store.open()
+    return store

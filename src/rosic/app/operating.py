@@ -11,24 +11,29 @@ from typing import TYPE_CHECKING
 
 from rosic.core import words
 from rosic.core.identity import OPERATOR
-from rosic.core.language import clean
 from rosic.core.order import Rest
 from rosic.errors import NotUnderstood
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable, Sequence
 
+    from rosic.app.asked import Ask
     from rosic.app.gateway import Gateway
-    from rosic.authoriser.directory import Directory
-    from rosic.core.identity import Principal
+    from rosic.app.operator_desk import OperatorDesk
     from rosic.core.robot import RobotId
 
 
 class Operating:
-    """One running gateway."""
+    """One running gateway.
 
-    def __init__(self, gateway: Gateway) -> None:
+    Args:
+        gateway: Open.
+        desk: Answers about people and their rights; None: nobody does.
+    """
+
+    def __init__(self, gateway: Gateway, desk: OperatorDesk | None = None) -> None:
         self._gateway = gateway
+        self._desk = desk
 
     def status(self, names: Sequence[str] = ()) -> tuple[str, ...]:
         """Return a line for each robot.
@@ -90,57 +95,12 @@ class Operating:
         if not await asyncio.shield(halting.latched):
             yield "This could not be written down: after a restart, look before you move anything."
 
-    def people(self) -> tuple[str, ...]:
-        """Return a line for everybody who is known."""
-        return people_lines(self._gateway.rooms.authoriser.directory)
-
-    async def revoke(self, name: str) -> str:
-        """Take somebody's access back, at once and for ever. Return what was done.
+    async def do(self, ask: Ask) -> Iterable[str]:
+        """Do what is asked about people and their rights, and return the answers.
 
         Raises:
-            NotUnderstood: Nobody, or more than one, is called so.
-            StoreFault: Not written; they still have access.
+            Refusal: Why not; nothing was changed.
         """
-        person = the_one(self._gateway.rooms.authoriser.directory, name)
-        if not await self._gateway.revoke(person.id, OPERATOR):
-            return f"{clean(person.name)} has no access already. Nothing was changed."
-        return revoked(person)
-
-
-def revoked(person: Principal) -> str:
-    """Return what is said of somebody whose access has just ended."""
-    return f"{clean(person.name)} has no access any more, also after a restart."
-
-
-def people_lines(directory: Directory) -> tuple[str, ...]:
-    """Return a line for everybody: name, roles, addresses, and whether they still have access."""
-    people = sorted(directory.people(), key=lambda person: person.name.casefold())
-    return tuple(_person(directory, person) for person in people) or ("Nobody is known yet.",)
-
-
-def _person(directory: Directory, person: Principal) -> str:
-    key = directory.key_of(person.id)
-    ended = key is None or key.revoked_ns is not None
-    access = "access ended" if ended else f"as {_list(person.roles)}"
-    return f"{clean(person.name)}: {access} · {_list(map(str, person.addresses))} · {person.id}"
-
-
-def _list(texts: Iterable[str]) -> str:
-    return ", ".join(clean(text) for text in texts) or "nothing"
-
-
-def the_one(directory: Directory, name: str) -> Principal:
-    """Return the person who is called so, or who has that id.
-
-    Raises:
-        NotUnderstood: Nobody, or more than one.
-    """
-    by_id = directory.person(name)
-    found = (by_id,) if by_id is not None else directory.named(name)
-    if len(found) == 1:
-        return found[0]
-    if found:
-        ids = ", ".join(person.id for person in found)
-        raise NotUnderstood(f"Several people are called {name}. Say which by its id: {ids}.")
-    known = ", ".join(sorted(clean(person.name) for person in directory.people()))
-    raise NotUnderstood(f"Nobody is called {name}. There are: {known or 'nobody yet'}.")
+        if self._desk is None:
+            raise NotUnderstood("Nobody answers that here.")
+        return await self._desk.do(ask)

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 import signal
 from typing import TYPE_CHECKING
 
 from rosic.app import heap
+from rosic.app.books import books_of
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time
 from rosic.app.control import ControlServer, socket_path
 from rosic.app.forgetting import Forgetful, forget_daily
 from rosic.app.gateway import Gateway, Parts
 from rosic.app.operating import Operating
+from rosic.app.operator_desk import OperatorDesk
 from rosic.app.start import Checking, latch_of, parts_of, settings_of
-from rosic.errors import MessengerFault
+from rosic.errors import MessengerFault, RosicError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from rosic.app.config import Config
     from rosic.contracts.clock import Clock
@@ -25,6 +28,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
 
 CHECK_WITHIN_S = 5.0
+TELEGRAM = "telegram"
 CLOSE_AT_LEAST_S = 0.5
 
 log = logging.getLogger("rosic.gateway")
@@ -36,14 +40,26 @@ class Serving:
     Args:
         config: What the gateway is seeded with, and where its data is.
         begun_ns: Monotonic clock when this process began; for saying how long the start took.
+        show: Shows a sentence and a picture of a text to whoever started this, at their terminal;
+            None when nobody sits there. What it shows may be secret and is never logged.
 
     Raises:
         ConfigurationError: An adapter is not there or does not take its settings, or the data
             folder's path is too long. Nothing was opened.
     """
 
-    def __init__(self, config: Config, clock: Clock, entropy: Entropy, *, begun_ns: int) -> None:
+    def __init__(
+        self,
+        config: Config,
+        clock: Clock,
+        entropy: Entropy,
+        *,
+        begun_ns: int,
+        show: Callable[[str, str], None] | None = None,
+    ) -> None:
         self._config = config
+        self._show = show
+        self._bots: list[str] = []
         self._clock = clock
         self._begun_ns = begun_ns
         self._ended = asyncio.Event()
@@ -98,9 +114,14 @@ class Serving:
         return True
 
     async def _serve(self) -> None:
-        control = ControlServer(self._config.data, Operating(self._gateway))
+        config = self._config
+        books = books_of(
+            self._gateway, self._clock, config.zone, self._parts.messengers, self._bots
+        )
+        desk = OperatorDesk(books)
+        control = ControlServer(config.data, Operating(self._gateway, desk))
         await control.open()
-        working = asyncio.create_task(self._work())
+        working = asyncio.create_task(self._work(desk))
         ending = asyncio.create_task(self._ended.wait())
         tasks = [working, ending]
         if isinstance(store := self._parts.store, Forgetful):
@@ -116,9 +137,9 @@ class Serving:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _work(self) -> None:
+    async def _work(self, desk: OperatorDesk) -> None:
         messengers = self._parts.messengers
-        await check_accounts(messengers)
+        self._bots += await check_accounts(messengers)
         heap.settle()
         took_s = (self._clock.monotonic_ns() - self._begun_ns) / 1e9
         robots = len(self._config.robots)
@@ -129,19 +150,45 @@ class Serving:
             "robot" if robots == 1 else "robots",
             ", ".join(messenger.name for messenger in messengers),
         )
+        await self._welcome(desk)
         await self._gateway.run()
 
+    async def _welcome(self, desk: OperatorDesk) -> None:
+        """When nobody is admin, show the code of the first one: at the terminal, nowhere else."""
+        if self._show is None:
+            if desk.access.nobody_is_admin():
+                log.warning("nobody is admin here yet: rosic invite --role admin gives a code")
+            return
+        try:
+            shown = await desk.access.first_admin()
+        except RosicError as error:
+            log.warning("there is no code for the first admin: %s", error)
+            return
+        if shown is not None:
+            self._show(*shown)
 
-async def check_accounts(messengers: Iterable[Messenger]) -> None:
+
+async def check_accounts(messengers: Iterable[Messenger]) -> list[str]:
     """Find a wrong token before saying that everything is ready. A platform may be away for now.
+
+    Returns:
+        Names of the bots on Telegram that answered.
 
     Raises:
         ConfigurationError: An account cannot be used.
     """
+    bots: list[str] = []
     for messenger in messengers:
         if isinstance(messenger, Checking):
             try:
                 async with asyncio.timeout(CHECK_WITHIN_S):
-                    await messenger.check()
+                    bots += bot_in(messenger.platform, await messenger.check())
             except (MessengerFault, TimeoutError):
                 log.warning("%s does not answer; I go on trying", messenger.name)
+    return bots
+
+
+def bot_in(platform: str, answer: str) -> list[str]:
+    """Return the name of the bot that answered; links to it can be made on Telegram alone."""
+    found = re.match(r"@(\w+) ", answer) if platform == TELEGRAM else None
+    return [found[1]] if found else []

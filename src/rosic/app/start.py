@@ -85,7 +85,9 @@ def settings_of(config: Config) -> Settings:
     return Settings(
         profiles=config.robots,
         people=config.people,
-        roles=config.roles,
+        rulebook=config.rulebook,
+        place=config.name,
+        zone=config.zone,
         limit=config.limits,
         lease_idle_s=config.lease_idle_s,
     )

@@ -94,17 +94,18 @@ class Authoriser:
         """Make a person known from now on."""
         self.directory.enrol(person)
         self.directory.add_key(key)
-        self._forget(person.id)
+        self.forget(person.id)
 
     def revoke(self, key_id: KeyId) -> PrincipalId | None:
         """End a key: the very next message under it is turned away. Return whose it was."""
         key = self.directory.revoke(key_id, self._clock.wall_ns())
         if key is None:
             return None
-        self._forget(key.principal)
+        self.forget(key.principal)
         return key.principal
 
-    def _forget(self, principal: PrincipalId) -> None:
+    def forget(self, principal: PrincipalId) -> None:
+        """Let somebody be authenticated anew: their key or what is known of them has changed."""
         gone = [w for w, s in self._sessions.items() if s.caller.principal == principal]
         for where in gone:
             del self._sessions[where]

@@ -29,6 +29,7 @@ class _Bound(msgspec.Struct, frozen=True):
     command: str
     issued_ns: int
     issued_wall_ns: int
+    lifetime_ns: int
 
 
 class Buttons:
@@ -40,14 +41,26 @@ class Buttons:
         self._at_most = at_most
         self._bound: OrderedDict[str, _Bound] = OrderedDict()
 
-    def issue(self, button: Button, principal: PrincipalId, chat: str) -> Button:
-        """Return the button with a nonce for this person in this chat."""
+    def issue(
+        self,
+        button: Button,
+        principal: PrincipalId,
+        chat: str,
+        *,
+        lifetime_ns: int = LIFETIME_NS,
+    ) -> Button:
+        """Return the button with a nonce for this person in this chat.
+
+        Only a button that moves nothing may live longer than a minute: an admin's answer to
+        whoever wants to come in.
+        """
         if button.command == "stop" or button.command.startswith(STOP_PREFIX):
             return msgspec.structs.replace(button, nonce=button.command)
         nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
         self._bound[nonce] = _Bound(
-            principal, chat, button.command, self._clock.monotonic_ns(), self._clock.wall_ns()
-        )
+            principal, chat, button.command, self._clock.monotonic_ns(), self._clock.wall_ns(),
+            lifetime_ns,
+        )  # fmt: skip
         if len(self._bound) > self._at_most:
             self._bound.popitem(last=False)
         return msgspec.structs.replace(button, nonce=nonce)
@@ -68,7 +81,7 @@ class Buttons:
             raise NotPermitted("This question was asked of somebody else.")
         del self._bound[nonce]
         age_ns = self._clock.monotonic_ns() - bound.issued_ns
-        if age_ns > LIFETIME_NS or bound.issued_wall_ns < inbound.listening_since_ns:
+        if age_ns > bound.lifetime_ns or bound.issued_wall_ns < inbound.listening_since_ns:
             raise Expired(
                 "This button is too old. Nothing was done.", offers=(bound.command.lstrip("?"),)
             )

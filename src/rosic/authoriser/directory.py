@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from rosic.core.identity import Address, AuthorisationKey, KeyId, Principal, PrincipalId
 
 
+# Who acts without being anybody: the owner of the machine, and the rules about misuse.
+NOT_PEOPLE = {OPERATOR: "the operator", "rule": "a rule"}
+
+
 class Directory:
     """Everybody, by id, by address and by name.
 
@@ -75,11 +79,19 @@ class Directory:
         person = self._people.get(principal)
         if person is not None:
             return person.name
-        return "the operator" if principal == OPERATOR else "somebody"
+        return NOT_PEOPLE.get(principal, "somebody")
 
     def people(self) -> Iterable[Principal]:
         """Return everybody."""
         return self._people.values()
+
+    def key(self, key_id: KeyId) -> AuthorisationKey | None:
+        """Return a key by id."""
+        return self._keys.get(key_id)
+
+    def keys(self) -> Iterable[AuthorisationKey]:
+        """Return every key that was ever given."""
+        return self._keys.values()
 
     def has_good_key(self, principal: PrincipalId) -> bool:
         """Whether somebody's key is not revoked."""

@@ -24,8 +24,15 @@ def _stop(quick: bool) -> Report:
     return measure(quick=quick)
 
 
+def _schedule(quick: bool) -> Report:
+    from rosic.bench.schedule import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick)
+
+
 BENCHES: dict[str, Callable[[bool], Report]] = {
     "pipeline": _pipeline,
+    "schedule": _schedule,
     "stop": _stop,
 }
 

@@ -6,14 +6,18 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.app.config import load_config
-from rosic.app.offline import list_people, revoke_person
+from rosic.app.offline import Alone, Seeding
 from rosic.cli.asking import data_of
+from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     import argparse
 
-    from rosic.app.people import Seed
+    from rosic.app.asked import Ask
+
+LOOKS = Seeding.IMAGINED
+CHANGES = Seeding.WRITTEN
 
 
 def people(options: argparse.Namespace) -> tuple[str, ...]:
@@ -22,20 +26,34 @@ def people(options: argparse.Namespace) -> tuple[str, ...]:
     Raises:
         ConfigurationError: The data or the configuration cannot be used.
     """
-    data, seeds = data_of(options), _seeds(options)
-    return asyncio.run(list_people(data, seeds, SystemClock(), SystemEntropy()))
+    return asyncio.run(_alone(options).people())
 
 
-def revoke(options: argparse.Namespace) -> str:
-    """Revoke ``options.name``. Return what was done.
+def do(
+    options: argparse.Namespace, ask: Ask, seeding: Seeding, *, robots: bool = False
+) -> tuple[str, ...]:
+    """Do what is asked and return the answers.
+
+    People of the configuration file are taken over first, on the record if something changes:
+    once they are there, the file has no say in it again.
+
+    Args:
+        options: Where the data and the configuration are.
+        ask: What.
+        seeding: Whether anything changes.
+        robots: It cannot be answered without the robots of the configuration.
 
     Raises:
-        RosicError: They still have access; the sentence says why.
+        RosicError: Nothing was changed; the sentence says why.
     """
-    data, seeds = data_of(options), _seeds(options)
-    return asyncio.run(revoke_person(data, options.name, seeds, SystemClock(), SystemEntropy()))
+    if robots and options.data is not None:
+        raise ConfigurationError(
+            "No gateway is running, and a data folder alone does not say which robots there are.",
+            hint="Name the configuration file with -c instead of --data.",
+        )
+    return asyncio.run(_alone(options).do(ask, seeding))
 
 
-def _seeds(options: argparse.Namespace) -> tuple[Seed, ...]:
-    """Return the people of the file; none when a data folder was named instead of it."""
-    return () if options.data is not None else load_config(options.config).people
+def _alone(options: argparse.Namespace) -> Alone:
+    config = None if options.data is not None else load_config(options.config)
+    return Alone(data_of(options), config, SystemClock(), SystemEntropy())

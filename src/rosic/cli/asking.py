@@ -7,12 +7,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.control import Ask, ask_gateway
+from rosic.app.control import ask_gateway
 from rosic.app.toml_file import read_toml
-from rosic.errors import ConfigurationError
+from rosic.errors import ConfigurationError, Refusal
 
 if TYPE_CHECKING:
     import argparse
+
+    from rosic.app.asked import Ask
 
 
 CONFIG = "rosic.toml"
@@ -58,3 +60,22 @@ async def _ask(data: Path, request: Ask) -> int:
         good = good and answer.good
         print(answer.text, file=sys.stdout if answer.good else sys.stderr, flush=True)
     return 0 if good else 1
+
+
+def answers(data: Path, request: Ask) -> tuple[str, ...]:
+    """Ask the gateway and return its answers.
+
+    Raises:
+        NotRunning: There is none; nothing was done.
+        Refusal: It said why not.
+    """
+    return asyncio.run(_answers(data, request))
+
+
+async def _answers(data: Path, request: Ask) -> tuple[str, ...]:
+    texts: list[str] = []
+    async for answer in ask_gateway(data, request):
+        if not answer.good:
+            raise Refusal(answer.text)
+        texts.append(answer.text)
+    return tuple(texts)

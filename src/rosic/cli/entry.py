@@ -31,6 +31,7 @@ class Command(NamedTuple):
 
 
 COMMANDS: dict[str, Command] = {
+    "init": Command("rosic.cli.init", "a few questions, then a configuration that works"),
     "demo": Command("rosic.cli.demo", "six simulated robots in this terminal; no account, no ROS"),
     "run": Command("rosic.cli.run", "start the gateway of a configuration file"),
     "check": Command("rosic.cli.check", "say everything that is wrong with a configuration file"),
@@ -39,7 +40,18 @@ COMMANDS: dict[str, Command] = {
     "status": Command("rosic.cli.status", "how the robots of the running gateway are"),
     "stop": Command("rosic.cli.stop", "stop robots of the running gateway; all, if none is named"),
     "people": Command("rosic.cli.people", "who is known, with which roles"),
+    "invite": Command("rosic.cli.invite", "a code that lets one person in, once"),
+    "lock": Command("rosic.cli.lock", "keep somebody out for now; what they move stops"),
+    "unlock": Command("rosic.cli.unlock", "give a locked person their access back"),
     "revoke": Command("rosic.cli.revoke", "take somebody's access back, for ever"),
+    "key list": Command("rosic.cli.key_list", "every authorisation key, and how long it is good"),
+    "key rotate": Command("rosic.cli.key_rotate", "a new key in place of somebody's old one"),
+    "key revoke": Command("rosic.cli.key_revoke", "take one key back, or all of a person's"),
+    "explain": Command("rosic.cli.explain", "what somebody may, and every rule that made it so"),
+    "security report": Command(
+        "rosic.cli.security_report", "who was turned away, who is locked, what ends soon"
+    ),
+    "schedule plan": Command("rosic.cli.schedule_plan", "who could have which robot when"),
     "doctor": Command("rosic.cli.doctor", "measure this machine; with --try, a robot"),
     "sim": Command("rosic.cli.sim", "the simulated robots as ROS 2 nodes"),
     "bench": Command("rosic.cli.bench", "measure how fast ROSIC is here"),

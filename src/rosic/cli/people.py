@@ -5,13 +5,15 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.control import Ask, NotRunning, Verb
+from rosic.app.asked import Ask, Verb
+from rosic.app.control import NotRunning
 from rosic.cli.asking import add_where, ask, data_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ABOUT = "Who is known, with which roles, addresses and id. Works with and without a gateway."
+ABOUT = """Who is known, what they may until when, their addresses and id; and who waits to come in.
+Works with and without a gateway."""
 
 
 def run(arguments: Sequence[str]) -> int:

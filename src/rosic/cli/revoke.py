@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.control import Ask, NotRunning, Verb
-from rosic.cli.asking import add_where, ask, data_of
+from rosic.app.asked import Ask, Verb
+from rosic.cli.asking import add_where
+from rosic.cli.desk import changed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,15 +17,14 @@ Robots they hold come to rest. Works with and without a running gateway."""
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Ask the gateway, or write it into its data when none runs."""
+    """Ask the gateway, or write it into its data when none runs.
+
+    Raises:
+        RosicError: Why not; nothing was changed.
+    """
     parser = argparse.ArgumentParser(prog="rosic revoke", description=ABOUT)
     parser.add_argument("name", metavar="NAME", help="as rosic people shows it, or the id")
     add_where(parser)
     options = parser.parse_args(arguments)
-    try:
-        return ask(data_of(options), Ask(Verb.REVOKE, (options.name,)))
-    except NotRunning:
-        from rosic.cli import alone  # noqa: PLC0415 - a database, which a running gateway has open
-
-        print(alone.revoke(options))
-        return 0
+    print("\n".join(changed(options, Ask(Verb.REVOKE, (options.name,)))))
+    return 0

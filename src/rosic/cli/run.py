@@ -14,6 +14,7 @@ from rosic.app.serving import Serving
 from rosic.app.start import secrets_of
 from rosic.cli.asking import CONFIG
 from rosic.cli.begun import begun_ns
+from rosic.cli.picture import show
 from rosic.errors import RosicError
 from rosic.system import SystemClock, SystemEntropy
 
@@ -44,4 +45,8 @@ def run(arguments: Sequence[str]) -> int:
 
 
 async def _serve(config: Config) -> None:
-    await Serving(config, SystemClock(), SystemEntropy(), begun_ns=begun_ns()).run()
+    # A code for the first admin is for whoever sits here: not for a file, not for the journal.
+    at_terminal = show if sys.stdout.isatty() else None
+    await Serving(
+        config, SystemClock(), SystemEntropy(), begun_ns=begun_ns(), show=at_terminal
+    ).run()

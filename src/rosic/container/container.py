@@ -55,7 +55,11 @@ class Completed(msgspec.Struct, frozen=True, gc=False):
 
 
 class Containers:
-    """One container per principal and per robot, and the record behind them."""
+    """One container per principal and per robot, and the record behind them.
+
+    Attributes:
+        usual: Returns the robot that somebody means where they chose none; None: nobody has any.
+    """
 
     def __init__(
         self,
@@ -67,6 +71,7 @@ class Containers:
         self._vocabulary = vocabulary
         self._store = store
         self._clock = clock
+        self.usual: Callable[[PrincipalId], str] | None = None
         self._people: dict[PrincipalId, PersonContainer] = {}
         self._unwritten: OrderedDict[CommandId, None] = OrderedDict()
         self._completed: dict[tuple[RobotId, str, tuple[Spoken, ...]], Completed] = {}
@@ -222,7 +227,12 @@ class Containers:
     def selected(self, principal: PrincipalId, chat: Chat) -> str:
         """Return the robot or group that a person chose in a chat, empty for none."""
         container = self._people.get(principal)
-        return container.selected(chat_digest(chat)) if container is not None else ""
+        chosen = container.selected(chat_digest(chat)) if container is not None else ""
+        return chosen or ("" if self.usual is None else self.usual(principal))
+
+    def forget(self, principal: PrincipalId) -> None:
+        """Let somebody's choices go: they are erased."""
+        self._people.pop(principal, None)
 
     def select(self, principal: PrincipalId, chat: Chat, name: str) -> None:
         """Choose a robot or a group for a person in a chat."""

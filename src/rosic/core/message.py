@@ -57,6 +57,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
             sent earlier is backlog: motion in it is not carried out, buttons shown before are dead.
         tap: The platform's handle for answering a tap; empty for a text.
         under: Id of the message whose button was tapped; empty for a text.
+        shown_as: How the platform shows the sender. For showing somebody new; never compared.
     """
 
     sender: Address
@@ -70,6 +71,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     nonce: str | None = None
     tap: str = ""
     under: str = ""
+    shown_as: str = ""
 
 
 class Button(msgspec.Struct, frozen=True, gc=False):

@@ -55,6 +55,20 @@ class Link(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     heartbeat_s: float = 3.0
 
 
+class Slots(enum.Enum):
+    """What booked times mean for a robot.
+
+    ``none``: nothing. ``respected``: in somebody's time nobody else moves it. ``required``: it
+    moves only in a time of one's own.
+    """
+
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
+
+    NONE = "none"
+    RESPECTED = "respected"
+    REQUIRED = "required"
+
+
 class StopBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the robot is stopped besides cancelling its goals.
 
@@ -104,6 +118,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     Attributes:
         id: Lower case, as people type it.
         groups: Plain names under which several robots are commanded together.
+        slots: What booked times mean: nothing, others wait, or nobody moves it without one.
         watchdog_s: The robot's own time-out for a velocity topic; without it no skill may stream.
         rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
     """
@@ -117,6 +132,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     link_loss: LinkLoss = LinkLoss.HOLD
     busy: Busy = Busy.REFUSE
     queue_length: int = 16
+    slots: Slots = Slots.RESPECTED
     watchdog_s: float | None = None
     at_rest: AtRest | None = None
     rest_timeout_s: float = 5.0

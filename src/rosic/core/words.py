@@ -16,6 +16,12 @@ HELP = """Say what a robot should do, for example:
 Say stop at any time: whatever you may see, you may stop.
 Also: status, use NAME (then its name may be left out), resume NAME (after a stop), help NAME."""
 
+# The texts of the paper's Algorithm 7.
+MAY_COMMAND = "You have permission to send and receive commands."
+MAY_NOT_COMMAND = "You do not have permission to send and receive commands."
+INFORMATION = "Here's the information you requested."
+NO_INFORMATION = "You do not have permission to access this information."
+
 NOTHING_VISIBLE = "There is no robot here for you yet. The admin of this place can change that."
 
 

@@ -85,6 +85,10 @@ class Linker:
         for mailbox in self._mailboxes.values():
             mailbox.void(sentence)
 
+    def void(self, robot_id: RobotId, sentence: str) -> None:
+        """Void everything that waits for one robot, with a reason."""
+        self._mailboxes[robot_id].void(sentence)
+
     async def dispatch(self, order: Order, tell: Tell) -> Outcome:
         """Relay an order whose turn it is, and return what the robot really did.
 
@@ -195,6 +199,11 @@ class Linker:
             RobotBusy: It is at work, and does not take more.
         """
         self._mailboxes[robot_id].check_free()
+
+    def current(self, robot_id: RobotId) -> Order | None:
+        """Return the order whose turn it is at a robot; None while it is free."""
+        entry = self._mailboxes[robot_id].current
+        return None if entry is None else entry.order
 
     def presence(self, robot: RobotId) -> Presence:
         """Return what the robot's side last said."""

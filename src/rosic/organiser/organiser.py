@@ -1,39 +1,59 @@
 """The paper's organiser: CHECKPERMISSIONS of Algorithm 1.
 
-Everything it needs is in memory; deciding costs the same whatever the number of people.
+Everything it needs is in memory; deciding costs the same whatever the number of people, roles,
+robots and slots. What is simply allowed is looked up; everything else goes through
+``rosic.core.decision``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from rosic.core.authority import READ, RESUME, Policy
+from rosic.core.asking import Ask, Denied, Key, State
+from rosic.core.authority import RESUME
+from rosic.core.decision import decide
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.lease import Lease
 from rosic.core.order import Order, Permit, Request
 from rosic.core.rate import Bucket, RateLimit
-from rosic.errors import NotPermitted, RobotStopped, RobotTaken, TooManyRequests
+from rosic.core.robot import Slots
+from rosic.core.skill import Argument
+from rosic.errors import NotPermitted, TooManyRequests
+from rosic.organiser.calendar import Calendar
+from rosic.organiser.grounds import NOTHING, Grounds
+from rosic.organiser.refusing import LOCKED, Refusing
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
+    from rosic.core.asking import Decision
+    from rosic.core.identity import KeyId
+    from rosic.core.rights import Rights
     from rosic.core.robot import Profile, RobotId
+    from rosic.core.slot import SlotRule
     from rosic.core.stopboard import StopBoard
+    from rosic.errors import Refusal
 
+Moment: TypeAlias = Callable[[PrincipalId, int], str]
 NameOf: TypeAlias = Callable[[PrincipalId], str]
+ArgumentsOf: TypeAlias = Callable[[Request], Mapping[str, Argument]]
+GroundsOf: TypeAlias = Callable[[], Grounds]
+KeyOf: TypeAlias = "Callable[[KeyId], Key | None]"
 
 
 class Organiser:
-    """Holds the policy in force, the buckets and the leases.
+    """Holds the rights in force, the calendar, the buckets and the leases.
 
     Attributes:
-        policy: The present snapshot; replacing it is one assignment.
+        rights: The present snapshot; replacing it is one assignment.
+        locked: Who is locked; kept by the authoriser.
+        calendar: Whose time it is.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
     """
 
     def __init__(
         self,
-        policy: Policy,
+        rights: Rights,
         profiles: Mapping[RobotId, Profile],
         stops: StopBoard,
         clock: Clock,
@@ -41,10 +61,20 @@ class Organiser:
         limit: RateLimit,
         lease_idle_s: float,
     ) -> None:
-        self.policy = policy
+        self.rights = rights
+        self.calendar = Calendar(clock)
+        self.locked: Collection[PrincipalId] = frozenset()
         self.lease_idle_s = lease_idle_s
         self.name_of: NameOf = str
-        self._profiles = profiles
+        self.wall_ns = clock.wall_ns
+        self.moment: Moment = lambda _who, _at_ns: "some time ago"
+        self.key_of: KeyOf = _no_key
+        self.narrow: Collection[KeyId] = frozenset()
+        self._slots: dict[RobotId, SlotRule] = {
+            robot: profile.slots.value
+            for robot, profile in profiles.items()
+            if profile.slots is not Slots.NONE
+        }
         self._stops = stops
         self._clock = clock
         self._limit = limit
@@ -52,6 +82,7 @@ class Organiser:
         self._buckets: dict[PrincipalId, Bucket] = {}
         self._warned: set[PrincipalId] = set()
         self._leases = {robot: Lease() for robot in profiles}
+        self._refusing = Refusing(self, profiles, stops)
 
     def remember_fences(self, fences: Mapping[RobotId, int]) -> None:
         """Start from the fences of the record (I13)."""
@@ -81,24 +112,37 @@ class Organiser:
         if self._warned:
             self._warned.discard(caller.principal)
 
-    def admit(self, caller: Caller, requests: Sequence[Request]) -> tuple[Permit, ...]:
+    def admit(
+        self,
+        caller: Caller,
+        requests: Sequence[Request],
+        arguments_of: ArgumentsOf,
+        grounds_of: GroundsOf,
+    ) -> tuple[Permit, ...]:
         """Decide whether a person may do all of this now: all of it or none.
 
+        Args:
+            caller: Who asks.
+            requests: What, of which robots.
+            arguments_of: Returns a request's arguments in SI; asked only where a limit counts.
+            grounds_of: Returns what the person has shown and confirmed besides; asked likewise.
+
         Raises:
-            NotPermitted, RobotStopped, RobotTaken: Why not, who can help, when.
+            NotPermitted, OutOfBounds, RobotStopped, RobotTaken: Why not, who can help, when.
+            FirstNeeded: They may, once something else has happened.
+            TakeOver: They may, and somebody else has to give way first.
                 Nobody's lease has changed.
         """
         now_ns = self._clock.monotonic_ns()
-        policy, principal = self.policy, caller.principal
+        rights, principal = self.rights, caller.principal
         acting: list[Lease | None] = []
         for request in requests:
             robot, skill = request.robot, request.skill
-            if not policy.allows(principal, robot, skill.id):
-                raise self._not_permitted(principal, robot, skill.id)
-            if skill.actuates:
-                acting.append(self._free_lease(principal, robot, now_ns))
-            else:
-                acting.append(None)
+            right = rights.may(principal, robot, skill.id)
+            lease = self._leases[robot] if skill.actuates else None
+            if right is None or not right.plain or not self._open(caller, robot, lease, now_ns):
+                self._decide(caller, request, arguments_of(request), grounds_of())
+            acting.append(lease)
         permits: list[Permit] = []
         for request, lease in zip(requests, acting, strict=True):
             robot = request.robot
@@ -107,24 +151,96 @@ class Organiser:
                 Permit(
                     principal, caller.key, robot, request.skill.id,
                     0 if lease is None else lease.fence, grew,
-                    self._stops[robot].generation, policy.epoch,
+                    self._stops[robot].generation, rights.epoch,
                 )
             )  # fmt: skip
         return tuple(permits)
 
-    def readmit(self, caller: Caller, order: Order) -> Permit:
+    def _open(self, caller: Caller, robot: RobotId, lease: Lease | None, now_ns: int) -> bool:
+        """Whether nothing but the right itself has to be asked: the way of nearly every order."""
+        if caller.key in self.narrow:
+            return False
+        if lease is None:
+            return True
+        if self._stops[robot].latched:
+            return False
+        rule = self._slots.get(robot)
+        if rule is not None and (rule == "required" or self.calendar.has_slots(robot)):
+            slot = self.calendar.present(robot, self.wall_ns())
+            if not (rule == "respected" if slot is None else slot.principal == caller.principal):
+                return False
+        holder = lease.holder_at(now_ns, self._idle_ns)
+        return holder is None or holder == caller.principal
+
+    def _decide(
+        self,
+        caller: Caller,
+        request: Request,
+        arguments: Mapping[str, Argument],
+        grounds: Grounds,
+    ) -> None:
+        decision = self.decision(caller, request.robot, request.skill.id, arguments, grounds)
+        if isinstance(decision, Denied):
+            raise self._refusing.denial(decision)
+        if decision.needs:
+            raise self._refusing.needs(decision, request.text)
+        if decision.preempts and self.holder(request.robot) != caller.principal:
+            raise self._refusing.take_over(decision)
+
+    def decision(
+        self,
+        caller: Caller,
+        robot: RobotId,
+        skill: str,
+        arguments: Mapping[str, Argument] | None = None,
+        grounds: Grounds = NOTHING,
+    ) -> Decision:
+        """Decide by every rule, and say why: for what is not simply allowed, and for explaining."""
+        ask = Ask(
+            principal=caller.principal, key=caller.key, robot=robot, skill=skill,
+            arguments=arguments, channel=grounds.channel,
+        )  # fmt: skip
+        return decide(self._state(caller, robot, grounds), ask)
+
+    def _state(self, caller: Caller, robot: RobotId, grounds: Grounds) -> State:
+        wall_ns, now_ns = self._clock.wall_ns(), self._clock.monotonic_ns()
+        lease = self._leases.get(robot)
+        rule = self._slots.get(robot, "none")
+        slot = None if rule == "none" else self.calendar.present(robot, wall_ns)
+        free_ns: int | None = None
+        if rule != "none" and (slot is None or slot.principal != caller.principal):
+            free_ns = self.calendar.next_free(robot, wall_ns, 60)
+        return State(
+            rights=self.rights,
+            key=self.key_of(caller.key),
+            now_ns=wall_ns,
+            locked=self.locked,
+            stopped=lease is not None and self._stops[robot].latched,
+            holder=None if lease is None else lease.holder_at(now_ns, self._idle_ns),
+            slots=rule,
+            slot=slot,
+            next_free_ns=free_ns,
+            stepped_up=grounds.stepped_up,
+            confirmed=grounds.confirmed,
+            second=grounds.second,
+        )
+
+    def readmit(self, caller: Caller, order: Order, grounds: Grounds = NOTHING) -> Permit:
         """Decide once more for an order that waited while the policy changed (I8).
 
-        It keeps its lease and its stop generation: what a stop voided stays void.
+        It keeps its lease and its stop generation: what a stop voided stays void. What was
+        confirmed for it stays confirmed.
 
         Raises:
             NotPermitted: The right is gone.
         """
-        self._allow(caller, order.robot, order.skill.id)
+        decision = self.decision(caller, order.robot, order.skill.id, order.arguments, grounds)
+        if isinstance(decision, Denied):
+            raise self._refusing.denial(decision)
         old = order.permit
         return Permit(
             old.principal, old.key, old.robot, old.skill, old.fence, False,
-            old.stop_generation, self.policy.epoch,
+            old.stop_generation, self.rights.epoch,
         )  # fmt: skip
 
     def check_resume(self, caller: Caller, robot: RobotId) -> None:
@@ -133,7 +249,22 @@ class Organiser:
         Raises:
             NotPermitted: Not this person.
         """
-        self._allow(caller, robot, RESUME)
+        decision = self.decision(caller, robot, RESUME)
+        if isinstance(decision, Denied):
+            raise self._refusing.denial(decision)
+
+    def check_unlocked(self, caller: Caller) -> None:
+        """See that somebody is not locked; only a stop is left to whoever is.
+
+        Raises:
+            NotPermitted: They are.
+        """
+        if caller.principal in self.locked:
+            raise NotPermitted(LOCKED)
+
+    def allows(self, principal: PrincipalId, robot: RobotId, skill: str) -> bool:
+        """Whether somebody has a right at all now, under whatever limits; for menus."""
+        return self.rights.holds(principal, robot, skill, self._clock.wall_ns())
 
     def settle(self, permit: Permit) -> None:
         """One order has ended; when it was the last, the lease begins to idle."""
@@ -150,64 +281,63 @@ class Organiser:
 
     def visible(self, principal: PrincipalId) -> frozenset[RobotId]:
         """Return the robots that a person may see, and therefore stop."""
-        return self.policy.visible(principal)
+        return self.rights.visible(principal, self._clock.wall_ns())
 
     def holder(self, robot: RobotId) -> PrincipalId | None:
         """Return who has a robot now."""
         return self._leases[robot].holder_at(self._clock.monotonic_ns(), self._idle_ns)
 
+    def free_in(self, robot: RobotId) -> tuple[str, float]:
+        """Return how somebody is told when a robot that is taken may be free, and the seconds."""
+        lease, now_ns = self._leases[robot], self._clock.monotonic_ns()
+        if lease.active:
+            when = "You can have it when that ends and it has been idle for"
+            return when, self.lease_idle_s
+        return "You can have it in", (self._idle_ns - (now_ns - lease.idle_since_ns)) / 1e9
+
+    def lease(self, robot: RobotId) -> Lease:
+        """Return a robot's lease; only looked at."""
+        return self._leases[robot]
+
+    def why_not_move(self, principal: PrincipalId, robot: RobotId) -> NotPermitted | None:
+        """Return why somebody may not move a robot at all, whatever the time; None if they may."""
+        if principal in self.locked:
+            return NotPermitted(LOCKED)
+        return self._refusing.never_moves(principal, robot)
+
+    def not_now(self, principal: PrincipalId, robot: RobotId) -> Refusal | None:
+        """Return why somebody may not move a robot now, by right and by slot; None if they may."""
+        never = self.why_not_move(principal, robot)
+        rule = self._slots.get(robot)
+        if never is not None or rule is None:
+            return never
+        hindrance = self.calendar.why_not(principal, robot, self.wall_ns(), rule == "required")
+        return None if hindrance is None else self.calendar.refusal(hindrance, principal)
+
+    def at_work(self, robot: RobotId) -> bool:
+        """Whether an order of its holder is under way."""
+        return bool(self._leases[robot].active)
+
+    def release(self, robot: RobotId) -> None:
+        """Take a robot from whoever has it; orders still under way become void."""
+        self._leases[robot].release()
+
+    def yielded(self, robot: RobotId, principal: PrincipalId) -> None:
+        """Let somebody have a robot that was given up for them, until they use it or it idles."""
+        self._leases[robot].take(principal, self._clock.monotonic_ns(), self._idle_ns)
+        self._leases[robot].settle(self._leases[robot].fence, self._clock.monotonic_ns())
+
+    def held_by(self, principal: PrincipalId) -> tuple[RobotId, ...]:
+        """Return every robot that somebody has now."""
+        return tuple(robot for robot in self._leases if self.holder(robot) == principal)
+
     def release_all(self, principal: PrincipalId) -> tuple[RobotId, ...]:
         """Take every robot away from somebody; return which."""
-        held = tuple(robot for robot in self._leases if self.holder(robot) == principal)
+        held = self.held_by(principal)
         for robot in held:
             self._leases[robot].release()
         return held
 
-    def _allow(self, caller: Caller, robot: RobotId, skill: str) -> None:
-        if not self.policy.allows(caller.principal, robot, skill):
-            raise self._not_permitted(caller.principal, robot, skill)
 
-    def _not_permitted(self, principal: PrincipalId, robot: RobotId, skill: str) -> NotPermitted:
-        shown = self._profiles[robot].shown
-        if not self.policy.allows(principal, robot, READ):
-            return NotPermitted(f"I know no robot called {robot}.")
-        roles = self.policy.roles_giving(robot, skill)
-        role = f'the right "{roles[0]}"' if roles else "a right nobody has yet"
-        what = skill.replace("_", " ").capitalize()
-        return NotPermitted(f"{what} needs {role} on {shown}. {self._who_grants()}")
-
-    def _who_grants(self) -> str:
-        names = [self.name_of(p) for p in self.policy.with_role("admin")[:3]]
-        if not names:
-            return "The operator of this place can give it."
-        return f"{' or '.join(names)} can give it."
-
-    def _free_lease(self, principal: PrincipalId, robot: RobotId, now_ns: int) -> Lease:
-        if self._stops[robot].latched:
-            raise self._stopped(robot)
-        lease = self._leases[robot]
-        holder = lease.holder_at(now_ns, self._idle_ns)
-        if holder is not None and holder != principal:
-            raise self._taken(robot, holder, lease, now_ns)
-        return lease
-
-    def _stopped(self, robot: RobotId) -> RobotStopped:
-        stopped = self._stops[robot]
-        by = f", by {self.name_of(stopped.by)}" if stopped.by else ""
-        return RobotStopped(
-            f"{self._profiles[robot].shown} is stopped{by}. It stays stopped until someone who "
-            "may resumes it. Nothing was done.",
-            offers=(f"resume {robot}",),
-        )
-
-    def _taken(self, robot: RobotId, holder: PrincipalId, lease: Lease, now_ns: int) -> RobotTaken:
-        if lease.active:
-            when = "You can have it when that ends and it has been idle for"
-            wait_s = self.lease_idle_s
-        else:
-            when = "You can have it in"
-            wait_s = (self._idle_ns - (now_ns - lease.idle_since_ns)) / 1e9
-        return RobotTaken(
-            f"{self._profiles[robot].shown} is taken by {self.name_of(holder)}. "
-            f"{when} {max(1, round(wait_s))} s."
-        )
+def _no_key(_key: KeyId) -> Key | None:
+    return None

@@ -7,19 +7,21 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core import words
-from rosic.core.language import Help, Line, Status, Use
+from rosic.core.language import Help, Line, Start, Status, Use
 from rosic.core.message import Button, Chat
 from rosic.pipeline.replies import ASK_FIRST
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
-    from rosic.core.identity import Caller
+    from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot import RobotId
+    from rosic.pipeline.office import Asked
     from rosic.pipeline.rooms import Rooms
 
 BUTTONS_A_ROW = 3
 EXAMPLES = 3
+WHICH = "Which robot?"
 
 
 class Reply(msgspec.Struct, frozen=True):
@@ -43,8 +45,11 @@ class Desk:
     def answer(self, caller: Caller, chat: Chat, line: Line) -> Reply:
         """Answer a line that moves nothing."""
         visible = self._organiser.visible(caller.principal)
-        if not visible:
-            return Reply(words.NOTHING_VISIBLE)
+        if isinstance(line, Start):
+            return self._start(caller, visible)
+        return self._look(caller, chat, line, visible) if visible else Reply(words.NOTHING_VISIBLE)
+
+    def _look(self, caller: Caller, chat: Chat, line: Line, visible: frozenset[RobotId]) -> Reply:
         if isinstance(line, Status):
             return Reply("\n".join(self._status(robot) for robot in line.robots or sorted(visible)))
         if isinstance(line, Use):
@@ -54,7 +59,36 @@ class Desk:
             return Reply("\n".join(words.help_for(p) for p in topics if p.id in visible))
         if isinstance(line, Help):
             return Reply(words.help_for_all(self._examples(visible)), self._robots(visible))
-        return Reply("Which robot?", self._robots(visible))
+        return Reply(WHICH, self._robots(visible))
+
+    def _start(self, caller: Caller, visible: frozenset[RobotId]) -> Reply:
+        """Say whether somebody may command anything now, and with what they may begin."""
+        organiser = self._organiser
+        hindered = [organiser.not_now(caller.principal, robot) for robot in sorted(visible)]
+        if visible and None in hindered:
+            return Reply(f"{words.MAY_COMMAND} {WHICH}", self._robots(visible))
+        why = next((str(refusal) for refusal in hindered if refusal is not None), "")
+        text = f"{words.MAY_NOT_COMMAND} {why or words.NOTHING_VISIBLE}"
+        return Reply(text, self._robots(visible))
+
+    async def information(self, asked: Asked) -> Reply:
+        """Tell what there is to know, to whoever may read anything (Algorithm 7)."""
+        visible = self._organiser.visible(asked.caller.principal)
+        if not visible:
+            return Reply(words.NO_INFORMATION)
+        return Reply("\n".join([words.INFORMATION, *map(self._status, sorted(visible))]))
+
+    def menu(
+        self,
+        principal: PrincipalId,
+        chat: Chat,
+        issue: Callable[[Button, PrincipalId, str], Button],
+    ) -> Reply:
+        """Return the robots somebody may use, as buttons bound to them."""
+        visible = self._organiser.visible(principal)
+        offered = self._robots(visible) if visible else ()
+        bound = tuple(tuple(issue(b, principal, chat.id) for b in row) for row in offered)
+        return Reply("", bound)
 
     def members(self, name: str) -> tuple[RobotId, ...]:
         """Return the robots that a choice means: one, a group's, or none."""
@@ -82,7 +116,7 @@ class Desk:
             return Reply(f"{line.name}: chosen. Its name may be left out now.")
         buttons = [Button(words.label(s), f"{ASK_FIRST}{line.name} {words.spoken(s)}")
                    for s in profile.skills.values()
-                   if self._organiser.policy.allows(caller.principal, profile.id, s.id)
+                   if self._organiser.allows(caller.principal, profile.id, s.id)
                    and not any(p.text for p in s.parameters.values())]  # fmt: skip
         stop = Button("STOP", f"stop {line.name}")
         text = f"{self._status(profile.id)}\nIts name may be left out now."

@@ -14,6 +14,8 @@ from rosic.errors import OrderVoid, Refusal, RobotUnreachable
 from rosic.linker.linker import Linker, PolicyMoved
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
     from rosic.core.identity import Caller
@@ -27,7 +29,7 @@ AT_MOST = 20_000
 NOTE_AT_MOST = 400
 
 FULL = Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code="full")
-CUT_OFF = Outcome(Ending.CANCELLED, "ROSIC was shut down")
+SHUT_DOWN = "ROSIC was shut down"
 
 log = logging.getLogger("rosic.pipeline")
 
@@ -77,18 +79,28 @@ class Server:
     Attributes:
         wake: Set while it waits.
         life: Whose turn it is; begun as soon as it has been relayed.
+        relaying: It waits for the robot.
+        cut_off: Why the order at the robot is being cut off, if it is.
+        rested: Set when an order that is being cut off has come to rest.
     """
 
-    __slots__ = ("life", "task", "wake")
+    __slots__ = ("cut_off", "life", "relaying", "rested", "task", "wake")
 
     def __init__(self, life: OrderLife) -> None:
         self.life = life
+        self.relaying = False
+        self.cut_off = SHUT_DOWN
+        self.rested: asyncio.Event | None = None
         self.task: asyncio.Task[None] | None = None
         self.wake: asyncio.Future[None] | None = None
 
 
 class Lives:
-    """Every order under way. Each robot has its own task: a long motion blocks nobody else."""
+    """Every order under way. Each robot has its own task: a long motion blocks nobody else.
+
+    Attributes:
+        after: Called with the robot when an order has ended.
+    """
 
     def __init__(
         self,
@@ -98,6 +110,7 @@ class Lives:
         teller: Teller,
         clock: Clock,
     ) -> None:
+        self.after: Callable[[RobotId], None] | None = None
         self.teller = teller
         self.wall_ns = clock.wall_ns
         self._organiser = organiser
@@ -146,7 +159,11 @@ class Lives:
                 life.void(OrderVoid(NEVER_BEGUN))
                 return
             life.begun = True
-            outcome = await self._relay(life)
+            server.relaying = True
+            outcome = await self._relay(server)
+            server.relaying = False
+            if server.rested is not None:
+                server.rested.set()
             self.ended(life, outcome)
             if outcome.ending is Ending.REFUSED:
                 await asyncio.sleep(0)  # a row of refusals, after a stop, holds nobody else up
@@ -159,8 +176,9 @@ class Lives:
                 assert isinstance(waiting, OrderLife)  # noqa: S101 - nothing else is put there
                 server.life = waiting
 
-    async def _relay(self, life: OrderLife) -> Outcome:
+    async def _relay(self, server: Server) -> Outcome:
         """RELAYCOMMAND: return what the robot did, whatever happens."""
+        life = server.life
         order = life.order
         try:
             try:
@@ -171,7 +189,8 @@ class Lives:
         except Refusal as refusal:
             return refused(refusal)
         except asyncio.CancelledError:
-            return CUT_OFF
+            reason, server.cut_off = server.cut_off, SHUT_DOWN
+            return Outcome(Ending.CANCELLED, reason)
         except RobotUnreachable as fault:
             log.warning("order %d of %s: %s", order.n, order.robot, fault)
             return Outcome(Ending.UNKNOWN, f"{fault} Please look.", code=fault.code)
@@ -192,9 +211,29 @@ class Lives:
     def ended(self, life: OrderLife, outcome: Outcome) -> None:
         """Write down how an order ended; once that is on disk it is told."""
         self._organiser.settle(life.order.permit)
+        if self.after is not None:
+            self.after(life.order.robot)
         life.words = life.shown.wording(outcome, self.wall_ns())
         life.card.ending = True
         self._container.conclude(life.order, outcome, life.words, life.concluded)
+
+    async def cut(self, robot: RobotId, reason: str) -> None:
+        """End what a robot does for its holder, and what waits; on return it has come to rest.
+
+        Unlike a stop it latches nothing: whoever has the robot next goes on from there.
+        """
+        self._linker.void(robot, f"{reason[0].upper()}{reason[1:]}. This was not done.")
+        server = self._servers.get(robot)
+        if server is None or not server.relaying or server.task is None:
+            return
+        if server.rested is not None:  # somebody cuts it off already: once is enough
+            await server.rested.wait()
+            return
+        server.cut_off = reason
+        server.rested = rested = asyncio.Event()
+        server.task.cancel()
+        await rested.wait()
+        server.rested = None
 
     def leave(self) -> None:
         """One life is over."""

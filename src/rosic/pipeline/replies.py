@@ -15,11 +15,13 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, CommandId
     from rosic.core.message import Inbound
+    from rosic.pipeline.desk import Reply
     from rosic.pipeline.rooms import Rooms
 
 # What only a button says; typed, it means nothing.
 LEAVE = "leave it"
 ASK_FIRST = "?"
+CONFIRMED = "!"
 STRANGERS = RateLimit(burst=5.0, per_s=0.2)
 
 
@@ -61,11 +63,23 @@ class Replies:
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
         self._teller.say(Note(messenger, outbound, cid, inbound.under))
 
+    def say_with(self, messenger: Messenger, inbound: Inbound, reply: Reply) -> None:
+        """Answer somebody who is nobody yet; buttons carry their own nonces already.
+
+        An empty text says nothing.
+        """
+        if not reply.text:
+            return
+        outbound = Outbound(
+            chat=inbound.chat, text=reply.text, reply_to=reply_id(inbound), buttons=reply.buttons
+        )
+        self._teller.say(Note(messenger, outbound, None, inbound.under))
+
     def ask_first(
         self, messenger: Messenger, inbound: Inbound, caller: Caller, command: str
     ) -> None:
         """Ask once before a skill that was tapped moves anything."""
-        buttons = ((Button("Do it", command), Button("Leave it", LEAVE)),)
+        buttons = ((Button("Do it", f"{CONFIRMED}{command}"), Button("Leave it", LEAVE)),)
         self.offer(messenger, inbound, caller, f"{command}?", buttons)
 
     async def refuse(

@@ -9,9 +9,10 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rosic.container.letters import ReplyTo
-from rosic.core.identity import CommandId, command_id, robot_command_id
+from rosic.core.identity import CommandId, PrincipalId, command_id, robot_command_id
 from rosic.core.language import (
     Do,
+    Errand,
     Halt,
     Misunderstood,
     Reader,
@@ -20,24 +21,35 @@ from rosic.core.language import (
 )
 from rosic.core.message import Button, ChatKind, Standing
 from rosic.core.order import Order, Request
-from rosic.errors import Expired, NotUnderstood, Refusal, Unrecognised
+from rosic.errors import (
+    Expired,
+    FirstNeeded,
+    NotUnderstood,
+    Refusal,
+    Unrecognised,
+)
 from rosic.pipeline.audience import Audience
 from rosic.pipeline.cards import Card
 from rosic.pipeline.desk import Desk
 from rosic.pipeline.freshness import check_fresh
 from rosic.pipeline.lives import Lives
-from rosic.pipeline.replies import ASK_FIRST, LEAVE, Replies, reply_id
+from rosic.pipeline.office import Asked
+from rosic.pipeline.reception import Reception
+from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_id
 from rosic.pipeline.resuming import Resuming
+from rosic.pipeline.said import Said
 from rosic.pipeline.turns import Turns
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
-    from rosic.core.identity import Caller
     from rosic.core.language import Line
     from rosic.core.life import Face
-    from rosic.core.message import Inbound
-    from rosic.core.robot import RobotId
+    from rosic.core.message import Chat, Inbound
+    from rosic.core.skill import Argument
+    from rosic.pipeline.desk import Reply
     from rosic.pipeline.rooms import Rooms
     from rosic.pipeline.stopping import StopLane
     from rosic.pipeline.telling import Teller
@@ -50,27 +62,13 @@ FAULT = "Something went wrong here. It is not known what was done; please look."
 log = logging.getLogger("rosic.pipeline")
 
 
-class Said:
-    """One message on its way: who said it, where, and which robots its lines asked so far."""
-
-    __slots__ = ("arrived_ns", "asked", "caller", "inbound", "messenger")
-
-    def __init__(
-        self, messenger: Messenger, inbound: Inbound, caller: Caller, arrived_ns: int
-    ) -> None:
-        self.messenger = messenger
-        self.inbound = inbound
-        self.caller = caller
-        self.arrived_ns = arrived_ns
-        self.asked: set[RobotId] = set()
-
-
 class Pipeline:
     """Takes messages from messengers, moves robots, tells what they did.
 
     Attributes:
         lives: The orders under way.
         audience: Who hears what robots say of their own accord.
+        reception: Who receives what is no order.
     """
 
     def __init__(
@@ -92,6 +90,8 @@ class Pipeline:
         self._desk = Desk(rooms)
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience = Audience(organiser)
+        self.reception = Reception()
+        self.reception.office.employ("information", self._desk.information)
 
     async def receive(self, messenger: Messenger, inbound: Inbound) -> None:
         """Take one message. On return it is settled, or on disk and under way.
@@ -120,20 +120,30 @@ class Pipeline:
     async def _take(self, messenger: Messenger, inbound: Inbound, arrived_ns: int) -> None:
         """AUTHENTICATE and GENERATEKEY, then follow each line."""
         try:
+            if _may_bring_a_code(inbound) and await self._brought_a_code(messenger, inbound):
+                return
             caller = self._rooms.authoriser.identify(inbound)
-            said = Said(messenger, inbound, caller, arrived_ns)
+            said = Said(messenger, inbound, caller, arrived_ns, self.reception.stepped_up)
+            self._rooms.organiser.check_unlocked(caller)
             if inbound.nonce is None:
                 await self._lines(said, inbound.text)
             else:
                 await self._tapped(said)
         except Unrecognised as stranger:
-            self._replies.turn_away(messenger, inbound, str(stranger))
+            await self._stranger(messenger, inbound, stranger)
         except Refusal as refusal:
             if not refusal.silent:
                 self._replies.say(messenger, inbound, str(refusal))
         except Exception:
             log.exception("a message could not be handled")
             self._replies.say(messenger, inbound, FAULT)
+
+    async def _stranger(
+        self, messenger: Messenger, inbound: Inbound, stranger: Unrecognised
+    ) -> None:
+        """Answer somebody unknown: whoever brings a good code is let in."""
+        if not await self._brought_a_code(messenger, inbound):
+            self._replies.turn_away(messenger, inbound, str(stranger))
 
     async def _tapped(self, said: Said) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller
@@ -143,6 +153,9 @@ class Pipeline:
         elif command.startswith(ASK_FIRST):
             self._replies.ask_first(messenger, inbound, caller, command[1:])
         else:
+            if command.startswith(CONFIRMED):
+                said.confirmed = True
+                command, said.second = self.reception.redeem(command[1:], caller)
             await self._lines(said, command)
 
     async def _lines(self, said: Said, text: str) -> None:
@@ -157,8 +170,11 @@ class Pipeline:
                     await self._command(said, line, cid)
                 else:
                     await self._follow(said, line, cid)
+            except FirstNeeded as needed:
+                self._ask_for(said, line, needed)
             except Refusal as refusal:
                 await self._replies.refuse(said.messenger, inbound, caller, cid, refusal)
+                self.reception.refused(caller, refusal)
             except Exception:
                 log.exception("a line could not be followed")
                 self._replies.say(said.messenger, inbound, FAULT)
@@ -174,19 +190,51 @@ class Pipeline:
             if self._reader.stop(said.inbound.text) is None:
                 await self._stop_lane.stop(said.messenger, said.inbound, line.names)
             return
-        if isinstance(line, Misunderstood):
-            if not self._addressed(said.inbound):
-                return  # people talk to each other in groups
-            self._rooms.organiser.charge(said.caller)
-            raise NotUnderstood(line.sentence, offers=line.offers)
-        self._rooms.organiser.charge(said.caller)
-        if self._repeated(cid):
+        if isinstance(line, Misunderstood) and await self._brought_a_code(
+            said.messenger, said.inbound
+        ):
             return
+        if isinstance(line, Misunderstood) and not self._addressed(said.inbound):
+            return  # people talk to each other in groups
+        self._rooms.organiser.charge(said.caller)
+        if isinstance(line, Misunderstood):
+            raise NotUnderstood(line.sentence, offers=line.offers)
+        if not self._repeated(cid):
+            await self._answer(said, line, cid)
+
+    async def _answer(self, said: Said, line: Line, cid: CommandId) -> None:
+        """Do what is asked beside orders, and say so."""
         if isinstance(line, Resume):
             text = await self._resuming.resume(said.caller, said.inbound, line, cid)
             self._replies.say(said.messenger, said.inbound, text)
+        elif isinstance(line, Errand):
+            asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid)
+            reply = await self.reception.office.do(line, asked)
+            self._replies.offer(
+                said.messenger, said.inbound, said.caller, reply.text, reply.buttons
+            )
         else:
             self._question(said, line)
+
+    async def _brought_a_code(self, messenger: Messenger, inbound: Inbound) -> bool:
+        """Whether somebody brought an invitation, or showed one in a group; then it is answered."""
+        if self.reception.newcomer is None:
+            return False
+        reply = await self.reception.newcomer(messenger, inbound, inbound.text)
+        if reply is None:
+            return False
+        self._replies.say_with(messenger, inbound, reply)
+        return True
+
+    def _ask_for(self, said: Said, line: Line, needed: FirstNeeded) -> None:
+        """Say what has to come before something that is permitted."""
+        consent = self.reception.consent
+        if consent is None or not isinstance(line, Do):
+            self._replies.say(said.messenger, said.inbound, str(needed))
+            return
+        skill = line.skills[line.robots.index(needed.robot)].id
+        reply = consent.ask(said.caller, skill, needed)
+        self._replies.offer(said.messenger, said.inbound, said.caller, reply.text, reply.buttons)
 
     def _repeated(self, cid: CommandId) -> bool:
         """Whether this line, which moves nothing, was followed before."""
@@ -206,6 +254,10 @@ class Pipeline:
             or (bool(first) and first[0].lower() in self._vocabulary.callees)
         )
 
+    def menu(self, principal: PrincipalId, chat: Chat) -> Reply:
+        """Return what somebody who has just come in may begin with; buttons bound to them."""
+        return self._desk.menu(principal, chat, self._rooms.authoriser.buttons.issue)
+
     def _question(self, said: Said, line: Line) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller
         if isinstance(line, Use):
@@ -219,7 +271,7 @@ class Pipeline:
         organiser, inbound = self._rooms.organiser, said.inbound
         now_ns = self._clock.monotonic_ns()
         requests = self._requests(said, line, cid, now_ns)
-        permits = organiser.admit(said.caller, requests)
+        permits = organiser.admit(said.caller, requests, self._arguments_of, said.grounds)
         start_ns = now_ns + TOGETHER_NS if len(requests) > 1 else None
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
         origin = ReplyTo(said.messenger.name, inbound.chat, reply_id(inbound), title)
@@ -234,6 +286,9 @@ class Pipeline:
             raise
         said.asked.update(line.robots)
         self._begin(said, line, orders)
+
+    def _arguments_of(self, request: Request) -> Mapping[str, Argument]:
+        return self._rooms.container.complete(request).arguments
 
     def _begin(self, said: Said, line: Do, orders: tuple[Order, ...]) -> None:
         messenger, chat, caller = said.messenger, said.inbound.chat, said.caller
@@ -301,6 +356,15 @@ class Pipeline:
 def _stop_button(name: str) -> tuple[tuple[Button, ...], ...]:
     """Return the row under a life: a stop is never bound to anybody, nor used up."""
     return ((Button("STOP", f"stop {name}", f"stop {name}"),),)
+
+
+def _may_bring_a_code(inbound: Inbound) -> bool:
+    """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.
+
+    A code without its dash is found when nothing else can be made of the line.
+    """
+    text = inbound.text
+    return inbound.nonce is not None or "-" in text or text.startswith("/start ")
 
 
 def _command_id(inbound: Inbound, number: int) -> CommandId:

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
+import msgspec
+from sqlalchemy import select
+
+from rosic.core.record import Fact, Letter
 from rosic.errors import StoreFault
+from rosic.stores import reading, sqlite, tables
 from rosic.stores.folder import Folder
 from rosic.stores.lane import Lane
+from rosic.stores.scribe import CARD, CLAIM, PLACED, WORDS
 from rosic.stores.settings import Settings
-from rosic.stores.writer import Writer
+from rosic.stores.writer import OWN, Writer, fault
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,9 +24,113 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.record import Decided, Memory, Record
 
+R = TypeVar("R")
+
 DEFAULTS = Settings()
 AT_ONCE = 500  # administrative acts read in one step
 NEWER_THAN_ALL = 2**63 - 1
+COMMANDS_SHOWN = 10_000  # the newest of one person
+
+
+class Shelves(reading.Reader):
+    """Reads while a gateway runs: a part of the facts, or what is sealed in one container."""
+
+    def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
+        """Return facts of a kind by key, in order, from behind a key on."""
+        facts = tables.facts.c
+        rows = self._connection.execute(
+            select(facts.kind, facts.key, facts.body, facts.container, facts.sealed)
+            .where(facts.kind == kind, facts.key > after)
+            .order_by(facts.key)
+            .limit(limit)
+        ).all()
+        return tuple(
+            Fact(kind=row.kind, key=row.key, body=row.body)
+            if row.container is None
+            else self._fact(row.kind, row.key, row.body, row.container, row.sealed)
+            for row in rows
+        )
+
+    def containers(self) -> tuple[str, ...]:
+        """Return whose containers have a key; the record's own is none of them."""
+        table = tables.containers.c
+        query = select(table.container).where(table.wrapped.is_not(None), table.container != OWN)
+        return tuple(self._connection.scalars(query.order_by(table.container)).all())
+
+    def belongings(self, container: str) -> tuple[Fact, ...]:
+        """Return everything sealed in a container, and the commands that its owner gave."""
+        facts, cards = tables.facts.c, tables.cards.c
+        principals = tables.principals.c
+        query = select(principals.principal, principals.roles, cards.sealed).where(
+            cards.principal == principals.principal, cards.container == container
+        )
+        found = [
+            self._thing("card", row.principal, row.roles.encode(), (container, content))
+            for row in self._connection.execute(query).all()
+            if (content := self._unsealed(container, CARD, row.principal.encode(), row.sealed))
+        ]
+        sealed = select(facts.kind, facts.key, facts.body, facts.sealed)
+        rows = self._connection.execute(sealed.where(facts.container == container)).all()
+        found += [self._fact(row.kind, row.key, row.body, container, row.sealed) for row in rows]
+        return (*found, *self._commands(container))
+
+    def _commands(self, principal: str) -> list[Fact]:
+        commands, endings, places = tables.commands, tables.endings, tables.places
+        query = (
+            select(
+                commands,
+                endings.c.ending,
+                endings.c.container.label("words_container"),
+                endings.c.sealed.label("words_sealed"),
+                places.c.container.label("placed_container"),
+                places.c.sealed.label("placed_sealed"),
+            )
+            .where(commands.c.principal == principal)
+            .outerjoin_from(commands, endings, endings.c.seq == commands.c.seq)
+            .outerjoin(places, places.c.seq == commands.c.seq)
+            .order_by(commands.c.seq.desc())
+            .limit(COMMANDS_SHOWN)
+        )
+        found = []
+        for row in reversed(self._connection.execute(query).all()):
+            body = msgspec.msgpack.encode(
+                {"at_ns": row.at_ns, "is": row.kind, "robot": row.robot, "skill": row.skill,
+                 "ending": row.ending or row.code}
+            )  # fmt: skip
+            key = row.cid.hex()
+            letters = (
+                ("command", row.container, CLAIM, row.sealed),
+                ("outcome", row.words_container, WORDS, row.words_sealed),
+                ("message", row.placed_container, PLACED, row.placed_sealed),
+            )
+            for kind, container, place, sealed in letters:
+                said = self._letter(container, place, row.cid, sealed)
+                if kind == "command" or said is not None:
+                    found.append(self._thing(kind, key, body, (principal, said)))
+        return found
+
+    @staticmethod
+    def _thing(kind: str, key: str, body: bytes, letter: tuple[str, bytes | None]) -> Fact:
+        container, content = letter
+        sealed = None if content is None else Letter(container, content)
+        return Fact(kind=kind, key=key, body=body, letter=sealed)
+
+
+class ReadingWriter(Writer):
+    """The one writer, who also reads when asked; in its thread."""
+
+    def look(self, read: Callable[[Shelves], R]) -> R:
+        """Read.
+
+        Raises:
+            StoreFault: It cannot be read now.
+        """
+        try:
+            connection, root = self._reconnected()
+            with connection.begin():
+                return read(Shelves(connection, root))
+        except sqlite.FAILURES as error:
+            raise fault(f"{sqlite.reason(error)}. Try again.", error) from error
 
 
 class DatabaseStore:
@@ -35,7 +145,7 @@ class DatabaseStore:
         self._folder = Folder(folder)
         self._clock = clock
         self._settings = settings
-        self._writer: Writer | None = None
+        self._writer: ReadingWriter | None = None
         self._lane: Lane[tuple[Record, ...]] | None = None
 
     @property
@@ -45,7 +155,7 @@ class DatabaseStore:
 
     async def open(self) -> Memory:
         """Open, migrate, check, and return what was; see ``contracts.store``."""
-        writer = Writer(self._folder, self._settings, self._clock)
+        writer = ReadingWriter(self._folder, self._settings, self._clock)
         lane: Lane[tuple[Record, ...]] = Lane(
             "rosic-record",
             writer.settle,
@@ -119,6 +229,40 @@ class DatabaseStore:
                 break
             before = page[-1][0]
         return tuple(found)
+
+    async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
+        """Return at most so many facts of a kind, by key, from behind a key on.
+
+        Raises:
+            StoreFault: They cannot be read now.
+        """
+        return await self._look(lambda shelves: shelves.facts(kind, after, limit))
+
+    async def belongings(self, container: str) -> tuple[Fact, ...]:
+        """Return everything that is sealed in a container, unsealed, and its owner's commands.
+
+        Facts are what they are. The card of a person is of the kind ``card``; a command, the words
+        in which its end was told and the id of the message that shows it are ``command``,
+        ``outcome`` and ``message``, under the command's id. Of commands only the newest.
+
+        Raises:
+            StoreFault: They cannot be read now.
+        """
+        return await self._look(lambda shelves: shelves.belongings(container))
+
+    async def containers(self) -> tuple[str, ...]:
+        """Return whose containers have a key.
+
+        Raises:
+            StoreFault: They cannot be read now.
+        """
+        return await self._look(Shelves.containers)
+
+    async def _look(self, read: Callable[[Shelves], R]) -> R:
+        writer = self._writer
+        if writer is None:
+            raise StoreFault("The record is closed.")
+        return await self._opened().call(lambda: writer.look(read))
 
     async def shred(self, container: str) -> None:
         """Erase the personal content of one container for good, by erasing its key.

@@ -166,6 +166,62 @@ class MemoryStore:
             raise StoreFault("The record is closed.")
         return tuple(islice(reversed(self._decisions), max(limit, 0)))
 
+    async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
+        """Return at most so many facts of a kind, by key, from behind a key on.
+
+        Raises:
+            StoreFault: The record is closed.
+        """
+        self._check_open()
+        keys = sorted(key for of, key in self._facts if of == kind and key > after)
+        return tuple(self._facts[kind, key] for key in keys[:limit])
+
+    async def belongings(self, container: str) -> tuple[Fact, ...]:
+        """Return everything that belongs to a container; of commands, those that are not settled.
+
+        Raises:
+            StoreFault: The record is closed.
+        """
+        self._check_open()
+        cards = (
+            Fact(kind="card", key=who, body=msgspec.json.encode(of.roles), letter=of.letter)
+            for who, of in self._enrolled.items()
+            if of.letter.container == container
+        )
+        facts = (fact for fact in self._facts.values() if owner(fact.letter) == container)
+        found = [*cards, *facts]
+        for cid, life in self._lives.items():
+            if life.principal == container:
+                ending = self._endings.get(cid)
+                words = None if ending is None else ending.letter
+                letters = (life.letter, words, self._places.get(cid))
+                body = msgspec.msgpack.encode({"is": type(life).__name__.lower()})
+                kinds = zip(("command", "outcome", "message"), letters, strict=True)
+                found += [
+                    Fact(kind=kind, key=cid.hex(), body=body, letter=letter)
+                    for kind, letter in kinds
+                    if letter is not None
+                ]
+        return tuple(found)
+
+    async def containers(self) -> tuple[str, ...]:
+        """Return whose containers hold something.
+
+        Raises:
+            StoreFault: The record is closed.
+        """
+        self._check_open()
+        letters = (
+            *(record.letter for record in self._enrolled.values()),
+            *(fact.letter for fact in self._facts.values()),
+            *(life.letter for life in self._lives.values()),
+        )
+        return tuple(sorted({name for letter in letters if (name := owner(letter))}))
+
+    def _check_open(self) -> None:
+        if not self._open:
+            raise StoreFault("The record is closed.")
+
     async def shred(self, container: str) -> None:
         """Forget the personal content of one container for good."""
         self._enrolled = {
@@ -310,6 +366,11 @@ class MemoryStore:
 def content(letter: Letter | None) -> bytes | None:
     """Return what a letter says, if there is one."""
     return None if letter is None else letter.content
+
+
+def owner(letter: Letter | None) -> str:
+    """Return whose container a letter belongs to; empty if there is none."""
+    return "" if letter is None else letter.container
 
 
 def without_letters(table: dict[Any, Any], container: str) -> None:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from tests.rooms.pipeline.histories import World
 
 MOVERS = {"Ada", "Bo"}
+WATCHERS = {"Vi"}
 SWARM = {"cf1", "cf2"}
 QUESTIONS = {"use", "status", "resume"}
 
@@ -201,7 +202,9 @@ def every_actuation_has_its_message(log: list[Event]) -> None:
             message = said.get(event.cid)
             assert message is not None, f"I14: nobody said this: {event}"
             assert message.standing is Standing.FRESH, f"I17: {message} moved {event}"
-            assert message.who in MOVERS - revoked, f"I8: {message.who} may not: {event}"
+            # Who may read a robot may also ask it for what only observes.
+            able = MOVERS if event.actuates else MOVERS | WATCHERS
+            assert message.who in able - revoked, f"I8: {message.who} may not: {event}"
             age_s = (event.wall_ns - message.sent_ns) / 1e9
             assert age_s <= event.lifetime_s, f"I2: {age_s} s after it was sent: {event}"
 

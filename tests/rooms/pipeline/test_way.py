@@ -278,9 +278,7 @@ async def test_a_right_that_ends_while_an_order_waits_is_asked_again() -> None:
         await place.say("kuka1 move 1 m", account=BO, chat="2")
         await place.say("kuka1 wave", account=BO, chat="2")
         gateway = place.gateway
-        gateway._roles_of.pop(gateway.rooms.authoriser.directory.named("Bo")[0].id)
-        gateway.rooms.organiser.policy = gateway._policy()
-        gateway.rooms.linker.epoch = gateway.rooms.organiser.policy.epoch
+        gateway.authority.revoked(gateway.rooms.authoriser.directory.named("Bo")[0].id)
         assert robot._end is not None
         robot._end.set_result(None)
         await place.quiet()

@@ -13,6 +13,7 @@ from rosic.core.language.grammar import LONGEST_TEXT, MOST_LINES, understand
 from rosic.core.language.lines import (
     Context,
     Do,
+    Errand,
     Halt,
     Help,
     Line,
@@ -37,6 +38,7 @@ __all__ = [
     "SAY",
     "Context",
     "Do",
+    "Errand",
     "Halt",
     "Help",
     "Line",

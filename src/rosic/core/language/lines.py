@@ -90,6 +90,18 @@ class Start(msgspec.Struct, frozen=True):
     payload: str = ""
 
 
+class Errand(msgspec.Struct, frozen=True):
+    """Something asked of ROSIC itself: who am I, book a robot, invite somebody.
+
+    Attributes:
+        verb: One of ``words.ERRANDS``.
+        rest: The line after it, as typed.
+    """
+
+    verb: str
+    rest: str
+
+
 class Halt(msgspec.Struct, frozen=True):
     """A stop among other lines. `hears_stop` found it in the whole text before: it is obeyed.
 
@@ -113,4 +125,4 @@ class Misunderstood(msgspec.Struct, frozen=True):
     code: str = NotUnderstood.code
 
 
-Line: TypeAlias = Do | Halt | Status | Help | Robots | Use | Resume | Start | Misunderstood
+Line: TypeAlias = Do | Halt | Status | Help | Robots | Use | Resume | Start | Errand | Misunderstood

@@ -8,6 +8,7 @@ from rosic.core.language.compiled import CompiledRobot, CompiledSkill, merge
 from rosic.core.language.lines import (
     Context,
     Do,
+    Errand,
     Halt,
     Help,
     Line,
@@ -22,7 +23,7 @@ from rosic.core.language.misunderstanding import Misunderstanding
 from rosic.core.language.stopping import hears_stop
 from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.language.vocabulary import Callee, Vocabulary
-from rosic.core.language.words import EVERYTHING, FILLERS, NOTHING
+from rosic.core.language.words import ERRANDS, EVERYTHING, FILLERS, NOTHING
 from rosic.core.order import Spoken
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
 
 MOST_WORDS = 32
+REQUEST_INFORMATION = ["request", "information"]
 LONGEST_PAYLOAD = 64
 
 
@@ -83,6 +85,11 @@ class LineReader:
         verb = _VERBS.get(self._low[at])
         if verb is not None:
             return verb(self, None, at + 1)
+        word = self._low[at]
+        if self._low[at:] == REQUEST_INFORMATION:  # the paper's own words, Algorithm 7
+            return Errand(REQUEST_INFORMATION[1], "")
+        if word in ERRANDS and (slash or word not in self._vocabulary.longest_skill):
+            return Errand(word, self._rest(at + 1))
         return self._unaddressed(at, slash=slash)
 
     # ---- whom ----

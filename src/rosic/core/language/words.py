@@ -4,6 +4,16 @@ from __future__ import annotations
 
 VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 
+# What is asked of ROSIC itself. With a slash always; without one unless a robot has a skill of that
+# name.
+ERRANDS = frozenset(
+    {
+        "approve", "archive", "authenticator", "book", "cancel", "code", "data", "decline", "end",
+        "forget", "grant", "information", "invite", "language", "lock", "me", "mydata", "people",
+        "revoke", "security", "settings", "slots", "take", "unlock", "wait",
+    }
+)  # fmt: skip
+
 # What people say instead, and what is offered to them.
 HINTS: dict[str, str] = {
     "?": "help",

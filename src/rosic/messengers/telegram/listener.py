@@ -82,7 +82,7 @@ class Listener:
         self._poll_timeout_s = poll_timeout_s
         self._alarm = alarm
         self._listening = Listening()
-        self._own_name = ""
+        self.own_name = ""
         self._failures = 0
         self._contested = False
         self.counts: Counter[str] = Counter()
@@ -98,7 +98,7 @@ class Listener:
         self._listening = Listening()
         async with self._line.held():
             account = await self._meet()
-            self._own_name = account.user_name
+            self.own_name = account.user_name
             try:
                 async with TaskGroup() as group:
                     group.create_task(self._introduce())
@@ -198,7 +198,7 @@ class Listener:
             return News(number, None)
         if (move := mapping.moved(update)) is not None:
             self._chats.moved(*move)
-        inbound = mapping.read(update, self._own_name, received)
+        inbound = mapping.read(update, self.own_name, received)
         if inbound is None:
             return News(number, None)
         self._check_clock(inbound, update)

@@ -113,6 +113,7 @@ def _text(
         received_ns=received.received_ns,
         listening_since_ns=received.listening_since_ns,
         standing=standing(message),
+        shown_as="" if message.sender is None else message.sender.first_name,
     )
 
 
@@ -130,6 +131,7 @@ def _tap(query: wire.CallbackQuery, received: Received) -> Inbound | None:
         nonce=query.data,
         tap=query.id,
         under=str(query.message.message_id),
+        shown_as=query.sender.first_name,
     )
 
 

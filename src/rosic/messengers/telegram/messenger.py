@@ -54,6 +54,11 @@ class TelegramMessenger:
         return f"TelegramMessenger({self.name!r})"
 
     @property
+    def bot_name(self) -> str:
+        """The bot's username, for links that open its chat; empty until Telegram has told."""
+        return self._listener.own_name
+
+    @property
     def counts(self) -> Counter[str]:
         """What became of updates; see `Listener`."""
         return self._listener.counts

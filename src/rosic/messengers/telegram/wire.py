@@ -19,10 +19,11 @@ TELEGRAM = 777000
 
 
 class User(msgspec.Struct):
-    """Somebody who writes. The user name is only used for the bot's own."""
+    """Somebody who writes. Names are only shown; the user name is only used for the bot's own."""
 
     id: int
     is_bot: bool = False
+    first_name: str = ""
 
 
 class Chat(msgspec.Struct):

@@ -1,0 +1,135 @@
+"""Everything that lets people in and keeps them out, put together and brought up to date."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.authoriser.enrolment import Enrolment
+from rosic.authoriser.highwater import HighWater
+from rosic.authoriser.keys import KeyRing
+from rosic.authoriser.locks import Locks
+from rosic.authoriser.misuse import Misuse, MisuseLimits
+from rosic.authoriser.security import Security
+from rosic.authoriser.stepup import StepUp
+from rosic.authoriser.tally import Tally
+from rosic.core.identity import Principal
+from rosic.core.record import Enrolled, KeyIssued, KeyRevoked, PersonalCard
+from rosic.core.slot import SERIES, SLOT
+from rosic.organiser.roster import GRANT
+from rosic.organiser.waiting import WAITING, WaitingList
+from rosic.pipeline.changes import Changes
+
+if TYPE_CHECKING:
+    from rosic.app.authority import Authority
+    from rosic.authoriser.authoriser import Authoriser
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.store import Store
+    from rosic.core.identity import PrincipalId
+    from rosic.core.record import Fact, Memory
+    from rosic.organiser.organiser import Organiser
+
+ADMIN = "admin"
+
+_decode_card = msgspec.msgpack.Decoder(PersonalCard).decode
+
+
+class Access:
+    """The authoriser's and the organiser's books, and the way in which they change.
+
+    Attributes:
+        changes: Through which every change goes.
+        enrolment, keys, locks, stepup, misuse, tally, time, security, waiting: The books.
+    """
+
+    def __init__(
+        self, authoriser: Authoriser, authority: Authority, store: Store, clock: Clock,
+        entropy: Entropy, *, place: str,
+    ) -> None:  # fmt: skip
+        self.changes = Changes(store)
+        self.time = HighWater(clock)
+        self.tally = Tally()
+        self.locks = Locks(self.time)
+        self.keys = KeyRing(self.time, entropy, self.tally)
+        self.enrolment = Enrolment(authoriser.directory, self.locks, self.time, entropy, self.tally)
+        self.stepup = StepUp(self.time, entropy, self.tally, place=place)
+        self.misuse = Misuse(
+            clock, MisuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
+        )
+        self.security = Security(
+            authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
+        )
+        self.waiting = WaitingList(clock)
+        self._authoriser = authoriser
+        self._authority = authority
+
+    def restore(self, memory: Memory, organiser: Organiser) -> None:
+        """Take over what earlier runs wrote, and say who keeps what from now on."""
+        authority, changes = self._authority, self.changes
+        keepers = {
+            "high-water": self.time.apply,
+            "tally": self.tally.apply,
+            "lock": self.locks.apply,
+            "code-key": self.enrolment.apply,
+            "invitation": self.enrolment.apply,
+            "pending": self.enrolment.apply,
+            "totp": self.stepup.apply,
+            WAITING: self.waiting.apply,
+        }
+        for kind, apply in keepers.items():
+            for fact in memory.facts.get(kind, ()):
+                apply(fact)
+            changes.keep(kind, apply)
+        calendar = organiser.calendar
+        calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
+        changes.keep(SLOT, calendar.apply)
+        changes.keep(SERIES, calendar.apply)
+        self.keys.restore(self._authoriser.directory.keys(), memory.facts.get("key-end", ()))
+        changes.keep("key-end", self.keys.apply)
+        changes.keep("lock", self._locked)
+        changes.keep(GRANT, authority.granted)
+        changes.watch(Enrolled, self._enrolled)
+        changes.watch(KeyIssued, self._issued)
+        changes.watch(KeyRevoked, self._revoked)
+        changes.after(authority.enforce)
+        organiser.locked = self.locks.everybody()
+
+    def _locked(self, fact: Fact) -> None:
+        self.locks.apply(fact)
+        self.stepup.end(fact.key)
+        self._authority.renew(fact.key)
+
+    def _enrolled(self, record: Enrolled) -> None:
+        card = _decode_card(record.letter.content)
+        self._authoriser.directory.enrol(
+            Principal(
+                id=record.principal, name=card.name, roles=record.roles, addresses=card.addresses
+            )
+        )
+        self._authoriser.forget(record.principal)
+        self._authority.enrolled(record)
+
+    def _issued(self, record: KeyIssued) -> None:
+        self.keys.apply(record)
+        self._authoriser.directory.add_key(record.key)
+        self._authoriser.forget(record.key.principal)
+
+    def _revoked(self, record: KeyRevoked) -> None:
+        self.keys.apply(record)
+        principal = self._authoriser.revoke(record.key)
+        if principal is not None:
+            self.stepup.end(principal)
+            if not self._authoriser.directory.has_good_key(principal):
+                self._authority.revoked(principal)
+
+    def is_only_admin(self, principal: PrincipalId) -> bool:
+        """Whether nobody else with a good key, who is not locked, is admin."""
+        directory, locked = self._authoriser.directory, self.locks.locked
+        admins = [
+            person.id
+            for person in directory.people()
+            if ADMIN in person.roles and directory.has_good_key(person.id) and not locked(person.id)
+        ]
+        return admins == [principal]

@@ -1,0 +1,43 @@
+"""What a command may ask, of a running gateway or of the data."""
+
+from __future__ import annotations
+
+import enum
+from typing import Annotated
+
+import msgspec
+
+NOTHING = msgspec.Raw(b"null")
+
+
+class Verb(enum.Enum):
+    """What may be asked."""
+
+    STATUS = "status"
+    STOP = "stop"
+    PEOPLE = "people"
+    REVOKE = "revoke"
+    INVITE = "invite"
+    KEYS = "keys"
+    ROTATE = "rotate-key"
+    TAKE_KEY = "revoke-key"
+    LOCK = "lock"
+    UNLOCK = "unlock"
+    EXPLAIN = "explain"
+    SECURITY = "security"
+    WHO = "who"
+    TAKEN = "taken"
+    BOOK = "book"
+
+
+class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """One request; one connection carries one.
+
+    Attributes:
+        names: Robots, or a person; none means all.
+        body: What else a verb asks for, as its own struct.
+    """
+
+    verb: Verb
+    names: Annotated[tuple[str, ...], msgspec.Meta(max_length=256)] = ()
+    body: msgspec.Raw = NOTHING

@@ -1,0 +1,154 @@
+"""Who may do what, kept in step: what is written down, what is in force, what still moves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.asking import Key
+from rosic.core.authority import Scope
+from rosic.core.language import skills_of
+from rosic.core.limits import unit_converter
+from rosic.core.reach import Fleet
+from rosic.core.rights import Rights
+from rosic.core.roles import DEFAULT_ROLES, Rulebook
+from rosic.organiser.roster import Roster
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.authoriser.authoriser import Authoriser
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import KeyId, PrincipalId
+    from rosic.core.language import UnitTable
+    from rosic.core.record import Enrolled, Fact, KeyRevoked
+    from rosic.core.robot import Profile, RobotId
+    from rosic.core.roles import Care, Role
+    from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.stopping import StopLane
+
+
+class Authority:
+    """The rights in force, drawn up from the roster; replaced whole whenever it changes.
+
+    Attributes:
+        roster: Everybody's roles and grants.
+        rights: The present snapshot.
+    """
+
+    def __init__(
+        self, rulebook: Rulebook, profiles: Iterable[Profile], units: UnitTable, clock: Clock
+    ) -> None:
+        self.roster = Roster(clock)
+        self._rulebook = rulebook
+        self._fleet = fleet_of(profiles)
+        self._convert = unit_converter(units)
+        self._rooms: Rooms | None = None
+        self._stop_lane: StopLane | None = None
+        self.rights = self._drawn_up(1)
+
+    def _drawn_up(self, epoch: int) -> Rights:
+        everybody = self.roster.everybody()
+        return Rights.draw_up(epoch, self._rulebook, self._fleet, everybody, self._convert)
+
+    def draw_up(self) -> Rights:
+        """Work everything out anew, after the roster was filled."""
+        self.rights = self._drawn_up(self.rights.epoch + 1)
+        return self.rights
+
+    def attach(self, rooms: Rooms, stop_lane: StopLane) -> None:
+        """Say whose decisions rest on the snapshot."""
+        self._rooms, self._stop_lane = rooms, stop_lane
+        self._put_in_force()
+
+    # ---- what was written down becomes so ----
+
+    def granted(self, fact: Fact) -> None:
+        """A grant was given or has ended."""
+        principal = self.roster.apply(fact)
+        if principal is not None:
+            self.renew(principal)
+
+    def enrolled(self, record: Enrolled) -> None:
+        """Somebody has other roles of their own."""
+        self.roster.set_roles(record.principal, record.roles)
+        self.renew(record.principal)
+
+    def revoked(self, principal: PrincipalId) -> None:
+        """Somebody has no key any more: nothing is theirs."""
+        self.roster.forget(principal)
+        self.renew(principal)
+
+    def renew(self, principal: PrincipalId) -> None:
+        """Replace the snapshot by one in which a person's rights are those of the roster."""
+        grants = self.roster.grants_of(principal)
+        self.rights = self.rights.with_grants(self.rights.epoch + 1, principal, grants)
+        self._put_in_force()
+
+    def _put_in_force(self) -> None:
+        if self._rooms is not None:
+            self._rooms.organiser.rights = self.rights
+            self._rooms.linker.epoch = self.rights.epoch
+
+    def enforce(self) -> tuple[RobotId, ...]:
+        """Bring to rest what somebody has who may not have it any more; return which robots.
+
+        Looks at robots, not at people.
+        """
+        if self._rooms is None or self._stop_lane is None:
+            return ()
+        organiser, linker = self._rooms.organiser, self._rooms.linker
+        ended: list[RobotId] = []
+        for robot in self._rooms.profiles:
+            holder = organiser.holder(robot)
+            if holder is None:
+                continue
+            order = linker.current(robot)
+            skill = None if order is None else order.skill.id
+            locked = holder in organiser.locked
+            gone = robot not in organiser.visible(holder)
+            lost = skill is not None and not organiser.allows(holder, robot, skill)
+            if locked or gone or lost:
+                ended.append(robot)
+        if ended:
+            self._stop_lane.stop_robots(tuple(ended), "")
+            for robot in ended:
+                organiser.release(robot)
+        return tuple(ended)
+
+
+def fleet_of(profiles: Iterable[Profile]) -> Fleet:
+    """Return the robots there are, as rights see them."""
+    groups: dict[str, tuple[str, ...]] = {}
+    skills = {}
+    for profile in profiles:
+        skills[profile.id] = skills_of(profile)
+        for group in profile.groups:
+            groups[group] = (*groups.get(group, ()), profile.id)
+    return Fleet(skills=skills, groups=groups)
+
+
+def rulebook_of(
+    roles: dict[str, Role], care: tuple[Care, ...] = (), preempt: tuple[str, ...] = ()
+) -> Rulebook:
+    """Return the rules of a place: its own roles beside the default ones, or instead of them."""
+    return Rulebook(roles={**DEFAULT_ROLES, **roles}, care=care, preempt=preempt)
+
+
+def key_of(authoriser: Authoriser, key_id: KeyId) -> Key | None:
+    """Return a key as deciding sees it."""
+    key = authoriser.directory.key(key_id)
+    if key is None:
+        return None
+    return Key(
+        id=key.id,
+        principal=key.principal,
+        expires_ns=key.expires_ns,
+        revoked=key.revoked_ns is not None,
+        scopes=tuple(map(Scope.parse, key.scopes)),
+    )
+
+
+def principal_of(authoriser: Authoriser, record: KeyRevoked) -> PrincipalId | None:
+    """Return whose key was taken back."""
+    key = authoriser.directory.key(record.key)
+    return None if key is None else key.principal

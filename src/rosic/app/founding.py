@@ -1,0 +1,209 @@
+"""Writing the first configuration of a place: files that a check accepts, or none at all."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.app.checking import check_all
+from rosic.app.profiles import check_profile, shipped_profiles
+from rosic.app.source import nearest
+from rosic.core.identity import Address
+from rosic.errors import ConfigurationError, OutOfBounds
+from rosic.organiser.zones import zone_named
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from pathlib import Path
+
+    from rosic.contracts.clock import Clock
+
+TOKEN_FILE = "telegram-token.txt"  # noqa: S105 - the name of a file
+ROBOTS = "robots"
+SIMULATED = "simulated"
+TELEGRAM, TERMINAL = "telegram", "terminal"
+
+
+class Founding(msgspec.Struct, frozen=True, kw_only=True):
+    """The answers.
+
+    Attributes:
+        token: To be kept in a file of its own; empty for none.
+        token_env: Instead: a variable of the environment that holds it.
+        token_file: Instead: a file that holds it, as the configuration is to name it.
+        robots: Names of profiles that ship.
+        link: How those are reached; empty: as their profiles say.
+        drafts: Profiles that were drafted from the ROS 2 graph, by id.
+        admin: None lets the first start print a code.
+    """
+
+    name: str
+    zone: str = "UTC"
+    token: str = ""
+    token_env: str = ""
+    token_file: str = ""
+    robots: tuple[str, ...] = ()
+    link: str = SIMULATED
+    drafts: dict[str, str] = {}
+    admin: Address | None = None
+
+    @property
+    def has_telegram(self) -> bool:
+        """Whether there is a bot; otherwise people talk at the terminal."""
+        return bool(self.token or self.token_env or self.token_file)
+
+
+class Founded(msgspec.Struct, frozen=True):
+    """What was written.
+
+    Attributes:
+        written: Every file, as it was named.
+        advice: What could be better, a sentence each.
+    """
+
+    written: tuple[str, ...]
+    advice: tuple[str, ...]
+
+
+def check_absent(path: Path) -> None:
+    """See that a configuration may be written there.
+
+    Raises:
+        ConfigurationError: There is one already.
+    """
+    if path.exists() or path.is_symlink():
+        raise ConfigurationError(
+            "There is a configuration already; it was left alone.",
+            where=str(path),
+            hint="Name another file with -c, or move this one away.",
+        )
+
+
+def check_robots(names: tuple[str, ...]) -> None:
+    """See that profiles of these names ship.
+
+    Raises:
+        ConfigurationError: The first that is none.
+    """
+    shipped = shipped_profiles()
+    for name in names:
+        if name not in shipped:
+            raise ConfigurationError(f"No profile is called {name!r}.", hint=nearest(name, shipped))
+
+
+def check_account(text: str) -> Address:
+    """Return the address of a Telegram account.
+
+    Raises:
+        ConfigurationError: It is no number.
+    """
+    account = text.removeprefix(f"{TELEGRAM}:").strip()
+    if not (account.isascii() and account.isdigit() and len(account) <= 20):  # noqa: PLR2004
+        raise ConfigurationError(
+            f"{text!r} is not a Telegram id: that is a number, and no name.",
+            hint="Leave it out to get a code that makes whoever sends it the admin.",
+        )
+    return Address(TELEGRAM, account)
+
+
+def found(path: Path, answers: Founding, clock: Clock) -> Founded:
+    """Write everything, and look at it as a start would.
+
+    Raises:
+        ConfigurationError: A file is in the way or cannot be written, or what was answered makes
+            no configuration that a gateway starts with. Nothing is left behind.
+    """
+    check_absent(path)
+    try:
+        zone_named(answers.zone)
+    except OutOfBounds as wrong:
+        raise ConfigurationError(str(wrong)) from wrong
+    if not answers.robots and not answers.drafts:
+        raise ConfigurationError("There is no robot, so there would be nothing to talk to.")
+    made: list[Path] = []
+    try:
+        for name, text in _files(path, answers).items():
+            _write(path.parent / name, text, made)
+        advice = _checked(path, made, clock)
+    except BaseException:
+        for file in made:
+            file.unlink(missing_ok=True)
+        raise
+    return Founded(tuple(map(str, made)), advice)
+
+
+def _files(path: Path, answers: Founding) -> dict[str, str]:
+    files = {f"{ROBOTS}/{name}.yaml": text for name, text in answers.drafts.items()}
+    if answers.token:
+        files[TOKEN_FILE] = f"{answers.token}\n"
+    # The configuration comes last: while it is not there, nothing else means anything.
+    return {**files, path.name: "\n".join(_lines(answers))}
+
+
+def _lines(answers: Founding) -> Iterator[str]:
+    yield "# Written by rosic init. What each line means: docs/configuration.md"
+    yield "# People and roles are seeded from here once; from then on the record has the say."
+    yield from _table("[gateway]", {"name": answers.name, "zone": answers.zone})
+    yield from _table("[[messenger]]", _messenger(answers))
+    for name in answers.robots:
+        link = {"link": answers.link} if answers.link else {}
+        yield from _table("[[robot]]", {"profile": name, **link})
+    for name in answers.drafts:
+        yield from _table("[[robot]]", {"profile": f"{ROBOTS}/{name}.yaml"})
+    if answers.admin is not None:
+        person = {"name": "Admin", "address": str(answers.admin), "role": "admin"}
+        yield from _table("[[principal]]", person)
+
+
+def _messenger(answers: Founding) -> dict[str, str | dict[str, str]]:
+    if not answers.has_telegram:
+        return {"kind": TERMINAL}
+    if answers.token_env:
+        return {"kind": TELEGRAM, "token": {"env": answers.token_env}}
+    return {"kind": TELEGRAM, "token": {"file": answers.token_file or TOKEN_FILE}}
+
+
+def _table(heading: str, values: Mapping[str, str | dict[str, str]]) -> Iterator[str]:
+    yield f"\n{heading}"
+    for key, value in values.items():
+        if isinstance(value, dict):
+            inner = ", ".join(f"{name} = {_quoted(text)}" for name, text in value.items())
+            yield f"{key} = {{ {inner} }}"
+        else:
+            yield f"{key} = {_quoted(value)}"
+
+
+def _quoted(text: str) -> str:
+    """Return a text as TOML writes it: JSON's escapes are among TOML's."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
+
+
+def _write(path: Path, text: str, made: list[Path]) -> None:
+    mode = 0o600 if path.name == TOKEN_FILE else 0o644
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
+        made.append(path)
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(f"{text.rstrip()}\n")
+    except FileExistsError:
+        raise ConfigurationError(
+            "The file exists already; it was left alone.", where=str(path),
+            hint="Nothing was written.",
+        ) from None  # fmt: skip
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else "its name or its text"
+        raise ConfigurationError(
+            f"This cannot be written ({why}).", where=str(path), hint="Nothing was written."
+        ) from error
+
+
+def _checked(path: Path, made: list[Path], clock: Clock) -> tuple[str, ...]:
+    checked = check_all(path, clock)
+    if checked.errors:
+        drafts = [error for file in made if file.suffix == ".yaml" for error in check_profile(file)]
+        raise (drafts or checked.errors)[0]
+    return tuple(map(str, checked.advice))

@@ -1,0 +1,269 @@
+"""Says who receives what: errands, newcomers, confirmations. The last step of putting together."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from rosic.authoriser.codes import telegram_link
+from rosic.authoriser.misuse import RULE, SUSPICIOUS
+from rosic.core.language import clean_name
+from rosic.core.reach import FLEET
+from rosic.core.skill import SkillClass
+from rosic.organiser.words_calendar import moment
+from rosic.organiser.zones import zone_named
+from rosic.pipeline.consent import Consent
+from rosic.pipeline.handover import Handover
+from rosic.pipeline.people.about import About
+from rosic.pipeline.people.admitting import Admitting
+from rosic.pipeline.people.custody import Custody
+from rosic.pipeline.people.doorstep import Doorstep
+from rosic.pipeline.people.hiring import Clerks, hire
+from rosic.pipeline.people.inviting import Inviting
+from rosic.pipeline.people.joining import Joining
+from rosic.pipeline.people.powers import Powers
+from rosic.pipeline.people.proving import Proving
+from rosic.pipeline.people.registry import Registry
+from rosic.pipeline.reach import Reach
+from rosic.pipeline.times.clerks import employ_clerks
+from rosic.pipeline.times.keeper import Keeper
+from rosic.pipeline.times.parts import Sides, Times
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.app.access import Access
+    from rosic.app.authority import Authority
+    from rosic.authoriser.misuse import Invalidate
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.message import Chat
+    from rosic.core.robot import RobotId
+    from rosic.core.secret import Secret
+    from rosic.core.slot import Slot
+    from rosic.errors import Refusal
+    from rosic.pipeline import Pipeline
+    from rosic.pipeline.desk import Reply
+    from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.stopping import StopLane
+    from rosic.pipeline.telling import Teller
+
+
+class Furnishing:
+    """What stands beside the way of an order.
+
+    Attributes:
+        reach: Speaks to people who have not just asked.
+        handover: Ends somebody's time with a robot.
+        consent: Asks for confirmations.
+        admitting: Asks admins about newcomers.
+        keeper: Follows the calendar.
+    """
+
+    def __init__(
+        self,
+        rooms: Rooms,
+        pipeline: Pipeline,
+        access: Access,
+        stop_lane: StopLane,
+        teller: Teller,
+    ) -> None:
+        self._rooms = rooms
+        self._pipeline = pipeline
+        self._access = access
+        self._stop_lane = stop_lane
+        self._teller = teller
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def furnish(
+        self,
+        authority: Authority,
+        messengers: Sequence[Messenger],
+        clock: Clock,
+        entropy: Entropy,
+        zone: str,
+    ) -> None:
+        """Put everything in its place.
+
+        Args:
+            authority: Keeps the rights in force.
+            messengers: Through which people are reached.
+            clock: Of the gateway.
+            entropy: Of the gateway.
+            zone: Of the place, in which times are said.
+        """
+        rooms, reception = self._rooms, self._pipeline.reception
+        self.reach = Reach(rooms.authoriser, self._teller, messengers)
+        self.handover = Handover(rooms, self._pipeline.lives, self._stop_lane, self.reach, clock)
+        self.consent = Consent(rooms.organiser, self.reach, clock, entropy)
+        self._say_times_in(zone)
+        reception.consent = self.consent
+        reception.stepped_up = self._access.stepup.fresh
+        reception.refused = self._refused
+        self._furnish_people(authority, messengers, clock, entropy, zone)
+        self._furnish_times(clock, zone)
+        reception.office.employ("take", self.handover.take)
+        reception.office.employ("end", self.handover.give_back)
+
+    # ---- people ----
+
+    def _furnish_people(
+        self,
+        authority: Authority,
+        messengers: Sequence[Messenger],
+        clock: Clock,
+        entropy: Entropy,
+        zone: str,
+    ) -> None:
+        access, linker = self._access, self._rooms.linker
+
+        async def ended(_principal: PrincipalId) -> None:
+            authority.enforce()
+
+        registry = Registry(
+            authoriser=self._rooms.authoriser,
+            enrolment=access.enrolment,
+            keys=access.keys,
+            locks=access.locks,
+            stepup=access.stepup,
+            security=access.security,
+            roster=authority.roster,
+            changes=access.changes,
+            reach=self.reach,
+            clock=clock,
+            rights=lambda: authority.rights,
+            ended=ended,
+        )
+        powers = Powers(registry)
+        doorstep = Doorstep(self._teller, messengers, clock, entropy)
+        self.admitting = Admitting(registry, powers, doorstep, menu=self._menu)
+        joining = Joining(
+            registry,
+            powers,
+            self.admitting,
+            doorstep,
+            shown_as=lambda inbound: clean_name(inbound.shown_as),
+            names_robot=self._names_robot,
+        )
+        about = About(
+            registry,
+            powers,
+            self.admitting,
+            slots=self._slots_of,
+            zone_of=lambda _principal: zone_named(zone),
+            shown=lambda robot: linker.profile(robot).shown,
+        )
+        clerks = Clerks(
+            about, self.admitting, Custody(registry, powers),
+            Inviting(registry, powers, link=_link),
+            Proving(registry, powers),
+        )  # fmt: skip
+        hire(self._pipeline.reception.office, clerks, self.consent)
+        self._pipeline.reception.newcomer = joining.take
+
+    def _menu(self, principal: PrincipalId, chat: Chat) -> Reply:
+        return self._pipeline.menu(principal, chat)
+
+    def _names_robot(self, text: str) -> bool:
+        return text.strip().casefold() in self._rooms.vocabulary.callees
+
+    def _slots_of(self, principal: PrincipalId) -> Sequence[str]:
+        organiser, linker = self._rooms.organiser, self._rooms.linker
+        now_ns = organiser.wall_ns()
+        return [
+            f"{linker.profile(slot.robot).shown}: {organiser.moment(principal, slot.start_ns)}"
+            for slot in organiser.calendar.of(principal)
+            if slot.end_ns > now_ns and slot.robot in self._rooms.profiles
+        ][:5]
+
+    # ---- times ----
+
+    def _furnish_times(self, clock: Clock, zone: str) -> None:
+        rooms, access = self._rooms, self._access
+        organiser = rooms.organiser
+        here = zone_named(zone)
+        sides = Sides(
+            visible=organiser.visible,
+            may_book=organiser.why_not_move,
+            may_cancel_any=lambda who, _: organiser.rights.holds(
+                who, FLEET, "slots", clock.wall_ns()
+            ),
+            selected=rooms.container.selected,
+            zone_of=lambda _principal: here,
+            lease=organiser.lease,
+            ready=self._ready,
+            handover=self.handover.end,
+            may_stay=self._may_stay,
+        )
+        times = Times(
+            calendar=organiser.calendar, waiting=access.waiting, vocabulary=rooms.vocabulary,
+            changes=access.changes, reach=self.reach, clock=clock, sides=sides,
+            lease_idle_s=organiser.lease_idle_s,
+        )  # fmt: skip
+        self.keeper = Keeper(times)
+        access.changes.after(self.keeper.look)
+        access.changes.after(self._watch_ends)
+        self._watch_ends()
+        employ_clerks(self._pipeline.reception.office, times, self.keeper)
+
+    def _ready(self, robot: RobotId) -> bool:
+        stopped = self._rooms.board[robot].latched
+        return not stopped and self._rooms.linker.presence(robot).online is not False
+
+    def _may_stay(self, principal: PrincipalId, slot: Slot) -> bool:
+        """Whether a senior who took a robot over may go on in somebody else's time."""
+        rights, now_ns = self._rooms.organiser.rights, self._rooms.organiser.wall_ns()
+        return rights.may_take_over(slot.robot) and rights.priority(
+            principal, slot.robot, now_ns
+        ) > rights.priority(slot.principal, slot.robot, now_ns)
+
+    def _watch_ends(self) -> None:
+        """Hear of orders that end, but only while somebody waits for a robot."""
+        waited_for = any(self._access.waiting.queue(robot) for robot in self._rooms.profiles)
+        self._pipeline.lives.after = self._order_ended if waited_for else None
+
+    def _order_ended(self, robot: RobotId) -> None:
+        if self._access.waiting.queue(robot):
+            self.keeper.look()
+
+    def _say_times_in(self, zone: str) -> None:
+        organiser, linker = self._rooms.organiser, self._rooms.linker
+        calendar = organiser.calendar
+        calendar.name_of = organiser.name_of
+        calendar.shown_of = lambda robot: linker.profile(robot).shown
+        calendar.zone_of = lambda _principal: zone
+        self._access.waiting.shown_of = calendar.shown_of
+        organiser.moment = lambda _who, at_ns: moment(at_ns, organiser.wall_ns(), zone_named(zone))
+
+    # ---- misuse ----
+
+    def _refused(self, caller: Caller, refusal: Refusal) -> None:
+        """Let the rules about misuse hear of refusals; what is only late is none."""
+        if refusal.code not in SUSPICIOUS:
+            return
+        said = self._access.misuse.attempted(caller.principal, SkillClass.MOTION, refusal.code)
+        if said is not None:
+            task = asyncio.create_task(self._invalidate(caller, said))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+    async def _invalidate(self, caller: Caller, said: Invalidate) -> None:
+        """End a key by rule: at once, written as soon as it can be, and both sides are told."""
+        if not said.spare:
+            async with self._access.changes.turn() as turn:
+                await turn.act(self._access.keys.revoke(caller.key, RULE).records)
+            self.reach.tell((caller.principal,), said.to_person)
+        self.reach.tell(self.admins(), said.to_admins, urgent=True)
+
+    def admins(self) -> tuple[PrincipalId, ...]:
+        """Return who looks after people here."""
+        organiser = self._rooms.organiser
+        return organiser.rights.givers(FLEET, organiser.wall_ns())
+
+
+def _link(messenger: Messenger, code: Secret) -> str:
+    """Return the link that brings a code to a bot; empty on a messenger without such links."""
+    bot = getattr(messenger, "bot_name", "")
+    return telegram_link(bot, code) if bot else ""

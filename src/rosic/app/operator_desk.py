@@ -1,0 +1,127 @@
+"""Brings what the operator asks about people and their rights to whoever does it.
+
+The same desk answers in a running gateway and for a command that opened the data itself.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+import msgspec
+
+from rosic.app.asked import Verb
+from rosic.app.explaining import Explaining
+from rosic.app.naming import people_lines
+from rosic.app.operating_access import InviteAsk, OperatingAccess, RotateAsk
+from rosic.app.planning import BookAsk, Planning, Window
+from rosic.app.profiles import known_units
+from rosic.core.limits import unit_converter
+from rosic.errors import NotUnderstood
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
+    from typing import TypeAlias
+
+    from rosic.app.asked import Ask
+    from rosic.app.books import Books
+
+    Doing: TypeAlias = Callable[[Ask], Awaitable[Iterable[str]]]
+
+LINES_AT_ONCE = 500
+NO_REQUEST = "That is no request I know."
+
+T = TypeVar("T")
+
+_encode = msgspec.json.Encoder().encode
+
+
+class OperatorDesk:
+    """Answers each verb but those about robots' motion.
+
+    Attributes:
+        access: Who comes in, and whose access ends.
+    """
+
+    def __init__(self, books: Books) -> None:
+        self.access = OperatingAccess(books, unit_converter(known_units()))
+        self._books = books
+        self._planning = Planning(books)
+        self._explaining = Explaining(books)
+        self._doing: dict[Verb, Doing] = {
+            Verb.PEOPLE: self._people,
+            Verb.REVOKE: self._to(self.access.revoke),
+            Verb.INVITE: self._invite,
+            Verb.KEYS: self._keys,
+            Verb.ROTATE: self._rotate,
+            Verb.TAKE_KEY: self._to(self.access.take_key),
+            Verb.LOCK: self._to(self.access.lock),
+            Verb.UNLOCK: self._to(self.access.unlock),
+            Verb.EXPLAIN: self._explain,
+            Verb.SECURITY: self._security,
+            Verb.WHO: self._who,
+            Verb.TAKEN: self._taken,
+            Verb.BOOK: self._book,
+        }
+
+    async def do(self, ask: Ask) -> Iterable[str]:
+        """Do what is asked, and return the answers.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        doing = self._doing.get(ask.verb)
+        if doing is None:
+            raise NotUnderstood(NO_REQUEST)
+        return await doing(ask)
+
+    def _to(self, act: Callable[[str], Awaitable[str]]) -> Doing:
+        async def doing(ask: Ask) -> Iterable[str]:
+            return (await act(" ".join(ask.names)),)
+
+        return doing
+
+    async def _people(self, _ask: Ask) -> Iterable[str]:
+        return _together(people_lines(self._books) or ("Nobody is known yet.",))
+
+    async def _invite(self, ask: Ask) -> Iterable[str]:
+        return await self.access.invite(_body(ask, InviteAsk))
+
+    async def _keys(self, ask: Ask) -> Iterable[str]:
+        return _together(self.access.keys(ask.names))
+
+    async def _rotate(self, ask: Ask) -> Iterable[str]:
+        return (await self.access.rotate(" ".join(ask.names), _body(ask, RotateAsk)),)
+
+    async def _explain(self, ask: Ask) -> Iterable[str]:
+        if len(ask.names) != 2:  # noqa: PLR2004 - a person and a line
+            raise NotUnderstood(NO_REQUEST)
+        return self._explaining.explain(*ask.names)
+
+    async def _security(self, ask: Ask) -> Iterable[str]:
+        security = self._books.access.security
+        if ask.names == ("json",):
+            return (_encode(security.report()).decode(),)
+        return (security.text(),)
+
+    async def _who(self, _ask: Ask) -> Iterable[str]:
+        return (_encode(some).decode() for some in self._planning.who())
+
+    async def _taken(self, ask: Ask) -> Iterable[str]:
+        found = self._planning.taken(_body(ask, Window))
+        return (_encode(some).decode() for some in found)
+
+    async def _book(self, ask: Ask) -> Iterable[str]:
+        return (await self._planning.book(_body(ask, BookAsk)),)
+
+
+def _together(lines: Sequence[str]) -> Iterator[str]:
+    """Yield lines, many at a time: one answer has a longest size."""
+    for at in range(0, len(lines), LINES_AT_ONCE):
+        yield "\n".join(lines[at : at + LINES_AT_ONCE])
+
+
+def _body(ask: Ask, kind: type[T]) -> T:
+    try:
+        return msgspec.json.decode(ask.body, type=kind)
+    except msgspec.MsgspecError as error:
+        raise NotUnderstood(NO_REQUEST) from error

@@ -1,0 +1,92 @@
+"""A calendar clock that never goes back, so that what has ended does not begin again.
+
+The machine's clock may be set back by hand, by a flat battery or by somebody who wants an old
+code to be good again. Here time is the machine's clock or the highest time seen so far plus what
+has passed since on the monotonic clock, whichever is later.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.core.record import Fact
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+
+KIND: Final = "high-water"
+KEY: Final = "wall"
+EVERY_NS: Final = 60_000_000_000
+
+_log = logging.getLogger(__name__)
+
+
+class Mark(msgspec.Struct, frozen=True):
+    """The body of the fact.
+
+    Attributes:
+        wall_ns: Wall clock.
+        accepted: The owner of the machine has said that this is the right time, although it is
+            earlier than one seen before.
+    """
+
+    wall_ns: int
+    accepted: bool = False
+
+
+_encode = msgspec.msgpack.Encoder().encode
+_decode = msgspec.msgpack.Decoder(Mark).decode
+
+
+class HighWater:
+    """The wall clock, but never earlier than it was."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._highest_ns = clock.wall_ns()
+        self._seen_ns = clock.monotonic_ns()
+        self._written_ns = 0
+
+    def wall_ns(self) -> int:
+        """Return Unix time in nanoseconds; never less than before."""
+        now_ns = self._clock.monotonic_ns()
+        passed_ns = max(0, now_ns - self._seen_ns)
+        self._highest_ns = max(self._highest_ns + passed_ns, self._clock.wall_ns())
+        self._seen_ns = now_ns
+        return self._highest_ns
+
+    def monotonic_ns(self) -> int:
+        """Return the monotonic clock."""
+        return self._clock.monotonic_ns()
+
+    def behind_s(self) -> float:
+        """Return by how many seconds the machine's clock is behind the highest time seen."""
+        return (self.wall_ns() - self._clock.wall_ns()) / 1e9
+
+    def due(self) -> tuple[Fact, ...]:
+        """Return the fact to write, at most one a minute: to be asked for every now and then."""
+        now_ns = self.wall_ns()
+        if now_ns - self._written_ns < EVERY_NS:
+            return ()
+        return (Fact(kind=KIND, key=KEY, body=_encode(Mark(now_ns))),)
+
+    def accept(self) -> Fact:
+        """Return the fact by which the machine's clock counts again, for the owner to decide.
+
+        What ended between that time and the highest one may be good again.
+        """
+        return Fact(kind=KIND, key=KEY, body=_encode(Mark(self._clock.wall_ns(), accepted=True)))
+
+    def apply(self, fact: Fact) -> None:
+        """Take over what was written, now or in an earlier run."""
+        try:
+            mark = _decode(fact.body)
+        except msgspec.MsgspecError:
+            _log.warning("the highest time seen cannot be read; the machine's clock counts")
+            return
+        now_ns = self.wall_ns()
+        self._highest_ns = mark.wall_ns if mark.accepted else max(now_ns, mark.wall_ns)
+        self._written_ns = mark.wall_ns

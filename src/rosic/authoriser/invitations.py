@@ -1,0 +1,228 @@
+"""Every invitation: made, found by the digest of its code, ended, forgotten."""
+
+from __future__ import annotations
+
+import logging
+from hashlib import blake2b
+from math import isfinite
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.authoriser import words_entry as words
+from rosic.authoriser.codes import PEPPER_BYTES, digest, new_code, normal
+from rosic.authoriser.invitation import Given, Invitation, Offer, State, Wanted
+from rosic.core.authority import READ, Scope
+from rosic.core.identity import OPERATOR
+from rosic.core.language.cleaning import clean_name
+from rosic.core.limits import parse_limit
+from rosic.core.record import Decided, Fact, Letter
+from rosic.errors import NotUnderstood, OutOfBounds, TooManyRequests
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.authoriser.highwater import HighWater
+    from rosic.contracts.entropy import Entropy
+    from rosic.core.identity import PrincipalId
+    from rosic.core.record import Record
+
+KIND: Final = "invitation"
+PEPPER: Final = "code-key"
+ID_BYTES: Final = 8
+OPEN_AT_MOST: Final = 1_000
+CODE_TTL_MAX_S: Final = 7 * 86_400.0
+FIRST_ADMIN_TTL_S: Final = 86_400.0
+RIGHT_MAX_S: Final = 10 * 366 * 86_400.0
+# A used or expired invitation is told apart from one that never was, for the count of attempts.
+KEPT_NS: Final = 7 * 86_400 * 1_000_000_000
+ADMIN: Final = "admin"
+CONFIRMED_ROLES: Final = frozenset({"senior", ADMIN})
+
+_log = logging.getLogger(__name__)
+
+
+_encode = msgspec.msgpack.Encoder().encode
+_decode = msgspec.msgpack.Decoder(Invitation).decode
+
+
+class Invitations:
+    """Every invitation that is open, or ended not long ago; found by the digest of its code."""
+
+    def __init__(self, time: HighWater, entropy: Entropy) -> None:
+        self._time = time
+        self._entropy = entropy
+        self._pepper: bytes | None = None
+        self._known: dict[str, Invitation] = {}
+        self._names: dict[str, str] = {}
+        self._by_digest: dict[bytes, str] = {}
+
+    def find(self, code: str) -> Invitation | None:
+        """Return the invitation of a code, whatever became of it."""
+        symbols = normal(code)
+        if symbols is None or self._pepper is None:
+            return None
+        found = self._by_digest.get(digest(self._pepper, symbols))
+        return None if found is None else self._known[found]
+
+    def is_good(self, invitation: Invitation) -> bool:
+        """Whether it is open and its code has not expired."""
+        return invitation.state is State.OPEN and self._time.wall_ns() < invitation.expires_ns
+
+    def open(self) -> tuple[Invitation, ...]:
+        """Return the invitations whose code is good; looks at all of them."""
+        return tuple(made for made in self._known.values() if self.is_good(made))
+
+    def name_for(self, invitation: Invitation) -> str:
+        """Return the name that the inviting admin chose; empty for none."""
+        return self._names.get(invitation.id, "")
+
+    # ---- decisions: nothing changes until the facts are applied ----
+
+    def invite(self, wanted: Wanted, by: PrincipalId, *, first_admin: bool = False) -> Offer:
+        """Return an invitation and its code.
+
+        Whether ``by`` may give these roles is decided before.
+
+        Raises:
+            NotUnderstood: No role, or a scope that is none. Nothing changed.
+            OutOfBounds: A time that is no time. Nothing changed.
+            TooManyRequests: Too many are open. Nothing changed.
+        """
+        self._check(wanted)
+        pepper = self._pepper or self._entropy.token(PEPPER_BYTES)
+        code = new_code(self._entropy)
+        while (kept := digest(pepper, code.reveal().replace("-", ""))) in self._by_digest:
+            code = new_code(self._entropy)
+        now_ns = self._time.wall_ns()
+        needs = wanted.needs_confirmation
+        made = Invitation(
+            id=f"i{self._entropy.token(ID_BYTES).hex()}",
+            digest=kept,
+            given=wanted.given,
+            issuer=by,
+            issued_ns=now_ns,
+            expires_ns=now_ns + int(wanted.code_ttl_s * 1e9),
+            needs_confirmation=bool(CONFIRMED_ROLES & set(wanted.given.roles))
+            if needs is None
+            else needs,
+            first_admin=first_admin,
+        )
+        name = clean_name(wanted.name)
+        letter = Letter(by, name.encode()) if name else None
+        fact = Fact(kind=KIND, key=made.id, body=_encode(made), letter=letter)
+        records: list[Record] = [self.decided("invite", by, made)]
+        if self._pepper is None:
+            secret = Letter(OPERATOR, pepper)
+            records.append(Fact(kind=PEPPER, key=PEPPER, body=b"\x01", letter=secret))
+        return Offer(made, code, (*records, fact))
+
+    def first_admin(self) -> Offer:
+        """Return the invitation of the first admin; those of earlier starts end."""
+        given = Given(roles=(ADMIN,))
+        wanted = Wanted(given=given, code_ttl_s=FIRST_ADMIN_TTL_S, needs_confirmation=False)
+        offer = self.invite(wanted, OPERATOR, first_admin=True)
+        old = tuple(
+            self.ended(made, State.WITHDRAWN)
+            for made in self._known.values()
+            if made.first_admin and made.state is State.OPEN
+        )
+        return msgspec.structs.replace(offer, records=(*offer.records, *old))
+
+    def withdraw(self, invitation: str, by: PrincipalId) -> tuple[Record, ...]:
+        """Return what takes an open invitation back.
+
+        Raises:
+            NotUnderstood: There is no such invitation, or it is not open. Nothing changed.
+        """
+        made = self._known.get(invitation)
+        if made is None or not self.is_good(made):
+            raise NotUnderstood(words.NO_SUCH)
+        return (self.decided("withdraw", by, made), self.ended(made, State.WITHDRAWN))
+
+    def ended(self, invitation: Invitation, state: State, user: PrincipalId = "") -> Fact:
+        """Return the fact that an invitation is over; the name in it is forgotten."""
+        over = msgspec.structs.replace(invitation, state=state, user=user)
+        return Fact(kind=KIND, key=over.id, body=_encode(over))
+
+    def decided(self, act: str, by: PrincipalId, invitation: Invitation) -> Decided:
+        """Return the administrative act about an invitation."""
+        body = blake2b(_encode(invitation), digest_size=16).digest()
+        return Decided(act=act, by=by, about=invitation.id, at_ns=self._time.wall_ns(), digest=body)
+
+    def stale(self) -> tuple[Fact, ...]:
+        """Return what forgets the invitations that ended long ago."""
+        before_ns = self._time.wall_ns() - KEPT_NS
+        return tuple(
+            Fact(kind=KIND, key=made.id, body=b"")
+            for made in self._known.values()
+            if made.expires_ns < before_ns
+        )
+
+    def _check(self, wanted: Wanted) -> None:
+        given = wanted.given
+        if not (given.roles or given.scopes) or not all(given.roles):
+            raise NotUnderstood(words.NO_ROLE)
+        try:
+            _check_bounds(given)
+        except ValueError as error:
+            raise NotUnderstood(f"{error}. Nothing was done.") from error
+        right_s = RIGHT_MAX_S if given.lasts_s is None else given.lasts_s
+        for span_s, longest_s in ((right_s, RIGHT_MAX_S), (wanted.code_ttl_s, CODE_TTL_MAX_S)):
+            if not (isfinite(span_s) and 1 <= span_s <= longest_s):
+                raise OutOfBounds(words.BAD_SPAN)
+        if len(self._known) >= OPEN_AT_MOST and len(self.open()) >= OPEN_AT_MOST:
+            raise TooManyRequests(words.TOO_MANY_OPEN, retry_after_s=wanted.code_ttl_s)
+
+    # ---- state ----
+
+    def restore(self, facts: Iterable[Fact]) -> None:
+        """Take over every invitation that is written down."""
+        for fact in facts:
+            self.apply(fact)
+
+    def apply(self, fact: Fact) -> None:
+        """Let a fact be so. An invitation that cannot be read lets nobody in."""
+        if fact.kind == PEPPER:
+            self._pepper = fact.letter.content if fact.letter is not None else None
+            return
+        self._drop(fact.key)
+        if not fact.body:
+            return
+        try:
+            made = _checked(_decode(fact.body), fact.key)
+        except (msgspec.MsgspecError, ValueError):
+            _log.warning("an invitation cannot be read; its code lets nobody in")
+            return
+        self._known[made.id] = made
+        self._by_digest[made.digest] = made.id
+        if fact.letter is not None:
+            self._names[made.id] = fact.letter.content.decode(errors="replace")
+
+    def _drop(self, invitation: str) -> None:
+        before = self._known.pop(invitation, None)
+        self._names.pop(invitation, None)
+        if before is not None:
+            self._by_digest.pop(before.digest, None)
+
+
+def _checked(invitation: Invitation, key: str) -> Invitation:
+    """Return an invitation that is what its key says, with bounds that are some."""
+    if invitation.id != key:
+        raise ValueError("an invitation stands under another's key")
+    _check_bounds(invitation.given)
+    return invitation
+
+
+def _check_bounds(given: Given) -> None:
+    """Let pass what can be kept.
+
+    Raises:
+        ValueError: A scope, a robot or a limit that is none.
+    """
+    for robot in given.robots:
+        Scope.parse(f"{robot}:{READ}")
+    for scope in given.scopes:
+        Scope.parse(scope)
+    for limit in given.limits:
+        parse_limit(limit)

@@ -1,0 +1,53 @@
+"""Commands that a running gateway answers, or the data when none runs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.app.control import NotRunning
+from rosic.cli.asking import answers, data_of
+
+if TYPE_CHECKING:
+    import argparse
+
+    from rosic.app.asked import Ask
+
+
+def looked_up(options: argparse.Namespace, ask: Ask, *, robots: bool = False) -> tuple[str, ...]:
+    """Return the answers to what changes nothing.
+
+    Args:
+        options: Where the gateway or its data is.
+        ask: What.
+        robots: It cannot be answered without the robots of the configuration.
+
+    Raises:
+        RosicError: Why not.
+    """
+    return _answered(options, ask, changes=False, robots=robots)
+
+
+def changed(options: argparse.Namespace, ask: Ask, *, robots: bool = False) -> tuple[str, ...]:
+    """Return the answers to what changes something.
+
+    Args:
+        options: Where the gateway or its data is.
+        ask: What.
+        robots: It cannot be done without the robots of the configuration.
+
+    Raises:
+        RosicError: Why not; nothing was changed.
+    """
+    return _answered(options, ask, changes=True, robots=robots)
+
+
+def _answered(
+    options: argparse.Namespace, ask: Ask, *, changes: bool, robots: bool
+) -> tuple[str, ...]:
+    try:
+        return answers(data_of(options), ask)
+    except NotRunning:
+        from rosic.cli import alone  # noqa: PLC0415 - a database, which a running gateway has open
+
+        seeding = alone.CHANGES if changes else alone.LOOKS
+        return alone.do(options, ask, seeding, robots=robots)

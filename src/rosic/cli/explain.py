@@ -1,0 +1,32 @@
+"""``rosic explain``: what somebody may, and every rule that made it so."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from rosic.app.asked import Ask, Verb
+from rosic.cli.asking import add_where
+from rosic.cli.desk import looked_up
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ABOUT = """Say what would be decided if somebody wrote this line in a private chat now, with every
+rule that was asked. Nothing is done. Without a running gateway, nobody holds a robot."""
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Ask the gateway, or read its data when none runs.
+
+    Raises:
+        RosicError: Nobody of that name, or the line asks nothing of a robot.
+    """
+    parser = argparse.ArgumentParser(prog="rosic explain", description=ABOUT)
+    parser.add_argument("person", metavar="PERSON", help="as rosic people shows it, or the id")
+    parser.add_argument("line", metavar="LINE", nargs="+", help='"kuka1 grasp force=30"')
+    add_where(parser)
+    options = parser.parse_args(arguments)
+    ask = Ask(Verb.EXPLAIN, (options.person, " ".join(options.line)))
+    print("\n\n".join(looked_up(options, ask, robots=True)))
+    return 0

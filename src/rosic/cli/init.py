@@ -1,0 +1,158 @@
+"""``rosic init``: a few questions, then a configuration that works."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rosic.app.founding import Founding, check_absent, check_account, check_robots, found
+from rosic.app.profiles import shipped_profiles
+from rosic.cli.asking import CONFIG
+from rosic.cli.questions import Questions
+from rosic.core.identity import Address
+from rosic.errors import ConfigurationError, RosicError
+from rosic.system import SystemClock
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ABOUT = """Ask a few questions and write rosic.toml, and profiles of robots that were found on the
+ROS 2 graph. Nothing that exists is overwritten. With --yes nothing is asked: what no option says is
+as if the question had been left empty."""
+NAME = "lab"
+ROBOTS = ("omni", "kuka1")
+LOOK_S = 3.0
+LINKS = ("simulated", "ros2")
+CODE = "code"
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Ask, write, check.
+
+    Raises:
+        ConfigurationError: What is wrong; nothing was written.
+    """
+    options = _parser().parse_args(arguments)
+    path = Path(options.config)
+    check_absent(path)
+    answers = _answers(options, Questions(silent=options.yes))
+    made = found(path, answers, SystemClock())
+    for advice in made.advice:
+        print(f"look at: {advice}")
+    named = "" if str(path) == CONFIG else f" -c {path}"
+    print(f"Written: {', '.join(made.written)}. Start with: rosic run{named}")
+    if answers.admin is None:
+        print("The first start shows a code at the terminal. Whoever sends it first is the admin.")
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="rosic init", description=ABOUT)
+    add = parser.add_argument
+    add("-c", "--config", metavar="FILE", default=CONFIG, help=f"what to write ({CONFIG})")
+    add("--name", metavar="NAME", help=f"of this place ({NAME})")
+    add("--zone", metavar="ZONE", default="UTC", help="its time zone, as Europe/Vienna (UTC)")
+    token = parser.add_mutually_exclusive_group()
+    token.add_argument("--token-env", metavar="VARIABLE", default="",
+                       help="of the environment, which holds the Telegram token")  # fmt: skip
+    token.add_argument("--token-file", metavar="FILE", default="",
+                       help="which holds the Telegram token")  # fmt: skip
+    token.add_argument("--no-telegram", action="store_true", help="talk at this terminal")
+    add("--robot", nargs="+", action="extend", metavar="PROFILE", help="profiles that ship")
+    add("--link", choices=LINKS, help="how those are reached (simulated)")
+    add("--discover", action="store_true", help="look for robots on the ROS 2 graph")
+    add("--admin", metavar="ID", help=f"a Telegram id, or {CODE}: the first start shows one")
+    add("--yes", action="store_true", help="ask nothing")
+    return parser
+
+
+def _answers(options: argparse.Namespace, ask: Questions) -> Founding:
+    name = options.name or ask.text("Name of this place?", NAME)
+    token = _token(options, ask)
+    has_telegram = bool(token or options.token_env or options.token_file)
+    drafts = _drafts(options, ask)
+    robots = _robots(options, ask, drafts)
+    return Founding(
+        name=name,
+        zone=options.zone,
+        token=token,
+        token_env=options.token_env,
+        token_file=str(Path(options.token_file).absolute()) if options.token_file else "",
+        robots=robots,
+        link=_link(options, ask, robots),
+        drafts=drafts,
+        admin=_admin(options, ask, has_telegram=has_telegram),
+    )
+
+
+def _token(options: argparse.Namespace, ask: Questions) -> str:
+    if options.no_telegram or options.token_env or options.token_file:
+        return ""
+    return ask.text("Telegram bot token, from BotFather (leave empty to try without):", "").strip()
+
+
+def _drafts(options: argparse.Namespace, ask: Questions) -> dict[str, str]:
+    """Look at the ROS 2 graph if that is wanted. Only who asked for it by an option has to have it.
+
+    Raises:
+        RosicError: ROS 2 is not here, or nobody is on its graph.
+    """
+    if not options.discover and (options.robot or not _wants_ros(ask)):
+        return {}
+    from rosic.app.discovering import discover  # noqa: PLC0415 - ROS 2, only for who has it
+
+    try:
+        seen = asyncio.run(discover(SystemClock(), seconds=LOOK_S))
+    except RosicError as none:
+        if options.discover:
+            raise
+        ask.say(f"{none} I go on without.")
+        return {}
+    ask.say(f"Seen: {', '.join(seen)}.")
+    return seen
+
+
+def _wants_ros(ask: Questions) -> bool:
+    return ask.yes("Look for robots on the ROS 2 graph?", default=False)
+
+
+def _robots(options: argparse.Namespace, ask: Questions, drafts: dict[str, str]) -> tuple[str, ...]:
+    if options.robot:
+        robots = tuple(dict.fromkeys(options.robot))
+        check_robots(robots)
+        return robots
+    if drafts:
+        return ()
+    shipped = ", ".join(shipped_profiles())
+    said = ask.text(f"Which robots? There are {shipped}.", " ".join(ROBOTS))
+    robots = tuple(dict.fromkeys(said.replace(",", " ").split()))
+    check_robots(robots)
+    return robots
+
+
+def _link(options: argparse.Namespace, ask: Questions, robots: tuple[str, ...]) -> str:
+    if options.link is not None:
+        return str(options.link)
+    if not robots or ask.yes("Simulate them here? Otherwise they are looked for on ROS 2.",
+                             default=True):  # fmt: skip
+        return LINKS[0]
+    return LINKS[1]
+
+
+def _admin(options: argparse.Namespace, ask: Questions, *, has_telegram: bool) -> Address | None:
+    if options.admin == CODE:
+        return None
+    if options.admin:
+        if not has_telegram:
+            raise ConfigurationError(
+                "--admin names a Telegram account, and there is no Telegram here.",
+                hint="Leave it out: whoever runs this is the admin.",
+            )
+        return check_account(options.admin)
+    if not has_telegram:
+        return Address("terminal", str(os.getuid()))
+    said = ask.text("Your Telegram id, a number? (leave empty to get a code at the start)", "")
+    return check_account(said) if said.strip() else None

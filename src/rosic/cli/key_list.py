@@ -1,0 +1,30 @@
+"""``rosic key list``: every key, and how long it is good."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from rosic.app.asked import Ask, Verb
+from rosic.cli.asking import add_where
+from rosic.cli.desk import looked_up
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ABOUT = "Every authorisation key, or those of one person: whose it is, and how long it is good."
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Ask the gateway, or read its data when none runs.
+
+    Raises:
+        RosicError: Why not.
+    """
+    parser = argparse.ArgumentParser(prog="rosic key list", description=ABOUT)
+    parser.add_argument("name", metavar="NAME", nargs="?", help="one person's only")
+    add_where(parser)
+    options = parser.parse_args(arguments)
+    names = () if options.name is None else (options.name,)
+    print("\n".join(looked_up(options, Ask(Verb.KEYS, names))))
+    return 0

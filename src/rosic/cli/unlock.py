@@ -1,0 +1,29 @@
+"""``rosic unlock``: give a locked person their access back."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from rosic.app.asked import Ask, Verb
+from rosic.cli.asking import add_where
+from rosic.cli.desk import changed
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ABOUT = """Give a locked person their access back. Works with and without a running gateway."""
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Ask the gateway, or write it into its data when none runs.
+
+    Raises:
+        RosicError: Why not; nothing was changed.
+    """
+    parser = argparse.ArgumentParser(prog="rosic unlock", description=ABOUT)
+    parser.add_argument("name", metavar="NAME", help="as rosic people shows it, or the id")
+    add_where(parser)
+    options = parser.parse_args(arguments)
+    print("\n".join(changed(options, Ask(Verb.UNLOCK, (options.name,)))))
+    return 0

@@ -1,0 +1,206 @@
+"""What is kept, as files that other programs read. The one home of openpyxl."""
+
+from __future__ import annotations
+
+import base64
+import io
+from datetime import UTC, datetime
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
+
+from rosic.container import archived
+from rosic.container import words_container as words
+from rosic.container.archived import Way
+from rosic.core.language.cleaning import clean
+from rosic.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from rosic.core.record import Fact
+
+OWN_ID: Final = "rosic"
+OWN_NAME: Final = "ROSIC"
+UNKNOWN: Final = "None"  # as the paper's program writes a username that is not there
+COLUMNS: Final = ("Number", "Time", "Direction", "Sender ID", "Sender Username", "Message", "Note")
+WIDTHS: Final = (9, 24, 10, 20, 20, 80, 12)
+LONGEST_CELL: Final = 32_767
+
+SECRET: Final = frozenset({"totp", "code-key"})
+"""Kinds of facts whose letter is a secret: that there is one is said, what it says is not."""
+
+_as_json = msgspec.json.Encoder(order="deterministic").encode
+
+
+class Row(msgspec.Struct, frozen=True, kw_only=True):
+    """One line of an archive.
+
+    Attributes:
+        until: Of a gap, when it was over; else empty.
+    """
+
+    n: int
+    time: str
+    way: Way
+    sender: str
+    name: str
+    text: str
+    note: str = ""
+    until: str = ""
+
+
+# ---- archives ----
+
+
+def rows(facts: Iterable[Fact]) -> list[Row]:
+    """Return the entries of an archive, in order; what was erased says so."""
+    found = [_row(fact) for fact in facts if fact.kind == archived.ENTRY and fact.body]
+    return sorted(found, key=lambda row: row.n)
+
+
+def _row(fact: Fact) -> Row:
+    entry = archived.read_entry(fact.body)
+    n, time = archived.place_of(fact.key)[1], iso(entry.at_ns)
+    if entry.way in {"gap", "lost"}:
+        end = iso(entry.until_ns)
+        say = words.gap if entry.way == "gap" else words.lost
+        return Row(
+            n=n, time=time, way=entry.way, sender="", name="", text=say(time, end), until=end
+        )
+    if fact.letter is None:
+        erased = words.ERASED
+        return Row(n=n, time=time, way=entry.way, sender=erased, name=erased, text=erased)
+    said = archived.read_content(fact.letter.content)
+    out = entry.way == "out"
+    return Row(
+        n=n, time=time, way=entry.way, sender=OWN_ID if out else said.account,
+        name=OWN_NAME if out else said.name, text=said.text, note=said.note,
+    )  # fmt: skip
+
+
+def archive_as_text(found: Sequence[Row]) -> str:
+    """Return the lines of the paper's Algorithm 6, one for each message.
+
+    A line break inside a message is written as two characters, so that nobody writes a line in
+    another's name.
+    """
+    lines = [_line(row) for row in found]
+    gone = found[0].n - 1 if found else 0
+    return "\n".join(([words.older_gone(gone)] if gone else []) + lines)
+
+
+def _line(row: Row) -> str:
+    if row.way in {"gap", "lost"}:
+        return row.text
+    name, text = _one_line(row.name) or UNKNOWN, _one_line(row.text)
+    return f"Sender ID: {row.sender}, Sender Username: {name}, Message: {text}"
+
+
+def _one_line(text: str) -> str:
+    return clean(text).replace("\n", "\\n")
+
+
+def archive_as_jsonl(found: Iterable[Row]) -> str:
+    """Return one JSON object for each entry."""
+    return "\n".join(_as_json(row).decode() for row in found)
+
+
+def archive_as_xlsx(found: Iterable[Row]) -> bytes:
+    """Return a workbook. Every cell is a text: none is taken for a formula.
+
+    Raises:
+        ConfigurationError: openpyxl is not installed.
+    """
+    try:
+        from openpyxl import Workbook  # noqa: PLC0415 - an extra, and slow to load
+        from openpyxl.utils import get_column_letter  # noqa: PLC0415 - the same
+    except ImportError as missing:
+        raise ConfigurationError(words.NO_SPREADSHEET) from missing
+    book = Workbook()
+    sheet = book.worksheets[0]
+    sheet.title = "Messages"
+    sheet.append(COLUMNS)
+    sheet.freeze_panes = "A2"
+    for place, width in enumerate(WIDTHS, start=1):
+        sheet.column_dimensions[get_column_letter(place)].width = width
+    for line, row in enumerate(found, start=2):
+        cells = (row.time, row.way, row.sender, row.name, row.text, row.note)
+        sheet.cell(line, 1, row.n)
+        for place, value in enumerate(cells, start=2):
+            cell = sheet.cell(line, place, clean(value)[:LONGEST_CELL])
+            cell.data_type = "s"
+    file = io.BytesIO()
+    book.save(file)
+    return file.getvalue()
+
+
+# ---- containers ----
+
+
+class Sum(msgspec.Struct, frozen=True):
+    """What there is of one kind.
+
+    Attributes:
+        size: Bytes, unsealed.
+    """
+
+    kind: str
+    count: int
+    size: int
+
+
+def summary(belongings: Iterable[Fact]) -> tuple[Sum, ...]:
+    """Return how much of each kind a container holds, by kind."""
+    found: dict[str, tuple[int, int]] = {}
+    for fact in belongings:
+        count, size = found.get(fact.kind, (0, 0))
+        found[fact.kind] = (count + 1, size + len(fact.letter.content if fact.letter else b""))
+    return tuple(Sum(kind, *found[kind]) for kind in sorted(found))
+
+
+def container_as_jsonl(belongings: Iterable[Fact]) -> str:
+    """Return one JSON object for each thing that a container holds. Secrets are not among it."""
+    return "\n".join(_as_json(_thing(fact)).decode() for fact in belongings)
+
+
+def _thing(fact: Fact) -> dict[str, Any]:
+    thing: dict[str, Any] = {"kind": fact.kind, "id": fact.key, "known": _readable(fact.body)}
+    if fact.letter is not None:
+        secret = fact.kind in SECRET
+        thing["sealed"] = "(a secret)" if secret else _readable(fact.letter.content)
+    return thing
+
+
+def _readable(content: bytes) -> Any:  # noqa: ANN401 - whatever was written
+    """Return what bytes say, as well as it can be found out without whoever wrote them."""
+    for decode in (msgspec.msgpack.decode, msgspec.json.decode):
+        try:
+            value = decode(content)
+        except (msgspec.MsgspecError, UnicodeDecodeError):
+            continue
+        if not isinstance(value, int):  # a short text may pass for a number
+            return _plain(value)
+    try:
+        return content.decode()
+    except UnicodeDecodeError:
+        return _plain(content)
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - whatever was written
+    """Return a value as JSON can say it."""
+    if isinstance(value, bytes):
+        return base64.b64encode(value).decode()
+    if isinstance(value, dict):
+        return {str(_plain(key)): _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, msgspec.msgpack.Ext):
+        return _plain(value.data)
+    return value
+
+
+def iso(at_ns: int) -> str:
+    """Return a time as computers write it, in UTC: ``2026-11-21T14:02:07.120Z``."""
+    said = datetime.fromtimestamp(at_ns / 1e9, UTC).isoformat(timespec="milliseconds")
+    return said.replace("+00:00", "Z")

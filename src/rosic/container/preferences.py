@@ -1,0 +1,264 @@
+"""How somebody wants to be served: initializeOperator of the paper's Algorithm 2.
+
+Language, units, the robot meant when none is chosen, a speed they never want to exceed, their time
+zone. What was set is sealed in the person's own container; the record says in the open only that
+somebody has settings.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+import msgspec
+
+from rosic.container import words_container as words
+from rosic.core.limits import parse_limit
+from rosic.core.record import Fact, Letter
+from rosic.errors import NotUnderstood, OutOfBounds
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import PrincipalId
+    from rosic.core.limits import Convert
+    from rosic.core.robot import RobotId
+    from rosic.core.skill import Skill
+
+KIND: Final = "preference"
+METRIC, IMPERIAL = "metric", "imperial"
+SPEED: Final = "speed"
+LONGEST: Final = 64
+
+NOTHING: Final = frozenset({"", "none", "off", "nothing", "default", "auto"})
+UNITS: Final[Mapping[str, frozenset[str]]] = {
+    METRIC: frozenset({METRIC, "si", "m", "metre", "metres", "meter", "meters"}),
+    IMPERIAL: frozenset({IMPERIAL, "us", "ft", "foot", "feet", "inch", "inches"}),
+}
+
+Languages: TypeAlias = Mapping[str, tuple[str, ...]]
+"""Code to the names of a language, the first one as it calls itself."""
+ENGLISH: Final[Languages] = {"en": ("English",)}
+
+log = logging.getLogger("rosic.container")
+
+
+class Preferences(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """What one person has set; empty: nothing of that kind.
+
+    Attributes:
+        language: A code: ``de``.
+        units: ``metric`` or ``imperial``, for showing.
+        robot: A robot or group, meant when none is chosen in a chat.
+        speed: A limit as in ``core.limits``: ``speed <= 0.2 m/s``.
+        zone: An IANA name.
+    """
+
+    language: str = ""
+    units: str = ""
+    robot: str = ""
+    speed: str = ""
+    zone: str = ""
+
+
+class _Since(msgspec.Struct, frozen=True):
+    """The body of the fact: all that is said in the open. The key is the principal."""
+
+    at_ns: int
+
+
+UNSET: Final = Preferences()
+
+_encode = msgspec.msgpack.Encoder().encode
+_decode = msgspec.msgpack.Decoder(Preferences).decode
+
+
+class Caps:
+    """Turns one speed into the limits that it means for the robots here.
+
+    A skill whose speed is no speed of that kind, an angle a second, is not touched by it: a limit
+    in a unit that does not fit would forbid the skill altogether.
+    """
+
+    def __init__(self, skills: Mapping[RobotId, Mapping[str, Skill]], convert: Convert) -> None:
+        self._skills = skills
+        self._convert = convert
+
+    def texts(self, said: str) -> tuple[str, ...]:
+        """Return the limits, one for each skill that has such a speed."""
+        rule = parse_limit(said)
+        return tuple(
+            f"{robot}:{name} {said}"
+            for robot, skills in self._skills.items()
+            for name, skill in skills.items()
+            if rule.high is not None and self._fits(rule.high, rule.unit, skill)
+        )
+
+    def _fits(self, number: float, unit: str, skill: Skill) -> bool:
+        parameter = skill.parameters.get(SPEED)
+        if parameter is None or parameter.max is None:
+            return False
+        try:
+            self._convert(number, unit, parameter)
+        except ValueError:
+            return False
+        return True
+
+
+class PreferenceBook:
+    """Everybody's settings. What decides returns the fact to be written and changes nothing.
+
+    Args:
+        clock: Says when something was set.
+        caps: Works out what a speed means.
+        languages: What is spoken here.
+    """
+
+    def __init__(self, clock: Clock, caps: Caps, languages: Languages = ENGLISH) -> None:
+        self.languages = languages
+        self._clock = clock
+        self._caps = caps
+        self._set: dict[PrincipalId, Preferences] = {}
+        self._limits: dict[PrincipalId, tuple[str, ...]] = {}
+
+    # ---- asking: a look-up each ----
+
+    def of(self, principal: PrincipalId) -> Preferences:
+        """Return somebody's settings."""
+        return self._set.get(principal, UNSET)
+
+    def limits(self, principal: PrincipalId) -> tuple[str, ...]:
+        """Return the limits that hold for everything somebody commands; texts for a grant."""
+        return self._limits.get(principal, ())
+
+    # ---- deciding ----
+
+    def set_language(self, principal: PrincipalId, said: str) -> tuple[Fact, ...]:
+        """Decide on a language, by code or name.
+
+        Raises:
+            NotUnderstood: Not spoken here.
+        """
+        wanted = said.strip().casefold()
+        for code, names in self.languages.items():
+            if wanted in {code.casefold(), *(name.casefold() for name in names)}:
+                return self._change(principal, language=code)
+        spoken = [names[0] for names in self.languages.values()]
+        offers = tuple(f"/language {code}" for code in self.languages)
+        raise NotUnderstood(words.no_language(said, spoken), offers=offers)
+
+    def set_units(self, principal: PrincipalId, said: str) -> tuple[Fact, ...]:
+        """Decide on the units in which things are shown.
+
+        Raises:
+            NotUnderstood: Neither metric nor imperial.
+        """
+        for units, names in UNITS.items():
+            if said.strip().casefold() in names:
+                return self._change(principal, units=units)
+        offers = (f"/settings units {METRIC}", f"/settings units {IMPERIAL}")
+        raise NotUnderstood(words.WHICH_UNITS, offers=offers)
+
+    def set_robot(
+        self, principal: PrincipalId, said: str, choices: Iterable[str]
+    ) -> tuple[Fact, ...]:
+        """Decide on the robot that is meant when none is chosen; ``none`` undoes it.
+
+        Args:
+            principal: Whose setting it is.
+            said: What they said.
+            choices: Ids of the robots and names of the groups that they see.
+
+        Raises:
+            NotUnderstood: They see no such robot.
+        """
+        wanted = said.strip().casefold()
+        if wanted in NOTHING:
+            return self._change(principal, robot="")
+        known = {name.casefold(): name for name in choices}
+        if wanted not in known:
+            offers = tuple(f"/settings robot {name}" for name in sorted(known.values())[:3])
+            raise NotUnderstood(words.no_such_robot(said), offers=offers)
+        return self._change(principal, robot=known[wanted])
+
+    def set_speed(self, principal: PrincipalId, said: str) -> tuple[Fact, ...]:
+        """Decide on a speed that nothing they command exceeds: ``0.2 m/s``; ``none`` undoes it.
+
+        Raises:
+            NotUnderstood: No speed, or one of no robot here.
+            OutOfBounds: Not above 0.
+        """
+        wanted = said.strip().casefold()
+        if wanted in NOTHING:
+            return self._change(principal, speed="")
+        try:
+            rule = parse_limit(f"{SPEED} <= {wanted}")
+        except ValueError:
+            raise NotUnderstood(words.HOW_FAST) from None
+        if not rule.unit:
+            raise NotUnderstood(words.HOW_FAST, offers=(f"/settings speed {wanted} m/s",))
+        if rule.high is None or rule.high <= 0:
+            raise OutOfBounds(words.SPEED_NOT_POSITIVE)
+        if not self._caps.texts(rule.said):
+            raise NotUnderstood(words.no_robot_so_fast(rule.unit))
+        return self._change(principal, speed=rule.said)
+
+    def set_zone(
+        self, principal: PrincipalId, said: str, name_of: Callable[[str], str]
+    ) -> tuple[Fact, ...]:
+        """Decide on a time zone; ``none`` means the place's.
+
+        Args:
+            principal: Whose setting it is.
+            said: What they said.
+            name_of: Returns the proper name of a zone, or raises a refusal.
+
+        Raises:
+            NotUnderstood: Nothing was said.
+            Refusal: From ``name_of``.
+        """
+        wanted = said.strip()
+        if not wanted:
+            raise NotUnderstood(words.WHICH_ZONE)
+        if wanted.casefold() in NOTHING:
+            return self._change(principal, zone="")
+        return self._change(principal, zone=name_of(wanted)[:LONGEST])
+
+    def unset(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        """Return what takes every setting of somebody back."""
+        return (_fact(principal, UNSET, 0),) if principal in self._set else ()
+
+    def _change(self, principal: PrincipalId, **what: str) -> tuple[Fact, ...]:
+        after = msgspec.structs.replace(self.of(principal), **what)
+        return (_fact(principal, after, self._clock.wall_ns()),)
+
+    # ---- what is so ----
+
+    def restore(self, facts: Iterable[Fact]) -> None:
+        """Take over what earlier runs wrote."""
+        for fact in facts:
+            self.apply(fact)
+
+    def apply(self, fact: Fact) -> None:
+        """Let a fact be so. One that cannot be read is left out: nothing of its owner is set."""
+        principal = fact.key
+        self._set.pop(principal, None)
+        self._limits.pop(principal, None)
+        if not fact.body or fact.letter is None:
+            return  # taken back, or erased
+        try:
+            kept = _decode(fact.letter.content)
+            limits = self._caps.texts(kept.speed) if kept.speed else ()
+        except (msgspec.MsgspecError, ValueError):
+            log.warning("somebody's settings cannot be read; they are as if nothing was set")
+            return
+        self._set[principal] = kept
+        if limits:
+            self._limits[principal] = limits
+
+
+def _fact(principal: PrincipalId, kept: Preferences, at_ns: int) -> Fact:
+    if kept == UNSET:
+        return Fact(kind=KIND, key=principal, body=b"")
+    letter = Letter(principal, _encode(kept))
+    return Fact(kind=KIND, key=principal, body=_encode(_Since(at_ns)), letter=letter)

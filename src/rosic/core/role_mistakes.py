@@ -1,0 +1,261 @@
+"""What is wrong with roles, grants and care, in one clear sentence each.
+
+Whoever reads a file or takes a change asks here first and changes nothing while there is a
+mistake. `rosic.core.rights` never fails on one: what cannot be understood gives nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from rosic.core.authority import Scope
+from rosic.core.language.suggestions import did_you_mean
+from rosic.core.limits import LimitRule, Unfit, fit_limits, parse_limit
+from rosic.core.reach import FLEET, words_given, words_meant
+from rosic.core.roles import ASSURANCES, DEEPEST, chains, loops
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from rosic.core.limits import Convert
+    from rosic.core.reach import Fleet
+    from rosic.core.robot import RobotId
+    from rosic.core.roles import Care, Grant, Role, Rulebook
+
+Place: TypeAlias = tuple[str | int, ...]
+
+
+class Mistake(NamedTuple):
+    """One thing that is wrong.
+
+    Attributes:
+        place: Keys and indices from the rulebook or the grant down to it.
+        sentence: For whoever wrote it.
+        hint: What to do about it; may be empty.
+    """
+
+    place: Place
+    sentence: str
+    hint: str = ""
+
+
+def rulebook_mistakes(rulebook: Rulebook, fleet: Fleet, convert: Convert) -> list[Mistake]:
+    """Return everything that is wrong with roles, care and pre-emption."""
+    found: list[Mistake] = []
+    for name, role in rulebook.roles.items():
+        found += _role(name, role, rulebook.roles, fleet, convert)
+    for loop in loops(rulebook.roles):
+        found.append(
+            Mistake(
+                ("role", loop[0], "includes"),
+                f"The role {loop[0]} includes itself: {' includes '.join(loop)}.",
+                "Take one of these includes out.",
+            )
+        )
+    for index, care in enumerate(rulebook.care):
+        found += _care(("care", index), care, fleet)
+    for index, said in enumerate(rulebook.preempt):
+        found += _robots(("preempt", index), said, fleet)
+    return found
+
+
+def grant_mistakes(
+    grant: Grant, rulebook: Rulebook, fleet: Fleet, convert: Convert
+) -> list[Mistake]:
+    """Return everything that is wrong with one grant."""
+    found: list[Mistake] = []
+    if not grant.role and not grant.scopes:
+        found.append(Mistake((), "This gives nothing.", "Name a role, or scopes."))
+    if grant.role and grant.role not in rulebook.roles:
+        found.append(_unknown_role(("role",), grant.role, rulebook.roles))
+    for index, text in enumerate(grant.scopes):
+        found += _scope(("scopes", index), text, fleet)
+    for index, said in enumerate(grant.robots):
+        found += _robots(("robots", index), said, fleet)
+    if found:
+        return found
+    given = dict(_given(_scopes_of(grant.role, grant.scopes, rulebook.roles), fleet))
+    if grant.robots:
+        only = {robot for said in grant.robots for robot in fleet.robots(said)}
+        given = {robot: words for robot, words in given.items() if robot in only}
+        if not given:
+            where = ", ".join(grant.robots)
+            found.append(Mistake(("robots",), f"The role {grant.role} gives nothing on {where}."))
+    return found + list(_limits(grant.limits, given, fleet, convert))
+
+
+def _role(
+    name: str, role: Role, roles: Mapping[str, Role], fleet: Fleet, convert: Convert
+) -> Iterator[Mistake]:
+    here: Place = ("role", name)
+    for index, inner in enumerate(role.includes):
+        if inner not in roles:
+            yield _unknown_role((*here, "includes", index), inner, roles)
+    if any(len(chain.via) >= DEEPEST and chain.last.includes for chain in chains(roles, name)):
+        yield Mistake(
+            (*here, "includes"),
+            f"The role {name} includes roles more than {DEEPEST} deep.",
+            "Include the inner ones directly.",
+        )
+    for index, text in enumerate(role.scopes):
+        yield from _scope((*here, "scopes", index), text, fleet)
+    if not role.scopes and not role.includes:
+        yield Mistake(here, f"The role {name} gives nothing.", "Give it scopes, or includes.")
+    yield from _assurance((*here, "assurance"), role.assurance)
+    given = dict(_given(_scopes_of(name, (), roles), fleet))
+    for mistake in _limits(role.limits, given, fleet, convert):
+        yield mistake._replace(place=(*here, *mistake.place))
+
+
+def _care(here: Place, care: Care, fleet: Fleet) -> Iterator[Mistake]:
+    if not care.needs and not care.assurance:
+        yield Mistake(here, "This asks for nothing.", "Set confirm, step_up or second_person.")
+    for index, text in enumerate(care.scopes):
+        place = (*here, "scopes", index)
+        mistakes = list(_scope(place, text, fleet))
+        yield from mistakes
+        if not mistakes:
+            scope = Scope.parse(text)
+            if not any(words_meant(scope, r, fleet) for r in fleet.robots(scope.robot)):
+                yield Mistake(
+                    place,
+                    f"{text!r} touches no skill.",
+                    "A wildcard stands for a robot's own skills; name read, resume or grant.",
+                )
+    yield from _assurance((*here, "assurance"), care.assurance)
+
+
+def _unknown_role(place: Place, role: str, roles: Iterable[str]) -> Mistake:
+    return Mistake(place, f"No role is called {role!r}.", _nearest(role, roles))
+
+
+def _assurance(place: Place, said: str) -> Iterator[Mistake]:
+    if said and said not in ASSURANCES:
+        yield Mistake(
+            place, f"{said!r} is no assurance of a channel.", f"Known: {', '.join(ASSURANCES)}."
+        )
+
+
+def _robots(place: Place, said: str, fleet: Fleet) -> Iterator[Mistake]:
+    if fleet.robots(said):
+        return
+    if "*" in said or "?" in said:
+        yield Mistake(place, f"No robot matches {said!r}.", _known(fleet.skills))
+    else:
+        known = (*fleet.skills, *fleet.groups)
+        yield Mistake(place, f"No robot or group is called {said!r}.", _nearest(said, known))
+
+
+def _scope(place: Place, text: str, fleet: Fleet) -> Iterator[Mistake]:
+    try:
+        scope = Scope.parse(text)
+    except ValueError as fault:
+        yield Mistake(place, f"{fault}.")
+        return
+    mistakes = list(_robots(place, scope.robot, fleet))
+    yield from mistakes
+    robots = fleet.robots(scope.robot)
+    if not mistakes and not any(words_given(scope, robot, fleet) for robot in robots):
+        words = sorted({word for robot in robots for word in fleet.words(robot)})
+        who = robots[0] if len(robots) == 1 else f"No robot of {scope.robot!r}"
+        says = f"{who} has no skill" if len(robots) == 1 else f"{who} has a skill"
+        yield Mistake(place, f"{says} {scope.skill!r}.", _nearest(scope.skill, words))
+
+
+def _scopes_of(role: str, bare: Iterable[str], roles: Mapping[str, Role]) -> Iterator[Scope]:
+    texts = [text for chain in chains(roles, role) for text in chain.last.scopes]
+    for text in (*texts, *bare):
+        try:
+            yield Scope.parse(text)
+        except ValueError:  # said elsewhere
+            continue
+
+
+def _given(scopes: Iterable[Scope], fleet: Fleet) -> Iterator[tuple[RobotId, frozenset[str]]]:
+    """Return what scopes give together, without limits."""
+    said = list(scopes)
+    for robot in (*fleet.skills, FLEET):
+        words = frozenset[str]().union(*(words_given(scope, robot, fleet) for scope in said))
+        if words:
+            yield robot, words
+
+
+def _limits(
+    texts: Iterable[str],
+    given: Mapping[RobotId, frozenset[str]],
+    fleet: Fleet,
+    convert: Convert,
+) -> Iterator[Mistake]:
+    """Find limits that cannot be read, touch nothing, or do not fit what they touch."""
+    rules: list[LimitRule] = []
+    for index, text in enumerate(texts):
+        place: Place = ("limits", index)
+        try:
+            rule = parse_limit(text)
+        except ValueError as fault:
+            yield Mistake(place, f"{fault}.")
+            continue
+        sentence = _misfit([rule], given, fleet, convert) or _idle(rule, given, fleet)
+        if sentence:
+            yield Mistake(
+                place, f"{sentence[0].upper()}{sentence[1:]}.", _near_parameter(rule, given, fleet)
+            )
+        else:
+            rules.append(rule)
+    together = _misfit(rules, given, fleet, convert)
+    if together:
+        yield Mistake(("limits",), f"{together[0].upper()}{together[1:]}.")
+
+
+def _misfit(
+    rules: list[LimitRule],
+    given: Mapping[RobotId, frozenset[str]],
+    fleet: Fleet,
+    convert: Convert,
+) -> str:
+    """Return why limits do not fit the first skill that they do not fit; empty if they do."""
+    for robot, words in given.items():
+        for word in sorted(words & fleet.skills.get(robot, {}).keys()):
+            touching = [r for r in rules if _touches(r, robot, word, fleet)]
+            try:
+                fit_limits(touching, word, fleet.skills[robot][word], convert)
+            except Unfit as fault:
+                return f"on {robot}, {fault}"
+    return ""
+
+
+def _idle(rule: LimitRule, given: Mapping[RobotId, frozenset[str]], fleet: Fleet) -> str:
+    """Return why a limit limits nothing; empty if it does."""
+    for robot, words in given.items():
+        for word in words & fleet.skills.get(robot, {}).keys():
+            skill = fleet.skills[robot][word]
+            if rule.parameter in skill.parameters and _touches(rule, robot, word, fleet):
+                return ""
+    return (
+        f"no skill given here has a parameter {rule.parameter!r}, so {rule.said!r} limits nothing"
+    )
+
+
+def _touches(rule: LimitRule, robot: RobotId, word: str, fleet: Fleet) -> bool:
+    return rule.scope is None or word in words_given(rule.scope, robot, fleet)
+
+
+def _near_parameter(rule: LimitRule, given: Mapping[RobotId, frozenset[str]], fleet: Fleet) -> str:
+    known = {
+        name
+        for robot, words in given.items()
+        for word in words & fleet.skills.get(robot, {}).keys()
+        for name in fleet.skills[robot][word].parameters
+    }
+    return "" if rule.parameter in known else _nearest(rule.parameter, sorted(known))
+
+
+def _nearest(word: str, known: Iterable[str]) -> str:
+    names = list(known)
+    close = did_you_mean(word, names)
+    return f"Did you mean {close[0]}?" if close else _known(names)
+
+
+def _known(names: Iterable[str]) -> str:
+    listed = sorted(names)
+    return f"Known here: {', '.join(listed)}." if listed else ""

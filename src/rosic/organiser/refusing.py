@@ -1,0 +1,177 @@
+"""Why not, in the words of the person who is told: what is missing, who can help, and when."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.asking import Code
+from rosic.core.robot import Slots
+from rosic.core.roles import Assurance, Need
+from rosic.errors import (
+    FirstNeeded,
+    NotPermitted,
+    OutOfBounds,
+    Refusal,
+    RobotStopped,
+    RobotTaken,
+    TakeOver,
+    Unrecognised,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rosic.core.asking import Allowed, Denied
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import Profile, RobotId
+    from rosic.core.stopboard import StopBoard
+    from rosic.organiser.organiser import Organiser
+
+LOCKED = "Your access is locked. The admin of this place can unlock it. Stop still works."
+ENDED = "Your access here has ended. The admin of this place can renew it."
+ANY_CHANNEL = {
+    Assurance.E2EE_VERIFIED: "a chat that only the two of us can read, with keys compared",
+    Assurance.LOCAL: "somebody at the machine itself",
+}
+
+
+class Refusing:
+    """Turns decisions into refusals."""
+
+    def __init__(
+        self, organiser: Organiser, profiles: Mapping[RobotId, Profile], stops: StopBoard
+    ) -> None:
+        self._organiser = organiser
+        self._profiles = profiles
+        self._stops = stops
+        self._denials: dict[Code, Callable[[Denied], Refusal]] = {
+            Code.KEY_UNKNOWN: lambda _: Unrecognised(ENDED),
+            Code.KEY_REVOKED: lambda _: Unrecognised(ENDED),
+            Code.KEY_EXPIRED: lambda _: Unrecognised(ENDED),
+            Code.LOCKED: lambda _: NotPermitted(LOCKED),
+            Code.NO_SUCH_ROBOT: lambda d: NotPermitted(f"I know no robot called {d.ask.robot}."),
+            Code.KEY_TOO_NARROW: self._too_narrow,
+            Code.NOT_GRANTED: self._not_granted,
+            Code.RIGHT_ENDED: self._right_ended,
+            Code.CHANNEL_TOO_WEAK: self._too_weak,
+            Code.OVER_LIMIT: self._over_limit,
+            Code.ROBOT_STOPPED: self._stopped,
+            Code.SLOT_NEEDED: self._slot,
+            Code.SLOT_TAKEN: self._slot,
+            Code.ROBOT_TAKEN: self._taken,
+        }
+
+    def denial(self, denied: Denied) -> Refusal:
+        """Return a denial as what the person is told."""
+        return self._denials[denied.code](denied)
+
+    def never_moves(self, principal: PrincipalId, robot: RobotId) -> NotPermitted | None:
+        """Return why nothing that a robot can do is somebody's; None if something is."""
+        profile, organiser = self._profiles[robot], self._organiser
+        skills = [skill.id for skill in profile.skills.values() if skill.actuates]
+        if any(organiser.allows(principal, robot, skill) for skill in skills):
+            return None
+        who = organiser.rights.givers(robot, organiser.wall_ns(), besides=principal)
+        return NotPermitted(
+            f"Moving {profile.shown} needs a right you do not have. {self._who_grants(who)}"
+        )
+
+    def needs(self, allowed: Allowed, text: str) -> FirstNeeded:
+        """Return what has to come first, with the command that is asked again then."""
+        first = allowed.needs[0]
+        shown = self._shown(allowed.ask.robot)
+        what = _spoken(allowed.ask.skill)
+        if first is Need.CONFIRMATION:
+            sentence = f"{shown}: {what}? It moves only if you confirm it."
+        elif first is Need.STEP_UP:
+            sentence = (
+                f"{what.capitalize()} on {shown} needs your second factor first. "
+                "Send: code, and the six digits your authenticator app shows."
+            )
+        else:
+            sentence = f"{what.capitalize()} on {shown} needs a second person who agrees."
+        return FirstNeeded(sentence, need=first.value, robot=allowed.ask.robot, text=text)
+
+    def take_over(self, allowed: Allowed) -> TakeOver:
+        """Return whom the person may take the robot over from."""
+        robot = allowed.ask.robot
+        names = " and ".join(map(self._organiser.name_of, allowed.preempts))
+        return TakeOver(
+            f"{self._shown(robot)} is {names}'s now. You may take it over; they are told.",
+            offers=(f"take over {robot}",), robot=robot, others=allowed.preempts,
+        )  # fmt: skip
+
+    def _shown(self, robot: RobotId) -> str:
+        return self._profiles[robot].shown
+
+    def _who_grants(self, who: tuple[PrincipalId, ...]) -> str:
+        names = [self._organiser.name_of(principal) for principal in who]
+        if not names:
+            return "The operator of this place can give it."
+        return f"{' or '.join(names)} can give it."
+
+    def _not_granted(self, denied: Denied) -> Refusal:
+        role = f'the right "{denied.roles[0]}"' if denied.roles else "a right nobody has yet"
+        what = _spoken(denied.ask.skill).capitalize()
+        shown = self._shown(denied.ask.robot)
+        return NotPermitted(f"{what} needs {role} on {shown}. {self._who_grants(denied.who)}")
+
+    def _right_ended(self, denied: Denied) -> Refusal:
+        what = _spoken(denied.ask.skill).capitalize()
+        when = self._organiser.moment(denied.ask.principal, denied.when_ns or 0)
+        shown = self._shown(denied.ask.robot)
+        return NotPermitted(
+            f"{what} on {shown}: your right ended {when}. {self._who_grants(denied.who)}"
+        )
+
+    def _too_narrow(self, denied: Denied) -> Refusal:
+        what, shown = _spoken(denied.ask.skill).capitalize(), self._shown(denied.ask.robot)
+        return NotPermitted(
+            f"{what} on {shown} is outside what your key is for. {self._who_grants(denied.who)}"
+        )
+
+    def _too_weak(self, denied: Denied) -> Refusal:
+        what, shown = _spoken(denied.ask.skill).capitalize(), self._shown(denied.ask.robot)
+        wanted = ANY_CHANNEL.get(denied.channel or Assurance.LOCAL, "a better protected chat")
+        return NotPermitted(f"{what} on {shown} needs {wanted}. This chat is not enough.")
+
+    def _over_limit(self, denied: Denied) -> Refusal:
+        limit = denied.limit
+        said = limit.said if limit is not None else "a limit"
+        what, shown = _spoken(denied.ask.skill), self._shown(denied.ask.robot)
+        return OutOfBounds(
+            f"{shown}: for you, {what} is allowed with {said}. Nothing was done. "
+            + self._who_grants(denied.who).replace("give it", "allow more")
+        )
+
+    def _stopped(self, denied: Denied) -> Refusal:
+        robot = denied.ask.robot
+        stopped = self._stops[robot]
+        by = f", by {self._organiser.name_of(stopped.by)}" if stopped.by else ""
+        return RobotStopped(
+            f"{self._shown(robot)} is stopped{by}. It stays stopped until someone who may resumes "
+            "it. Nothing was done.",
+            offers=(f"resume {robot}",),
+        )
+
+    def _slot(self, denied: Denied) -> Refusal:
+        calendar, robot = self._organiser.calendar, denied.ask.robot
+        required = self._profiles[robot].slots is Slots.REQUIRED
+        principal = denied.ask.principal
+        hindrance = calendar.why_not(principal, robot, self._organiser.wall_ns(), required)
+        if hindrance is None:
+            return RobotTaken(f"{self._shown(robot)} is somebody else's now.")
+        return calendar.refusal(hindrance, principal)
+
+    def _taken(self, denied: Denied) -> Refusal:
+        robot = denied.ask.robot
+        when, wait_s = self._organiser.free_in(robot)
+        return RobotTaken(
+            f"{self._shown(robot)} is taken by {self._organiser.name_of(denied.holder or '')}. "
+            f"{when} {max(1, round(wait_s))} s.",
+            offers=(f"wait {robot}",),
+        )
+
+
+def _spoken(skill: str) -> str:
+    return skill.replace("_", " ")

@@ -1,0 +1,149 @@
+"""Who was given what besides their own roles: grants, each with an end of its own."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.identity import PrincipalId
+from rosic.core.record import Decided, Fact
+from rosic.core.roles import Grant
+from rosic.errors import NotUnderstood
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.record import Record
+
+GRANT = "grant"
+MOST = 64  # for one person; more are a role that nobody has named yet
+
+log = logging.getLogger("rosic.organiser")
+
+
+class Given(msgspec.Struct, frozen=True):
+    """The body of the fact: whose grant it is."""
+
+    principal: PrincipalId
+    grant: Grant
+
+
+class Roster:
+    """Everybody's roles and grants, as they are written down.
+
+    Roles without end or bounds are the person's own; whatever ends or is bounded is a grant.
+
+    Attributes:
+        own_limits: What somebody has set for themselves: a cap on their speed.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self.own_limits: Callable[[PrincipalId], tuple[str, ...]] = _no_limits
+        self._clock = clock
+        self._roles: dict[PrincipalId, tuple[str, ...]] = {}
+        self._grants: dict[PrincipalId, dict[str, Grant]] = {}
+
+    def restore(self, facts: Iterable[Fact]) -> None:
+        """Take over what earlier runs wrote."""
+        for fact in facts:
+            self.apply(fact)
+
+    def apply(self, fact: Fact) -> PrincipalId | None:
+        """Let a fact be so. Return whose rights changed; None if it cannot be read."""
+        if not fact.body:
+            for principal, grants in self._grants.items():
+                if grants.pop(fact.key, None) is not None:
+                    return principal
+            return None
+        try:
+            given = msgspec.msgpack.decode(fact.body, type=Given)
+        except msgspec.MsgspecError:
+            log.exception("a grant cannot be read; it gives nothing")
+            return None
+        self._grants.setdefault(given.principal, {})[fact.key] = given.grant
+        return given.principal
+
+    def set_roles(self, principal: PrincipalId, roles: tuple[str, ...]) -> None:
+        """Say which roles are somebody's own; none: they are nobody any more."""
+        if roles:
+            self._roles[principal] = roles
+        else:
+            self._roles.pop(principal, None)
+
+    def forget(self, principal: PrincipalId) -> None:
+        """Take everything from somebody, in memory: their key has ended."""
+        self._roles.pop(principal, None)
+        self._grants.pop(principal, None)
+
+    def grants_of(self, principal: PrincipalId) -> tuple[Grant, ...]:
+        """Return everything somebody holds, their own roles first, under their own limits."""
+        own = [Grant(role=role) for role in self._roles.get(principal, ())]
+        found = (*own, *self._grants.get(principal, {}).values())
+        limits = self.own_limits(principal)
+        if not limits:
+            return found
+        return tuple(
+            msgspec.structs.replace(grant, limits=(*grant.limits, *limits)) for grant in found
+        )
+
+    def everybody(self) -> Mapping[PrincipalId, tuple[Grant, ...]]:
+        """Return everybody's grants; walks everybody."""
+        return {who: self.grants_of(who) for who in {*self._roles, *self._grants}}
+
+    def next_end_ns(self, after_ns: int) -> int | None:
+        """Return when the next grant ends, wall clock; None if none does. Walks everybody."""
+        ends = [
+            grant.expires_ns
+            for grants in self._grants.values()
+            for grant in grants.values()
+            if grant.expires_ns is not None and grant.expires_ns > after_ns
+        ]
+        return min(ends, default=None)
+
+    def ended(self, now_ns: int) -> tuple[Fact, ...]:
+        """Return what is to be written so that ended grants take no room any more."""
+        return tuple(
+            Fact(kind=GRANT, key=key, body=b"")
+            for grants in self._grants.values()
+            for key, grant in grants.items()
+            if grant.expires_ns is not None and grant.expires_ns <= now_ns
+        )
+
+    def give(
+        self, principal: PrincipalId, grants: Iterable[Grant], by: PrincipalId
+    ) -> tuple[Record, ...]:
+        """Return the records that give somebody more.
+
+        Raises:
+            NotUnderstood: They have too many grants already; nothing changed.
+        """
+        grants = tuple(grants)
+        if len(self._grants.get(principal, {})) + len(grants) > MOST:
+            raise NotUnderstood(
+                f"That would be more than {MOST} separate rights for one person. "
+                "Make a role of them."
+            )
+        now_ns = self._clock.wall_ns()
+        decided = tuple(
+            Decided(act="grant", by=by, about=principal, at_ns=now_ns, digest=grant.id.encode())
+            for grant in grants
+        )
+        return (*decided, *(fact_of(principal, grant) for grant in grants))
+
+    def take(self, principal: PrincipalId, by: PrincipalId) -> tuple[Record, ...]:
+        """Return the records that take every grant from somebody; their own roles stay."""
+        now_ns = self._clock.wall_ns()
+        gone = [Fact(kind=GRANT, key=key, body=b"") for key in self._grants.get(principal, {})]
+        return (Decided(act="ungrant", by=by, about=principal, at_ns=now_ns), *gone)
+
+
+def _no_limits(_principal: PrincipalId) -> tuple[str, ...]:
+    return ()
+
+
+def fact_of(principal: PrincipalId, grant: Grant) -> Fact:
+    """Return a grant as it is written down."""
+    return Fact(kind=GRANT, key=grant.id, body=msgspec.msgpack.encode(Given(principal, grant)))

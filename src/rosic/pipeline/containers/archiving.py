@@ -1,0 +1,145 @@
+"""``/archive``: whether the messages of this chat are kept, and how they are taken out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.container import archived, export
+from rosic.container.archive import DAYS
+from rosic.container.words_container import NOT_ON
+from rosic.core.message import Button
+from rosic.core.record import Decided
+from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, StoreFault
+from rosic.organiser.words_calendar import moment
+from rosic.pipeline.containers import words_containers as words
+from rosic.pipeline.containers.parts import all_facts
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.replies import LEAVE
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.container.archived import ChatKey
+    from rosic.core.message import Chat
+    from rosic.pipeline.containers.parts import Holdings, Vault
+    from rosic.pipeline.office import Asked
+
+ROOM = 3_400  # characters of an export that fit into a message, with what is said about it
+CONFIRMED = "confirmed"
+FORMS = ("text", "jsonl", "xlsx")
+
+
+class Archiving:
+    """The clerk of archives. Whoever is in a chat may ask; admins decide."""
+
+    def __init__(self, holdings: Holdings) -> None:
+        self._holdings = holdings
+        self._archive = holdings.archive
+
+    async def archive(self, asked: Asked) -> Reply:
+        """Say whether this chat is kept, or change it, or show what is kept.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        said = asked.rest.casefold().split()
+        if not said:
+            return self._state(asked)
+        if not self._holdings.may_archive(asked.caller.principal):
+            raise NotPermitted(words.NOT_YOURS)
+        if said[0] == "on":
+            return await self._begin(asked, said[1:])
+        if said[0] == "off" and len(said) == 1:
+            return await self._end(asked)
+        if said[0] == "erase":
+            return await self._erase(asked, sure=said[1:] == [CONFIRMED])
+        if said[0] == "export" and len(said) <= 2:  # noqa: PLR2004 - the word and the form
+            return await self._export(asked.inbound.chat, said[1] if len(said) > 1 else FORMS[0])
+        raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive",))
+
+    def _state(self, asked: Asked) -> Reply:
+        known = self._archive.state(asked.inbound.chat)
+        if known is None or not known.switch.on:
+            return Reply(words.archive_off(0 if known is None else len(known.entries)))
+        zone = self._holdings.zone_of(asked.caller.principal)
+        since = moment(known.switch.at_ns, self._holdings.clock.wall_ns(), zone)
+        name, count = self._holdings.name(known.switch.by), len(known.entries)
+        return Reply(words.archive_on(name, since, known.switch.days, count, known.size))
+
+    async def _begin(self, asked: Asked, said: Sequence[str]) -> Reply:
+        days, by = _days(said), asked.caller.principal
+        async with self._holdings.changes.turn() as turn:
+            await turn.write(
+                self._archive.begin(asked.messenger.name, asked.inbound.chat, by, days=days)
+            )
+        return Reply(words.begun(self._holdings.name(by), days))
+
+    async def _end(self, asked: Asked) -> Reply:
+        by = asked.caller.principal
+        async with self._holdings.changes.turn() as turn:
+            await turn.write(self._archive.end(asked.inbound.chat, by))
+        known = self._archive.state(asked.inbound.chat)
+        days = DAYS if known is None else known.switch.days
+        return Reply(words.ended(self._holdings.name(by), days))
+
+    async def _erase(self, asked: Asked, *, sure: bool) -> Reply:
+        key = archived.chat_key(asked.inbound.chat)
+        if self._archive.state(asked.inbound.chat) is None:
+            raise NotUnderstood(NOT_ON)
+        if not sure:
+            yes = Button(words.YES_ERASE, f"/archive erase {CONFIRMED}")
+            return Reply(words.ERASE_SURE, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+        async with self._holdings.changes.turn() as turn:
+            now_ns, by = self._holdings.clock.wall_ns(), asked.caller.principal
+            decided = Decided(act="erase-archive", by=by, about=key, at_ns=now_ns)
+            await turn.write((decided, *self._archive.drop(key)))
+        return Reply(words.ARCHIVE_ERASED)
+
+    async def _export(self, chat: Chat, form: str) -> Reply:
+        if form not in FORMS:
+            raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive export text",))
+        if form == "xlsx":
+            return Reply(words.SPREADSHEET_LATER)
+        try:
+            found = await rows_of(self._holdings.vault, archived.chat_key(chat))
+        except StoreFault as fault:
+            raise RecordUnavailable(words.NOT_READABLE) from fault
+        if not found:
+            return Reply(words.NO_MESSAGES)
+        make = export.archive_as_text if form == FORMS[0] else export.archive_as_jsonl
+        return Reply(newest(make(found).splitlines(), ROOM, words.TO_EXPORT))
+
+
+def _days(said: Sequence[str]) -> int:
+    """Return for how long messages are to be kept: ``30``, ``30 days``; nothing is the default.
+
+    Raises:
+        NotUnderstood: It is no number of days.
+    """
+    if not said:
+        return DAYS
+    unit = " ".join(said[1:])
+    if not (said[0].isascii() and said[0].isdecimal()) or unit not in {"", "day", "days"}:
+        raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive on",))
+    return int(said[0][:6])
+
+
+async def rows_of(vault: Vault, key: ChatKey) -> list[export.Row]:
+    """Return every entry of an archive, in order.
+
+    Raises:
+        StoreFault: They cannot be read now.
+    """
+    return export.rows(await all_facts(vault, archived.ENTRY, f"{key}."))
+
+
+def newest(lines: Sequence[str], room: int, command: str) -> str:
+    """Return the newest lines that fit into a message, and what to do about the rest."""
+    shown: list[str] = []
+    for line in reversed(lines):
+        room -= len(line) + 1
+        if room < 0:
+            shown.append(words.rest_left_out(len(lines) - len(shown), command))
+            break
+        shown.append(line)
+    return "\n".join(reversed(shown))

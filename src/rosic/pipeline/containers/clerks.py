@@ -1,0 +1,52 @@
+"""Who does which errand about what is kept; who keeps which facts; what the other rooms end."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.container import archived, preferences, shelf
+from rosic.pipeline.containers import erasing as erasing_of
+from rosic.pipeline.containers.archiving import Archiving
+from rosic.pipeline.containers.keeping import Keeping
+from rosic.pipeline.containers.mine import Mine
+from rosic.pipeline.containers.settings import Settings
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rosic.core.record import Fact
+    from rosic.pipeline.containers.erasing import Erasing
+    from rosic.pipeline.containers.parts import Holdings
+    from rosic.pipeline.office import Office
+
+
+def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> None:
+    """Let settings, language, mydata, forget, archive and data be done."""
+    settings, mine = Settings(holdings), Mine(holdings, erasing)
+    office.employ("settings", settings.settings)
+    office.employ("language", settings.language)
+    office.employ("mydata", mine.my_data)
+    office.employ("forget", mine.forget)
+    office.employ("archive", Archiving(holdings).archive)
+    office.employ("data", Keeping(holdings).data)
+
+
+def keepers(holdings: Holdings, erasing: Erasing) -> Mapping[str, Callable[[Fact], object]]:
+    """Return who keeps which kind of fact. A switch comes before the entries of its chat."""
+    return {
+        preferences.KIND: holdings.preferences.apply,
+        shelf.KIND: holdings.shelf.apply,
+        shelf.LOAN: holdings.shelf.apply,
+        shelf.QUOTA: holdings.shelf.apply,
+        archived.SWITCH: holdings.archive.apply,
+        archived.ENTRY: holdings.archive.apply,
+        erasing_of.KIND: erasing.apply,
+    }
+
+
+def take_over(facts: Mapping[str, tuple[Fact, ...]], holdings: Holdings, erasing: Erasing) -> None:
+    """Take over what earlier runs wrote, and say who keeps it from now on."""
+    for kind, apply in keepers(holdings, erasing).items():
+        for fact in facts.get(kind, ()):
+            apply(fact)
+        holdings.changes.keep(kind, apply)

@@ -1,0 +1,75 @@
+"""``/mydata`` and ``/forget me``: what is kept about somebody, and ending it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.container import export
+from rosic.core.message import Button
+from rosic.errors import NotUnderstood, RecordUnavailable, StoreFault
+from rosic.pipeline.containers import words_containers as words
+from rosic.pipeline.containers.archiving import ROOM, newest
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.office import check_private
+from rosic.pipeline.replies import LEAVE
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.record import Fact
+    from rosic.pipeline.containers.erasing import Erasing
+    from rosic.pipeline.containers.parts import Holdings
+    from rosic.pipeline.office import Asked
+
+EXPORT = "export"
+ME = frozenset({"me", "myself", "my data", "mydata"})
+CONFIRMED = "me confirmed"
+OPERATORS = "rosic container export"
+
+
+class Mine:
+    """The clerk of everybody's own container; answers nobody about another's (I11)."""
+
+    def __init__(self, holdings: Holdings, erasing: Erasing) -> None:
+        self._holdings = holdings
+        self._erasing = erasing
+
+    async def my_data(self, asked: Asked) -> Reply:
+        """Say what is kept, or show it.
+
+        Raises:
+            Refusal: Others read along, or it cannot be read now.
+        """
+        check_private(asked)
+        said = asked.rest.strip().casefold()
+        if said not in {"", EXPORT}:
+            raise NotUnderstood(words.HOW_TO_FORGET, offers=("/mydata", f"/mydata {EXPORT}"))
+        found = await self._belongings(asked.caller.principal)
+        if said == EXPORT:
+            lines = export.container_as_jsonl(found).splitlines()
+            return Reply(newest(lines, ROOM, OPERATORS) or words.NOTHING_KEPT)
+        row = (Button(words.EXPORT, f"/mydata {EXPORT}"), Button(words.FORGET, "/forget me"))
+        return Reply(words.my_data(export.summary(found)), (row,))
+
+    async def _belongings(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        try:
+            return await self._holdings.vault.belongings(principal)
+        except StoreFault as fault:
+            raise RecordUnavailable(words.NOT_READABLE) from fault
+
+    async def forget(self, asked: Asked) -> Reply:
+        """Ask once, then erase whoever asks.
+
+        Raises:
+            Refusal: Others read along, somebody else is meant, the last admin, or it cannot be
+                written.
+        """
+        check_private(asked)
+        said, principal = " ".join(asked.rest.casefold().split()), asked.caller.principal
+        if said == CONFIRMED:
+            erased = await self._erasing.erase(principal, principal)
+            return Reply(words.FORGOTTEN if erased.at_rest else words.FORGOTTEN_MOVING)
+        if said not in ME:
+            raise NotUnderstood(words.ONLY_ME if said else words.HOW_TO_FORGET)
+        self._erasing.check(principal, principal)
+        yes = Button(words.YES_FORGET, f"/forget {CONFIRMED}")
+        return Reply(words.SURE, ((yes,), (Button(words.LEAVE_IT, LEAVE),)))

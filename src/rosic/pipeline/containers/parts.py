@@ -1,0 +1,91 @@
+"""What the clerks of containers work with, as the composition root made it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+import msgspec
+
+from rosic.container.archive import Archive
+from rosic.container.preferences import PreferenceBook
+from rosic.container.shelf import Shelf
+from rosic.contracts.clock import Clock
+from rosic.core.identity import PrincipalId
+from rosic.core.robot import RobotId
+from rosic.organiser.zones import Zone
+from rosic.pipeline.changes import Changes
+
+if TYPE_CHECKING:
+    from rosic.core.record import Fact
+
+PAGE = 500
+
+
+@runtime_checkable
+class Vault(Protocol):
+    """What a record owes to whoever looks into containers; both stores keep it.
+
+    Every method raises StoreFault when the record cannot be read now, or changed.
+    """
+
+    async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
+        """Return at most so many facts of a kind, by key, from behind a key on."""
+        ...
+
+    async def belongings(self, container: str) -> tuple[Fact, ...]:
+        """Return everything in a container, unsealed."""
+        ...
+
+    async def containers(self) -> tuple[str, ...]:
+        """Return whose containers there are."""
+        ...
+
+    async def shred(self, container: str) -> None:
+        """Erase the key of a container; doing it again is safe."""
+        ...
+
+
+class Holdings(msgspec.Struct, frozen=True, kw_only=True):
+    """The container room's books, and what the other rooms say about people and robots.
+
+    Attributes:
+        name: How a principal is shown.
+        shown: How a robot is shown; any other name as it is.
+        visible: The robots that somebody may see.
+        choices: What may be meant when none is named: their robots and groups.
+        zone_of: Where somebody reads times.
+        may_archive: Whether somebody decides about archives.
+        robots: Every robot's id.
+    """
+
+    preferences: PreferenceBook
+    shelf: Shelf
+    archive: Archive
+    vault: Vault
+    changes: Changes
+    clock: Clock
+    name: Callable[[PrincipalId], str]
+    shown: Callable[[RobotId], str]
+    visible: Callable[[PrincipalId], frozenset[RobotId]]
+    choices: Callable[[PrincipalId], frozenset[str]]
+    zone_of: Callable[[PrincipalId], Zone]
+    may_archive: Callable[[PrincipalId], bool]
+    robots: frozenset[RobotId]
+
+
+async def all_facts(vault: Vault, kind: str, prefix: str) -> tuple[Fact, ...]:
+    """Return every fact of a kind whose key begins so; in pages, so that writes pass between.
+
+    Raises:
+        StoreFault: They cannot be read now.
+    """
+    found: list[Fact] = []
+    after = prefix
+    while True:
+        page = await vault.facts(kind, after, PAGE)
+        ours = [fact for fact in page if fact.key.startswith(prefix)]
+        found += ours
+        if len(ours) < PAGE:
+            return tuple(found)
+        after = page[-1].key

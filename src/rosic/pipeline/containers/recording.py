@@ -1,0 +1,122 @@
+"""A messenger whose chats can be kept: everything that passes is taken into the archive."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+import msgspec
+
+from rosic.container.archive import NOBODY, Author
+from rosic.core.identity import Address
+from rosic.core.message import ChatKind
+from rosic.errors import StoreFault
+
+if TYPE_CHECKING:
+    from rosic.container.archive import Archive
+    from rosic.contracts.messenger import Messenger, Receive
+    from rosic.contracts.store import Store
+    from rosic.core.message import Chat, Inbound, Outbound
+    from rosic.core.record import Fact
+
+AuthorOf: TypeAlias = Callable[[Address], Author]
+
+NOT_KEPT: Final = "(not kept)"
+_SECRET_ERRANDS: Final = frozenset({"/code", "code", "/start", "start"})
+_AUTHENTICATOR: Final = "otpauth://"
+
+
+class Recorded:
+    """Stands before a messenger and passes everything on, whatever becomes of the archive.
+
+    What is received is on disk before its receiving ends, so that the platform sends it again if
+    this process dies before; that it was received before is known by its identity. It is written
+    beside being followed: a stop waits for no disk. What is sent is written down without waiting.
+
+    Args:
+        messenger: The one that speaks.
+        archive: Which chats are kept.
+        store: Where entries go.
+        author_of: Who is known at an address.
+    """
+
+    def __init__(
+        self, messenger: Messenger, archive: Archive, store: Store, author_of: AuthorOf
+    ) -> None:
+        self.platform = messenger.platform
+        self.name = messenger.name
+        self.assurance = messenger.assurance
+        self.edits = messenger.edits
+        self._messenger = messenger
+        self._archive = archive
+        self._store = store
+        self._author_of = author_of
+
+    @property
+    def bot_name(self) -> str:
+        """Return the bot's name on its platform; empty where there is none."""
+        return str(getattr(self._messenger, "bot_name", ""))
+
+    async def run(self, receive: Receive) -> None:
+        """Listen; see ``contracts.messenger``."""
+
+        async def take(inbound: Inbound) -> None:
+            if not self._archive.keeps(inbound.chat):
+                await receive(inbound)
+                return
+            facts = self._archive.hear(_without_secret(inbound), self._author_of(inbound.sender))
+            writing = asyncio.ensure_future(self._write(facts))
+            try:
+                await receive(inbound)
+            finally:
+                await writing
+
+        await self._messenger.run(take)
+
+    async def _write(self, facts: tuple[Fact, ...]) -> None:
+        if not facts:
+            return
+        try:
+            await self._store.write(*facts)
+        except StoreFault:
+            self._archive.unwritten(facts)
+
+    async def send(self, outbound: Outbound) -> str:
+        """Send; see ``contracts.messenger``."""
+        message = await self._messenger.send(outbound)
+        self._say(message, outbound)
+        return message
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Change what was sent; the archive shows what it was changed to."""
+        await self._messenger.edit(message, outbound)
+        self._say(message, outbound)
+
+    async def answer_tap(self, inbound: Inbound, text: str) -> None:
+        """Answer a tap; what is shown for a moment only is not kept."""
+        await self._messenger.answer_tap(inbound, text)
+
+    def _say(self, message: str, outbound: Outbound) -> None:
+        if not self._archive.keeps(outbound.chat):
+            return
+        if _AUTHENTICATOR in outbound.text:
+            outbound = msgspec.structs.replace(outbound, text=NOT_KEPT)
+        facts = self._archive.say(message, outbound, self._reader(outbound.chat))
+        if facts:
+            self._store.note(*facts)
+
+    def _reader(self, chat: Chat) -> Author:
+        """Return who reads a private chat, which has the account's own id."""
+        if chat.kind is not ChatKind.PRIVATE:
+            return NOBODY
+        return self._author_of(Address(chat.platform, chat.id))
+
+
+def _without_secret(inbound: Inbound) -> Inbound:
+    """Return a message without a code that it brings, and a tap without what it carries."""
+    first, _, rest = inbound.text.strip().partition(" ")
+    verb = first.casefold().partition("@")[0]
+    if rest and verb in _SECRET_ERRANDS:
+        return msgspec.structs.replace(inbound, text=f"{first} {NOT_KEPT}")
+    return inbound

@@ -1,0 +1,123 @@
+"""``/settings`` and ``/language``: how somebody wants to be served."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.container.preferences import IMPERIAL, METRIC
+from rosic.core.message import Button
+from rosic.errors import NotUnderstood
+from rosic.organiser.zones import known_zones, zone_named
+from rosic.pipeline.containers import words_containers as words
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.office import check_private
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.core.identity import PrincipalId
+    from rosic.core.record import Fact
+    from rosic.pipeline.containers.parts import Holdings
+    from rosic.pipeline.office import Asked
+
+LANGUAGE, UNITS, ROBOT, SPEED, ZONE = "language", "units", "robot", "speed", "zone"
+NAMES: Mapping[str, str] = {
+    LANGUAGE: LANGUAGE, "lang": LANGUAGE,
+    UNITS: UNITS, "unit": UNITS,
+    ROBOT: ROBOT, "default": ROBOT,
+    SPEED: SPEED, "limit": SPEED, "cap": SPEED,
+    ZONE: ZONE, "timezone": ZONE,
+}  # fmt: skip
+
+
+class Settings:
+    """The clerk of settings."""
+
+    def __init__(self, holdings: Holdings) -> None:
+        self._holdings = holdings
+        self._book = holdings.preferences
+
+    async def settings(self, asked: Asked) -> Reply:
+        """Show everything, or set one thing.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        what, _, value = asked.rest.strip().partition(" ")
+        if not what:
+            check_private(asked)
+            return self._show(asked.caller.principal)
+        wanted, value = NAMES.get(what.casefold()), value.strip()
+        if what.casefold() == "time" and value.casefold().startswith(ZONE):
+            wanted, value = ZONE, value[len(ZONE) :].strip()
+        if wanted is None:
+            raise NotUnderstood(words.no_such_setting(what), offers=("/settings",))
+        return await self._set(asked.caller.principal, wanted, value)
+
+    async def language(self, asked: Asked) -> Reply:
+        """Set the language, or offer those there are.
+
+        Raises:
+            Refusal: Not spoken here; nothing was changed.
+        """
+        said = asked.rest.strip()
+        if said:
+            return await self._set(asked.caller.principal, LANGUAGE, said)
+        book = self._book
+        row = tuple(Button(names[0], f"/language {code}") for code, names in book.languages.items())
+        return Reply(book.languages[self._spoken(asked.caller.principal)][0], (row,))
+
+    async def _set(self, principal: PrincipalId, what: str, value: str) -> Reply:
+        async with self._holdings.changes.turn() as turn:
+            facts = self._decide(principal, what, value)
+            await turn.write(facts)
+        kept = self._book.of(principal)
+        if what == SPEED and kept.speed:
+            limits = self._book.limits(principal)
+            robots = dict.fromkeys(limit.partition(":")[0] for limit in limits)
+            seen = self._holdings.visible(principal)
+            shown = [self._holdings.shown(robot) for robot in robots if robot in seen]
+            return Reply(words.speed_set(kept.speed, shown or ["robots you get later"]))
+        return Reply(words.SAVED)
+
+    def _decide(self, principal: PrincipalId, what: str, value: str) -> tuple[Fact, ...]:
+        book = self._book
+        if what == LANGUAGE:
+            return book.set_language(principal, value)
+        if what == UNITS:
+            return book.set_units(principal, value)
+        if what == ROBOT:
+            return book.set_robot(principal, value, self._holdings.choices(principal))
+        if what == SPEED:
+            return book.set_speed(principal, value)
+        return book.set_zone(principal, value, _zone)
+
+    def _spoken(self, principal: PrincipalId) -> str:
+        """Return the code of the language somebody is spoken to in."""
+        languages, code = self._book.languages, self._book.of(principal).language
+        return code if code in languages else next(iter(languages))
+
+    def _show(self, principal: PrincipalId) -> Reply:
+        kept, languages = self._book.of(principal), self._book.languages
+        robot = self._holdings.shown(kept.robot) if kept.robot else ""
+        zone = self._holdings.zone_of(principal).name
+        text = words.settings(kept, languages[self._spoken(principal)][0], robot, zone)
+        other = METRIC if kept.units == IMPERIAL else IMPERIAL
+        row = [Button(other.capitalize(), f"/settings {UNITS} {other}")]
+        row += [
+            Button(names[0], f"/{LANGUAGE} {code}")
+            for code, names in languages.items()
+            if code != self._spoken(principal)
+        ]
+        return Reply(text, (tuple(row),))
+
+
+def _zone(said: str) -> str:
+    """Return the proper name of a zone; small letters will do.
+
+    Raises:
+        OutOfBounds: There is none; says which may have been meant.
+    """
+    wanted = said.replace(" ", "_").casefold()
+    exact = next((zone for zone in known_zones() if zone.casefold() == wanted), said)
+    return zone_named(exact).name

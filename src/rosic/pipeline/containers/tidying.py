@@ -1,0 +1,28 @@
+"""Once a day: what is kept longer than was said goes, and who was erased is erased wholly."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rosic.pipeline.containers.erasing import Erasing
+    from rosic.pipeline.containers.parts import Holdings
+
+
+async def tidy(holdings: Holdings, erasing: Erasing) -> int:
+    """Forget entries of archives that are too old, and finish erasing. Return how many entries.
+
+    Goes in small steps, so that other changes pass between them.
+
+    Raises:
+        RecordUnavailable: Not all were forgotten; the rest is tried the next time.
+    """
+    await erasing.finish()
+    total = 0
+    while True:
+        async with holdings.changes.turn() as turn:
+            facts = holdings.archive.outdated()
+            await turn.write(facts)
+        if not facts:
+            return total
+        total += len(facts)

@@ -1,0 +1,137 @@
+"""A robot passes from one person to the next: what moves ends first, and rest is measured."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.reach import FLEET
+from rosic.errors import NotPermitted, NotUnderstood, RobotBusy
+from rosic.pipeline.desk import Reply
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.lives import Lives
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.reach import Reach
+    from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.stopping import StopLane
+
+LOOK_S = 0.05
+
+
+class Handover:
+    """Ends somebody's time with a robot without latching it for whoever comes next.
+
+    What does not come to rest by itself is stopped, and stays stopped.
+    """
+
+    def __init__(
+        self, rooms: Rooms, lives: Lives, stop_lane: StopLane, reach: Reach, clock: Clock
+    ) -> None:
+        self._rooms = rooms
+        self._lives = lives
+        self._stop_lane = stop_lane
+        self._reach = reach
+        self._clock = clock
+
+    async def end(self, robot: RobotId, reason: str) -> bool:
+        """End what a robot does for its holder and give it back.
+
+        Args:
+            robot: Which.
+            reason: Why, as it stands in the outcome: ``your time is over``.
+
+        Returns:
+            Whether it was measured at rest, or its side cannot say; if not, it was stopped, and
+            stays stopped until somebody resumes it.
+        """
+        linker, organiser = self._rooms.linker, self._rooms.organiser
+        patience_s = linker.profile(robot).rest_timeout_s
+        await self._lives.cut(robot, reason)
+        deadline_ns = self._clock.monotonic_ns() + int(patience_s * 1e9)
+        while linker.presence(robot).at_rest is False:
+            if self._clock.monotonic_ns() >= deadline_ns:
+                self._stop_lane.stop_robots((robot,), "")
+                organiser.release(robot)
+                return False
+            await self._clock.sleep(LOOK_S)
+        organiser.release(robot)
+        return True
+
+    async def take(self, asked: Asked) -> Reply:
+        """Take a robot over from somebody of a lower role: ``take over omni``.
+
+        Raises:
+            NotUnderstood: No such robot, or nobody has it.
+            NotPermitted: Not from them.
+            RobotBusy: It did not come to rest; it is stopped now.
+        """
+        robot = self._robot(asked)
+        shown = self._rooms.linker.profile(robot).shown
+        who = asked.caller.principal
+        others = [p for p in self._in_the_way(robot) if p != who]
+        if not others:
+            raise NotUnderstood(f"{shown} is free. Say what it should do.")
+        if not all(self._outranks(who, other, robot) for other in others):
+            names = " and ".join(map(self._rooms.organiser.name_of, others))
+            raise NotPermitted(f"{shown} is {names}'s now, and not yours to take over.")
+        name = asked.caller.name
+        self._reach.tell(others, f"{name} takes {shown} over now.", urgent=True)
+        if not await self.end(robot, f"{name} took it over"):
+            raise RobotBusy(
+                f"{shown} has not come to rest. It is stopped; look before you resume it."
+            )
+        self._rooms.organiser.yielded(robot, who)
+        return Reply(f"{shown} is yours now. {' and '.join(map(self._name, others))} was told.")
+
+    async def give_back(self, asked: Asked) -> Reply:
+        """End one's own time with a robot, or somebody's, for whoever looks after the place.
+
+        Raises:
+            NotUnderstood: No such robot, or nobody has it.
+            NotPermitted: It is somebody else's.
+            RobotBusy: It did not come to rest; it is stopped now.
+        """
+        robot = self._named(asked.rest.strip(), asked)
+        shown = self._rooms.linker.profile(robot).shown
+        organiser, who = self._rooms.organiser, asked.caller.principal
+        holder = organiser.holder(robot)
+        if holder is None:
+            raise NotUnderstood(f"Nobody has {shown}.")
+        if holder != who and not organiser.rights.holds(who, FLEET, "slots", organiser.wall_ns()):
+            raise NotPermitted(f"{shown} is {self._name(holder)}'s now. Only they can end that.")
+        if not await self.end(robot, f"{asked.caller.name} ended the session"):
+            raise RobotBusy(
+                f"{shown} has not come to rest. It is stopped; look before you resume it."
+            )
+        if holder != who:
+            self._reach.tell((holder,), f"{asked.caller.name} ended your time with {shown}.")
+        return Reply(f"Session ended. {shown} is at rest, and free.")
+
+    def _name(self, principal: PrincipalId) -> str:
+        return self._rooms.organiser.name_of(principal)
+
+    def _robot(self, asked: Asked) -> RobotId:
+        words = asked.rest.split()
+        said = words[1] if words[:1] == ["over"] and len(words) > 1 else " ".join(words)
+        return self._named(said, asked)
+
+    def _named(self, named: str, asked: Asked) -> RobotId:
+        robot = named.casefold()
+        if robot not in self._rooms.organiser.visible(asked.caller.principal):
+            raise NotUnderstood(f"I know no robot called {named}.")
+        return robot
+
+    def _in_the_way(self, robot: RobotId) -> list[PrincipalId]:
+        organiser = self._rooms.organiser
+        slot = organiser.calendar.present(robot, self._clock.wall_ns())
+        found = [organiser.holder(robot), slot.principal if slot is not None else None]
+        return list(dict.fromkeys(p for p in found if p is not None))
+
+    def _outranks(self, who: PrincipalId, other: PrincipalId, robot: RobotId) -> bool:
+        rights, now_ns = self._rooms.organiser.rights, self._clock.wall_ns()
+        return rights.may_take_over(robot) and rights.priority(
+            who, robot, now_ns
+        ) > rights.priority(other, robot, now_ns)

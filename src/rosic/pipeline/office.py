@@ -1,0 +1,74 @@
+"""What is asked of ROSIC itself: who am I, invite somebody, book a robot. A clerk for each verb."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, TypeAlias
+
+import msgspec
+
+from rosic.contracts.messenger import Messenger
+from rosic.core.identity import Caller, CommandId
+from rosic.core.message import ChatKind, Inbound
+from rosic.errors import NotPermitted, NotUnderstood
+from rosic.pipeline.desk import Reply
+
+if TYPE_CHECKING:
+    from rosic.core.language import Errand
+
+ONLY_IN_PRIVATE = "Ask me that in a private chat with me, please."
+
+
+class Asked(msgspec.Struct, frozen=True):
+    """One errand, and who asked for it, where.
+
+    Attributes:
+        rest: The line after the verb, as typed.
+        cid: Identity of the line, for what must not happen twice.
+    """
+
+    messenger: Messenger
+    inbound: Inbound
+    caller: Caller
+    rest: str
+    cid: CommandId
+
+    @property
+    def private(self) -> bool:
+        """Whether nobody else can read along."""
+        return self.inbound.chat.kind is ChatKind.PRIVATE
+
+
+Clerk: TypeAlias = Callable[[Asked], Awaitable[Reply]]
+
+
+class Office:
+    """Brings an errand to whoever does it."""
+
+    def __init__(self) -> None:
+        self._clerks: dict[str, Clerk] = {}
+
+    def employ(self, verb: str, clerk: Clerk) -> None:
+        """Say who does errands of a verb."""
+        self._clerks[verb] = clerk
+
+    async def do(self, errand: Errand, asked: Asked) -> Reply:
+        """Do an errand, and return what to say.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        clerk = self._clerks.get(errand.verb)
+        if clerk is None:
+            raise NotUnderstood(f"I cannot do {errand.verb} here.", offers=("help",))
+        return await clerk(asked)
+
+
+def check_private(asked: Asked) -> None:
+    """See that nobody else reads along.
+
+    Raises:
+        NotPermitted: Others do.
+    """
+    if not asked.private:
+        raise NotPermitted(ONLY_IN_PRIVATE)

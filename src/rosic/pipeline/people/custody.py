@@ -1,0 +1,203 @@
+"""``/revoke``, ``/lock`` and ``/unlock``: whose access ends, for good or for now.
+
+What takes rights away is in force before the disk has answered, and whatever it answers.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, TypeGuard
+
+from rosic.authoriser import words_keys
+from rosic.core.message import Button
+from rosic.core.record import Fact
+from rosic.errors import NotPermitted, NotUnderstood
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.office import check_private
+from rosic.pipeline.people import words
+from rosic.pipeline.people.names import CONFIRMED, Names, confirmed
+from rosic.pipeline.people.powers import LOCK, PEOPLE
+from rosic.pipeline.replies import LEAVE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.authoriser.admission import Applicant
+    from rosic.core.identity import Principal, PrincipalId
+    from rosic.core.record import Record
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.people.powers import Powers
+    from rosic.pipeline.people.registry import Registry
+
+MYSELF = frozenset({"me", "myself"})
+
+
+class Custody:
+    """Takes access away and gives a locked person theirs back."""
+
+    def __init__(self, registry: Registry, powers: Powers) -> None:
+        self._registry = registry
+        self._powers = powers
+        self._names = Names(registry)
+        self._directory = registry.authoriser.directory
+        self._locks = registry.locks
+        self._ending: set[asyncio.Future[object]] = set()
+
+    # ---- for good ----
+
+    async def revoke(self, asked: Asked) -> Reply:
+        """Take somebody's keys and grants, after asking once.
+
+        Raises:
+            Refusal: Others read along, not theirs to do, nobody of that name, or the last admin.
+        """
+        by = asked.caller.principal
+        self._powers.check(by, PEOPLE)
+        check_private(asked)
+        said, sure = confirmed(asked.rest)
+        if not said:
+            return Reply(words.HOW_TO_REVOKE)
+        found = self._names.find(said, "revoke", self._has_access, private=True)
+        if isinstance(found, Reply):
+            return found
+        if not sure:
+            self._check_revocable(found)
+            yes = Button(words.REVOKE, f"/revoke {found.id} {CONFIRMED}")
+            question = words.revoke_question(found.name, self._given(found.id))
+            return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+        written = await self._end_for_good(found, by)
+        self._registry.reach.tell((found.id,), words_keys.ENDED)
+        self._tell_admins(by, PEOPLE, words.was_revoked(self._registry.name(by), found.name))
+        return Reply(words.noted(words_keys.revoked(found.name), written=written))
+
+    def _has_access(self, person: Principal) -> bool:
+        return self._directory.has_good_key(person.id)
+
+    def _check_revocable(self, person: Principal) -> None:
+        if not self._has_access(person):
+            raise NotUnderstood(words.no_access(person.name))
+        if self._powers.is_last_admin(person.id, for_good=True):
+            raise NotPermitted(words.last_admin(person.name))
+
+    def _revocation(self, person: Principal, by: PrincipalId) -> tuple[Record, ...]:
+        """Return what ends everything of somebody: what they invited to, asked for and hold."""
+        enrolment, keys = self._registry.enrolment, self._registry.keys
+        made = [i for i in enrolment.invitations.open() if i.issuer == person.id]
+        asked = [a for a in map(enrolment.applicants.at, person.addresses) if self._is_open(a)]
+        good = [key for key in keys.of(person.id) if key.revoked_ns is None]
+        return (
+            *_all(enrolment.invitations.withdraw(i.id, by) for i in made),
+            *_all(enrolment.decline(a.pending.id, by, may_admit=True).records for a in asked),
+            *self._registry.roster.take(person.id, by),
+            *_all(keys.revoke(key.id, by).records for key in good),
+        )
+
+    def _is_open(self, applicant: Applicant | None) -> TypeGuard[Applicant]:
+        """Whether somebody still waits for an admin; whoever waited too long is turned away."""
+        now_ns = self._registry.clock.wall_ns()
+        return applicant is not None and now_ns < applicant.pending.expires_ns
+
+    async def _end_for_good(self, person: Principal, by: PrincipalId) -> bool:
+        async with self._registry.changes.turn() as turn:
+            self._powers.check(by, PEOPLE)  # they may have waited for somebody else's turn
+            self._check_revocable(person)
+            ending = self._begin_to_end(person.id)
+            written = await turn.act(self._revocation(person, by))
+        await ending
+        return written
+
+    def _given(self, principal: PrincipalId) -> str:
+        rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
+        return words.held(rights.grants(principal), now_ns)
+
+    # ---- for now ----
+
+    async def lock(self, asked: Asked) -> Reply:
+        """Lock somebody; in any chat, at once. Everybody may lock themselves.
+
+        Raises:
+            Refusal: Not theirs to do, nobody of that name, or the last admin.
+        """
+        by = asked.caller.principal
+        said, sure = confirmed(asked.rest)
+        if said.casefold() in MYSELF:
+            said = by
+        own = said == by or [p.id for p in self._directory.named(said)] == [by]
+        if not own:
+            self._powers.check(by, LOCK)
+        if not said:
+            return Reply(words.HOW_TO_LOCK)
+        found = self._names.find(said, "lock", self._is_free, private=asked.private)
+        if isinstance(found, Reply):
+            return found
+        if self._powers.is_last_admin(found.id, for_good=False):
+            if found.id != by:
+                raise NotPermitted(words.last_admin(found.name))
+            if not sure:
+                yes = Button(words.LOCK_ME, f"/lock {by} {CONFIRMED}")
+                return Reply(words.LOCK_LAST, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+        written = await self._end_for_now(found.id, by)
+        self._tell_admins(by, LOCK, words.was_locked(self._registry.name(by), found.name))
+        sentence = words.LOCKED_YOURSELF if found.id == by else words_keys.locked(found.name)
+        return Reply(words.noted(sentence, written=written))
+
+    def _is_free(self, person: Principal) -> bool:
+        return not self._locks.locked(person.id)
+
+    async def unlock(self, asked: Asked) -> Reply:
+        """Give a locked person their access back.
+
+        Raises:
+            Refusal: Not theirs to do, nobody of that name, or not locked.
+        """
+        by, said = asked.caller.principal, asked.rest.strip()
+        self._powers.check(by, LOCK)
+        if not said:
+            return Reply(words.how_to_unlock(self._locked_names() if asked.private else ()))
+        found = self._names.find(
+            said, "unlock", lambda person: self._locks.locked(person.id), private=asked.private
+        )
+        if isinstance(found, Reply):
+            return found
+        async with self._registry.changes.turn() as turn:
+            self._powers.check(by, LOCK)
+            await turn.write(self._locks.unlock(found.id, by, found.name))
+        name = self._registry.name(by)
+        self._registry.reach.tell((found.id,), words.you_are_unlocked(name))
+        self._tell_admins(by, LOCK, words.was_unlocked(name, found.name))
+        return Reply(words_keys.unlocked(found.name))
+
+    def _locked_names(self) -> tuple[str, ...]:
+        return tuple(self._registry.name(principal) for principal in self._locks.all())
+
+    async def _end_for_now(self, principal: PrincipalId, by: PrincipalId) -> bool:
+        """Lock at once, whoever holds the turn: somebody else's write may hang on the disk."""
+        records = self._locks.lock(principal, by)
+        for record in records:
+            if isinstance(record, Fact):
+                self._locks.apply(record)
+        ending = self._begin_to_end(principal)
+        async with self._registry.changes.turn() as turn:
+            written = await turn.act(records)
+        await ending
+        return written
+
+    # ---- both ----
+
+    def _begin_to_end(self, principal: PrincipalId) -> asyncio.Future[object]:
+        """End what somebody has in hand, beside the writing: the disk may take its time.
+
+        The task begins when the event loop is let go, and by then it is in force that they may
+        nothing any more.
+        """
+        ending = asyncio.ensure_future(self._registry.ended(principal))
+        self._ending.add(ending)
+        ending.add_done_callback(self._ending.discard)
+        return ending
+
+    def _tell_admins(self, by: PrincipalId, verb: str, text: str) -> None:
+        self._registry.reach.tell(self._powers.holders(verb, besides=by), text, urgent=True)
+
+
+def _all(found: Iterable[Iterable[Record]]) -> tuple[Record, ...]:
+    return tuple(record for records in found for record in records)

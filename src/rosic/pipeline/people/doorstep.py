@@ -1,0 +1,122 @@
+"""Speaking with whoever is nobody yet: bound to their address, because there is nothing else."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import TYPE_CHECKING
+
+from rosic.authoriser.buttons import Buttons
+from rosic.core.message import Button, Chat, Outbound
+from rosic.errors import Refusal
+from rosic.pipeline.people import words
+from rosic.pipeline.telling import Note
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Address, PrincipalId
+    from rosic.core.message import Inbound
+    from rosic.core.secret import Secret
+    from rosic.pipeline.telling import Teller
+
+JOIN, NOT_ME = "join", "not me"
+OFFERED_AT_MOST = 2_000
+# A tap on Join moves nothing, so it may come later than one that moves a robot.
+OFFERED_NS = 600_000_000_000
+
+
+class Offered:
+    """One invitation that was shown to an address.
+
+    Attributes:
+        code: None once one of its buttons was tapped: the other one is void from then on.
+        issuer: Who invited.
+        what: What the invitation gives, in words.
+        invitation: Its id.
+    """
+
+    __slots__ = ("code", "invitation", "issuer", "what")
+
+    def __init__(self, code: Secret, invitation: str, issuer: PrincipalId, what: str) -> None:
+        self.code: Secret | None = code
+        self.invitation = invitation
+        self.issuer = issuer
+        self.what = what
+
+
+class Tapped:
+    """A tap that counts.
+
+    Attributes:
+        code: To be handed in now; held by nothing else any more.
+    """
+
+    __slots__ = ("code", "joins", "offered")
+
+    def __init__(self, offered: Offered, code: Secret, *, joins: bool) -> None:
+        self.offered = offered
+        self.code = code
+        self.joins = joins
+
+
+class Doorstep:
+    """Buttons for an address, and telling something to an address."""
+
+    def __init__(
+        self, teller: Teller, messengers: Iterable[Messenger], clock: Clock, entropy: Entropy
+    ) -> None:
+        self._teller = teller
+        self._messengers = tuple(messengers)
+        self._buttons = Buttons(clock, entropy, at_most=2 * OFFERED_AT_MOST)
+        self._offered: OrderedDict[str, Offered] = OrderedDict()
+
+    def offer(self, inbound: Inbound, offered: Offered) -> tuple[tuple[Button, ...], ...]:
+        """Return the two buttons, good once, for this address in this chat alone."""
+        said = ((words.JOIN, JOIN), (words.NOT_ME, NOT_ME))
+        row = tuple(self._issue(inbound, offered, Button(label, what)) for label, what in said)
+        while len(self._offered) > 2 * OFFERED_AT_MOST:
+            self._offered.popitem(last=False)
+        return (row,)
+
+    def _issue(self, inbound: Inbound, offered: Offered, button: Button) -> Button:
+        whose = stand_in(inbound.sender)
+        issued = self._buttons.issue(button, whose, inbound.chat.id, lifetime_ns=OFFERED_NS)
+        self._offered[issued.nonce] = offered
+        return issued
+
+    def knows(self, nonce: str) -> bool:
+        """Whether a button was shown on the doorstep; one look-up."""
+        return nonce in self._offered
+
+    def redeem(self, inbound: Inbound) -> Tapped:
+        """Return what a tap says, and void both buttons.
+
+        Raises:
+            Expired, NotPermitted: Too old, used already, or shown to somebody else.
+        """
+        nonce = inbound.nonce or ""
+        offered = self._offered[nonce]
+        said = self._buttons.redeem(nonce, stand_in(inbound.sender), inbound)
+        code, offered.code = offered.code, None
+        if code is None:
+            raise Refusal(words.ANSWERED)
+        return Tapped(offered, code, joins=said == JOIN)
+
+    def is_settled(self, nonce: str) -> bool:
+        """Whether one of the two buttons was tapped."""
+        return self._offered[nonce].code is None
+
+    def tell(self, address: Address, text: str) -> None:
+        """Tell something in the private chat of an address, if its platform has one."""
+        chat = Chat(address.platform, address.account)
+        for messenger in self._messengers:
+            if messenger.platform == address.platform:
+                self._teller.say(Note(messenger, Outbound(chat=chat, text=text)))
+
+
+def stand_in(address: Address) -> PrincipalId:
+    """Return what stands where a principal would: no id of anybody looks like it."""
+    return ascii((address.platform, address.account))

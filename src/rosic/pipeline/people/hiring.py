@@ -1,0 +1,66 @@
+"""Says who does which errand about people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.pipeline.people.about import About
+from rosic.pipeline.people.admitting import Admitting
+from rosic.pipeline.people.custody import Custody
+from rosic.pipeline.people.inviting import Inviting
+from rosic.pipeline.people.proving import Proving
+
+if TYPE_CHECKING:
+    from rosic.pipeline.consent import Consent
+    from rosic.pipeline.desk import Reply
+    from rosic.pipeline.office import Asked, Office
+
+
+class Clerks(msgspec.Struct, frozen=True):
+    """Everybody who does errands about people."""
+
+    about: About
+    admitting: Admitting
+    custody: Custody
+    inviting: Inviting
+    proving: Proving
+
+
+class Answers:
+    """Brings a yes or a no to whoever asked: a second person is wanted, or somebody wants in."""
+
+    def __init__(self, admitting: Admitting, consent: Consent | None) -> None:
+        self._admitting = admitting
+        self._consent = consent
+
+    async def approve(self, asked: Asked) -> Reply:
+        """Take a yes."""
+        return await self._asker(asked).approve(asked)
+
+    async def decline(self, asked: Asked) -> Reply:
+        """Take a no."""
+        return await self._asker(asked).decline(asked)
+
+    def _asker(self, asked: Asked) -> Admitting | Consent:
+        consent = self._consent
+        if consent is not None and consent.is_one(asked.rest.strip()):
+            return consent
+        return self._admitting
+
+
+def hire(office: Office, clerks: Clerks, consent: Consent | None = None) -> None:
+    """Give each clerk their errands; yes and no are shared with whoever asks for consent."""
+    answers = Answers(clerks.admitting, consent)
+    office.employ("me", clerks.about.me)
+    office.employ("people", clerks.about.people)
+    office.employ("security", clerks.about.security)
+    office.employ("approve", answers.approve)
+    office.employ("decline", answers.decline)
+    office.employ("revoke", clerks.custody.revoke)
+    office.employ("lock", clerks.custody.lock)
+    office.employ("unlock", clerks.custody.unlock)
+    office.employ("invite", clerks.inviting.invite)
+    office.employ("authenticator", clerks.proving.authenticator)
+    office.employ("code", clerks.proving.code)

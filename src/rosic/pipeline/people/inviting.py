@@ -1,0 +1,101 @@
+"""``/invite operator kuka1 for 2h``: a link and a code, for one person, once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.authoriser.codes import join_text
+from rosic.authoriser.qr import qr_text
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.office import check_private
+from rosic.pipeline.people import words
+from rosic.pipeline.people.invitation_line import read_invitation
+from rosic.pipeline.people.powers import INVITE, PEOPLE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.secret import Secret
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.people.powers import Powers
+    from rosic.pipeline.people.registry import Registry
+
+TERMINAL = "terminal"
+"""The one platform whose letters all have the same width."""
+
+
+def _no_link(_messenger: Messenger, _code: Secret) -> str:
+    return ""
+
+
+class Inviting:
+    """Makes invitations and takes them back.
+
+    Args:
+        registry: Who knows people.
+        powers: Who may.
+        link: Returns the link that hands a code in on the messenger where it was asked for; empty
+            where there is none. It shows a secret.
+    """
+
+    def __init__(
+        self,
+        registry: Registry,
+        powers: Powers,
+        *,
+        link: Callable[[Messenger, Secret], str] = _no_link,
+    ) -> None:
+        self._registry = registry
+        self._powers = powers
+        self._link = link
+
+    async def invite(self, asked: Asked) -> Reply:
+        """Make an invitation, take one back, or open joining again.
+
+        Raises:
+            Refusal: Others read along, not theirs to give, or not understood.
+        """
+        by, rest = asked.caller.principal, asked.rest.strip()
+        check_private(asked)
+        self._powers.check(by, INVITE)
+        if not rest:
+            rights = self._registry.rights()
+            return Reply(words.how_to_invite(tuple(rights.rulebook.roles), rights.fleet.skills))
+        first, _, other = rest.partition(" ")
+        if first == words.BACK:
+            return await self._take_back(asked, other.strip())
+        if rest == words.REOPEN:
+            return await self._reopen(asked)
+        return await self._invite(asked, rest)
+
+    async def _invite(self, asked: Asked, rest: str) -> Reply:
+        by = asked.caller.principal
+        wanted = read_invitation(rest, self._registry.rights())
+        async with self._registry.changes.turn() as turn:
+            self._powers.check(by, INVITE)
+            self._powers.check_give(by, wanted.given)
+            offer = self._registry.enrolment.invitations.invite(wanted, by)
+            await turn.write(offer.records)
+        link = self._link(asked.messenger, offer.code)
+        text = join_text(offer.code)
+        lines = [offer.sentence, words.how_to_join(link, text)]
+        if asked.messenger.platform == TERMINAL:
+            lines.append(qr_text(link or text))
+        return Reply("\n".join(lines), ((words.take_back_button(offer.invitation.id),),))
+
+    async def _take_back(self, asked: Asked, invitation: str) -> Reply:
+        by, made = asked.caller.principal, self._registry.enrolment.invitations
+        async with self._registry.changes.turn() as turn:
+            self._powers.check(by, INVITE)
+            records = made.withdraw(invitation, by)
+            written = await turn.act(records)
+        return Reply(words.noted(words.TAKEN_BACK, written=written))
+
+    async def _reopen(self, asked: Asked) -> Reply:
+        """Let everybody join again after too many wrong codes."""
+        by = asked.caller.principal
+        async with self._registry.changes.turn() as turn:
+            self._powers.check(by, PEOPLE)
+            await turn.write(self._registry.enrolment.reopen(by))
+        return Reply(words.REOPENED)

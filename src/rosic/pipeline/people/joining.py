@@ -1,0 +1,215 @@
+"""A code comes in: what it gives is shown, one tap, and somebody is in or waits for an admin."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from rosic.authoriser import words_entry
+from rosic.authoriser.admission import Redeemed, TurnedAway, Waiting
+from rosic.authoriser.codes import READ_AT_MOST, code_said, codes_in
+from rosic.core.message import ChatKind
+from rosic.core.rate import Bucket, RateLimit
+from rosic.core.secret import Secret
+from rosic.errors import RecordUnavailable, Refusal
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.people import words
+from rosic.pipeline.people.doorstep import Offered
+from rosic.pipeline.people.powers import PEOPLE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.authoriser.admission import Alarm
+    from rosic.authoriser.enrolment import Enrolment
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.message import Inbound
+    from rosic.pipeline.changes import Turn
+    from rosic.pipeline.people.admitting import Admitting
+    from rosic.pipeline.people.doorstep import Doorstep, Tapped
+    from rosic.pipeline.people.powers import Powers
+    from rosic.pipeline.people.registry import Registry
+
+SILENT = Reply("")
+"""It was for the doorstep, and is done; there is nothing to say."""
+# Answers to what is no good code: all addresses share them.
+ANSWERS = RateLimit(burst=10.0, per_s=0.5)
+
+_may_hold_a_code = re.compile("start|join|[-\u2013\u2014\u2212]", re.IGNORECASE).search
+
+
+class Joining:
+    """Takes what may be a code, and the taps that follow, from strangers and known people alike.
+
+    It stands before recognising: whoever comes with a code is nobody yet, so the buttons are bound
+    to their address.
+
+    Args:
+        registry: Who knows people.
+        powers: Who is to be told.
+        admitting: Who asks the admins.
+        doorstep: Whose buttons these are.
+        shown_as: How the messenger shows the sender; empty if it does not say.
+        names_robot: Whether a text alone means a robot here, however much it looks like a code.
+    """
+
+    def __init__(
+        self,
+        registry: Registry,
+        powers: Powers,
+        admitting: Admitting,
+        doorstep: Doorstep,
+        *,
+        shown_as: Callable[[Inbound], str] = lambda _: "",
+        names_robot: Callable[[str], bool] = lambda _: False,
+    ) -> None:
+        self._registry = registry
+        self._enrolment: Enrolment = registry.enrolment
+        self._powers = powers
+        self._admitting = admitting
+        self._doorstep = doorstep
+        self._shown_as = shown_as
+        self._names_robot = names_robot
+        self._answers = Bucket(ANSWERS, registry.clock.monotonic_ns())
+
+    async def take(self, messenger: Messenger, inbound: Inbound, text: str) -> Reply | None:
+        """Take a fresh message or tap before anybody is recognised.
+
+        Returns:
+            None: it is nothing of the doorstep's. Otherwise what to say, with buttons that are
+            bound already; nothing, if the text is empty.
+
+        Raises:
+            Refusal: Why not; nothing has changed.
+        """
+        if inbound.nonce is not None:
+            known = self._doorstep.knows(inbound.nonce)
+            return await self._tapped(messenger, inbound) if known else None
+        private = inbound.chat.kind is ChatKind.PRIVATE
+        if _may_hold_a_code(text, 0, READ_AT_MOST) is not None:
+            if not private:
+                return await self._in_group(inbound, text)
+            code = code_said(text)
+            if code is not None and not self._is_robot(inbound, text):
+                return self._shown(messenger, inbound, code)
+        return self._still_waiting(inbound) if private else None
+
+    def _is_robot(self, inbound: Inbound, text: str) -> bool:
+        """Whether somebody who is known has named a robot; strangers know none."""
+        known = self._registry.authoriser.directory.at(inbound.sender)
+        return known is not None and self._names_robot(text.strip())
+
+    # ---- what was sent ----
+
+    def _shown(self, messenger: Messenger, inbound: Inbound, code: str) -> Reply:
+        """Show what a code gives; it is not used up by that."""
+        found = self._enrolment.look(code, inbound.sender, private=True)
+        if isinstance(found, TurnedAway):
+            return self._turned_away(found)
+        what = found.given.words
+        offered = Offered(Secret(code), found.id, found.issuer, what)
+        text = words.invited(what, messenger.platform, messenger.assurance)
+        return Reply(text, self._doorstep.offer(inbound, offered))
+
+    async def _in_group(self, inbound: Inbound, text: str) -> Reply | None:
+        """Burn every good code that a group was shown, and say the same about one that is none."""
+        if not codes_in(text):
+            return None
+        async with self._registry.changes.turn() as turn:
+            said = await self._burnt(turn, inbound, text)
+        code = code_said(text) if text.lstrip().startswith("/") else None
+        if said is None and code is not None:
+            said = self._enrolment.look(code, inbound.sender, private=False)  # type: ignore[assignment]  # never an invitation
+        return None if said is None else self._turned_away(said)
+
+    async def _burnt(self, turn: Turn, inbound: Inbound, text: str) -> TurnedAway | None:
+        burnt = None
+        while (found := self._enrolment.leaked(text, inbound.sender)) is not None:
+            if burnt is not None:
+                self._raise_alarm(burnt.alarm)
+            burnt = found
+            await turn.act(found.records)
+        return burnt
+
+    def _turned_away(self, found: TurnedAway) -> Reply:
+        self._raise_alarm(found.alarm)
+        wait_s = self._answers.take(self._registry.clock.monotonic_ns())
+        return SILENT if wait_s else Reply(found.sentence)
+
+    def _raise_alarm(self, alarm: Alarm | None) -> None:
+        if alarm is None:
+            return
+        buttons = (words.REOPEN_ROW,) if alarm.kind == "code-breaker" else ()
+        admins = self._powers.holders(PEOPLE)
+        self._registry.reach.tell(admins, alarm.sentence, buttons, urgent=True)
+
+    def _still_waiting(self, inbound: Inbound) -> Reply | None:
+        """Tell whoever waits for an admin that they do; they would be a stranger otherwise."""
+        applicant = self._enrolment.applicants.at(inbound.sender)
+        if applicant is None or self._registry.authoriser.directory.at(inbound.sender) is not None:
+            return None
+        left_s = (applicant.pending.expires_ns - self._registry.clock.wall_ns()) / 1e9
+        if left_s <= 0:
+            return None
+        if self._answers.take(self._registry.clock.monotonic_ns()):
+            return SILENT
+        return Reply(words_entry.waiting(applicant.words, left_s))
+
+    # ---- what was tapped ----
+
+    async def _tapped(self, messenger: Messenger, inbound: Inbound) -> Reply:
+        nonce = inbound.nonce or ""
+        settled = self._doorstep.is_settled(nonce)
+        try:
+            tapped = self._doorstep.redeem(inbound)
+        except Refusal as refusal:
+            await messenger.answer_tap(inbound, words.ANSWERED if settled else str(refusal))
+            return SILENT if settled else Reply(words.OPEN_AGAIN)
+        await messenger.answer_tap(inbound, "")
+        if not tapped.joins:
+            return self._not_me(tapped)
+        try:
+            return await self._joins(inbound, tapped)
+        except RecordUnavailable:
+            return Reply(words.NOT_WRITTEN)
+
+    def _not_me(self, tapped: Tapped) -> Reply:
+        offered = tapped.offered
+        told = words.not_for_them(offered.what)
+        row = (words.take_back_button(offered.invitation),)
+        self._registry.reach.tell((offered.issuer,), told, (row,), lifetime_s=words.TAKE_BACK_S)
+        return Reply(words.NOT_ME_SAID)
+
+    async def _joins(self, inbound: Inbound, tapped: Tapped) -> Reply:
+        """Redeem the code: all of it is written before somebody is in, or nothing changes."""
+        name = self._shown_as(inbound)
+        private = inbound.chat.kind is ChatKind.PRIVATE
+        code = tapped.code.reveal()
+        async with self._registry.changes.turn() as turn:
+            answer = self._enrolment.redeem(code, inbound.sender, private=private, name=name)
+            if isinstance(answer, TurnedAway):
+                await turn.act(answer.records)
+            elif isinstance(answer, Waiting):
+                await turn.write(answer.records)
+            else:
+                await turn.write(self._admitting.records(answer, tapped.offered.issuer))
+        if isinstance(answer, TurnedAway):
+            return self._turned_away(answer)
+        if isinstance(answer, Waiting):
+            return self._waits(answer)
+        return self._is_in(inbound, answer, tapped)
+
+    def _waits(self, answer: Waiting) -> Reply:
+        asked = self._admitting.ask(answer.applicant)
+        return Reply(answer.sentence if asked else f"{answer.sentence} {words.NOBODY_TO_ASK}")
+
+    def _is_in(self, inbound: Inbound, answer: Redeemed, tapped: Tapped) -> Reply:
+        person, offered = answer.person, tapped.offered
+        self._registry.reach.tell((offered.issuer,), words.is_in(person.name, offered.what))
+        menu = self._admitting.menu(person.id, inbound.chat)
+        issue = self._registry.authoriser.buttons.issue
+        bound = tuple(
+            tuple(issue(button, person.id, inbound.chat.id) for button in row)
+            for row in menu.buttons
+        )
+        return Reply("\n".join(filter(None, (answer.sentence, menu.text))), bound)

@@ -1,0 +1,124 @@
+"""Who may do what with people, and who is to be asked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.authoriser import words_keys
+from rosic.core.reach import FLEET, GRANT
+from rosic.core.tables import NEVER_NS
+from rosic.errors import NotPermitted
+from rosic.pipeline.people import words
+
+if TYPE_CHECKING:
+    from rosic.authoriser.invitation import Given
+    from rosic.core.identity import PrincipalId
+    from rosic.core.rights import Rights
+    from rosic.pipeline.people.registry import Registry
+
+INVITE, LOCK, PEOPLE = "invite", "lock", "people"
+
+
+class Powers:
+    """Asks the rights in force. Whoever is locked has none."""
+
+    def __init__(self, registry: Registry) -> None:
+        self._registry = registry
+        self._locks = registry.locks
+        self._directory = registry.authoriser.directory
+
+    def check(self, principal: PrincipalId, verb: str) -> None:
+        """See that somebody may do something with people.
+
+        Raises:
+            NotPermitted: Locked, or not theirs; says who can help.
+        """
+        self.check_not_locked(principal)
+        if not self.holds(principal, verb):
+            raise NotPermitted(words.not_yours(verb, self.helpers(principal)))
+
+    def check_not_locked(self, principal: PrincipalId) -> None:
+        """See that somebody is not locked.
+
+        Raises:
+            NotPermitted: They are.
+        """
+        if self._locks.locked(principal):
+            raise NotPermitted(words_keys.LOCKED)
+
+    def holds(self, principal: PrincipalId, verb: str) -> bool:
+        """Whether somebody has a right about the place now."""
+        now_ns = self._registry.clock.wall_ns()
+        return self._registry.rights().holds(principal, FLEET, verb, now_ns)
+
+    def helpers(self, besides: PrincipalId = "") -> tuple[str, ...]:
+        """Return the names of a few people who give rights here."""
+        now_ns = self._registry.clock.wall_ns()
+        found = self._registry.rights().givers(FLEET, now_ns, besides=besides)
+        return tuple(self._registry.name(p) for p in found if self._acts(p))
+
+    def holders(self, verb: str, besides: PrincipalId = "") -> tuple[PrincipalId, ...]:
+        """Return everybody who has a right about the place and can use it; walks everybody."""
+        return tuple(
+            who
+            for who in self._registry.rights().people()
+            if who != besides and self._acts(who) and self.holds(who, verb)
+        )
+
+    def _acts(self, principal: PrincipalId) -> bool:
+        return self._directory.has_good_key(principal) and not self._locks.locked(principal)
+
+    def is_last_admin(self, principal: PrincipalId, *, for_good: bool) -> bool:
+        """Whether nobody else would be left who gives rights here; walks everybody.
+
+        Args:
+            principal: Who would be gone.
+            for_good: Whoever is admin for some hours only is none who could be left alone.
+        """
+        if not self.holds(principal, GRANT):
+            return False
+        rights = self._registry.rights()
+        at_ns = NEVER_NS - 1 if for_good else self._registry.clock.wall_ns()
+        return not any(
+            who != principal and self._acts(who) and rights.holds(who, FLEET, GRANT, at_ns)
+            for who in rights.people()
+        )
+
+    def may_give(self, principal: PrincipalId, given: Given) -> bool:
+        """Whether somebody may give all of this to somebody else.
+
+        Whoever gives rights on the whole gives everything. Whoever gives them on some robots only
+        gives roles there, of at most the priority they have there themselves.
+        """
+        rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
+        if rights.holds(principal, FLEET, GRANT, now_ns):
+            return True
+        robots = {robot for said in given.robots for robot in rights.fleet.robots(said)}
+        if given.scopes or not robots or FLEET in robots:
+            return False
+        return all(
+            rights.holds(principal, robot, GRANT, now_ns)
+            and _highest(rights, given) <= rights.priority(principal, robot, now_ns)
+            for robot in robots
+        )
+
+    def check_give(self, principal: PrincipalId, given: Given) -> None:
+        """See that somebody may give all of this.
+
+        Raises:
+            NotPermitted: It is more than they may give.
+        """
+        if not self.may_give(principal, given):
+            raise NotPermitted(words.too_much(given.words, self.helpers(principal)))
+
+    def admitters(self, given: Given) -> tuple[PrincipalId, ...]:
+        """Return everybody who may let somebody in who is given this; walks everybody."""
+        return tuple(who for who in self.holders(INVITE) if self.may_give(who, given))
+
+    def may_admit(self, principal: PrincipalId, given: Given) -> bool:
+        """Whether somebody may let a person in who is given this."""
+        return self.holds(principal, INVITE) and self.may_give(principal, given)
+
+
+def _highest(rights: Rights, given: Given) -> int:
+    return max((rights.role_priority(role) for role in given.roles), default=0)

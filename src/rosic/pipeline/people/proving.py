@@ -1,0 +1,88 @@
+"""``/authenticator`` and ``/code 123456``: a phone as a second step."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.authoriser import words_keys
+from rosic.authoriser.qr import qr_text
+from rosic.errors import RecordUnavailable
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.office import check_private
+from rosic.pipeline.people import words
+from rosic.pipeline.people.inviting import TERMINAL
+from rosic.pipeline.people.names import Names
+from rosic.pipeline.people.powers import PEOPLE
+
+if TYPE_CHECKING:
+    from rosic.core.identity import Principal
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.people.powers import Powers
+    from rosic.pipeline.people.registry import Registry
+
+RESET = "reset"
+
+
+class Proving:
+    """Sets phones up and takes their codes."""
+
+    def __init__(self, registry: Registry, powers: Powers) -> None:
+        self._registry = registry
+        self._powers = powers
+        self._stepup = registry.stepup
+        self._names = Names(registry)
+
+    async def authenticator(self, asked: Asked) -> Reply:
+        """Begin to set a phone up; ``/authenticator reset NAME`` forgets a lost one.
+
+        Raises:
+            Refusal: Others read along, or a phone is set up and has not been proven here.
+        """
+        first, _, rest = asked.rest.strip().partition(" ")
+        if first.casefold() == RESET:
+            return await self._reset(asked, rest.strip())
+        caller = asked.caller
+        self._powers.check_not_locked(caller.principal)
+        setup = self._stepup.begin(caller.principal, caller.name, asked.inbound.chat)
+        uri = setup.uri.reveal()
+        lines = [words.set_up(uri, setup.key.reveal())]
+        if asked.messenger.platform == TERMINAL:
+            lines.append(qr_text(uri))
+        return Reply("\n".join(lines))
+
+    async def code(self, asked: Asked) -> Reply:
+        """Finish setting up, or prove who holds the phone, for this chat.
+
+        Raises:
+            Refusal: Not six digits, wrong, used before, too many wrong ones, or no phone.
+        """
+        principal, chat, digits = asked.caller.principal, asked.inbound.chat, asked.rest
+        finishes = asked.private and self._stepup.is_setting_up(principal)
+        async with self._registry.changes.turn() as turn:
+            self._powers.check_not_locked(principal)
+            take = self._stepup.finish if finishes else self._stepup.prove
+            proof = take(principal, chat, digits)
+            try:
+                await turn.write(proof.records)
+            except RecordUnavailable as fault:
+                raise RecordUnavailable(words_keys.CODE_NOT_WRITTEN) from fault
+            self._stepup.admit(proof)
+        return Reply(proof.sentence)
+
+    async def _reset(self, asked: Asked, said: str) -> Reply:
+        by = asked.caller.principal
+        self._powers.check(by, PEOPLE)
+        check_private(asked)
+        if not said:
+            return Reply(words.HOW_TO_RESET)
+        found = self._names.find(said, f"authenticator {RESET}", self._has_phone, private=True)
+        if isinstance(found, Reply):
+            return found
+        async with self._registry.changes.turn() as turn:
+            self._powers.check(by, PEOPLE)
+            await turn.write(self._stepup.reset(found.id, by))
+        self._registry.reach.tell((found.id,), words.your_phone_was_reset(self._registry.name(by)))
+        return Reply(words.phone_reset(found.name))
+
+    def _has_phone(self, person: Principal) -> bool:
+        return self._stepup.is_set_up(person.id)

@@ -1,0 +1,62 @@
+"""Speaking to somebody who has not just asked: an admin, whoever's time is ending."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from rosic.core.message import Chat, Outbound
+from rosic.pipeline.telling import Note, Teller
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.authoriser.authoriser import Authoriser
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import PrincipalId
+    from rosic.core.message import Button
+
+
+class Reach:
+    """Finds people's private chats.
+
+    Where a platform gives a private chat the account's own id, it is found even if the person has
+    not spoken since the start.
+    """
+
+    def __init__(
+        self, authoriser: Authoriser, teller: Teller, messengers: Iterable[Messenger]
+    ) -> None:
+        self._authoriser = authoriser
+        self._teller = teller
+        self._messengers = tuple(messengers)
+
+    def tell(
+        self,
+        people: Iterable[PrincipalId],
+        text: str,
+        buttons: tuple[tuple[Button, ...], ...] = (),
+        *,
+        urgent: bool = False,
+        lifetime_s: float = 60.0,
+    ) -> int:
+        """Tell each of them in private, wherever they can be reached. Return how many places.
+
+        Buttons are bound to each person and chat, good once.
+        """
+        places = 0
+        issue = partial(self._authoriser.buttons.issue, lifetime_ns=int(lifetime_s * 1e9))
+        for principal in dict.fromkeys(people):
+            for messenger, chat in self._chats(principal):
+                bound = tuple(tuple(issue(b, principal, chat.id) for b in row) for row in buttons)
+                outbound = Outbound(chat=chat, text=text, buttons=bound, urgent=urgent)
+                self._teller.say(Note(messenger, outbound))
+                places += 1
+        return places
+
+    def _chats(self, principal: PrincipalId) -> Iterable[tuple[Messenger, Chat]]:
+        person = self._authoriser.directory.person(principal)
+        for address in person.addresses if person is not None else ():
+            for messenger in self._messengers:
+                if messenger.platform == address.platform:
+                    yield messenger, Chat(address.platform, address.account)

@@ -1,0 +1,61 @@
+"""Who receives what is no order: errands, newcomers, questions before something dangerous.
+
+Made empty; the composition root says who does what.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, TypeAlias
+
+from rosic.core.identity import Caller, PrincipalId
+from rosic.core.message import Chat
+from rosic.errors import Refusal
+from rosic.pipeline.office import Office
+
+if TYPE_CHECKING:
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.message import Inbound
+    from rosic.pipeline.consent import Consent
+    from rosic.pipeline.desk import Reply
+
+SteppedUp: TypeAlias = Callable[[PrincipalId, Chat], bool]
+Newcomer: TypeAlias = "Callable[[Messenger, Inbound, str], Awaitable[Reply | None]]"
+Refused: TypeAlias = Callable[[Caller, Refusal], None]
+
+
+class Reception:
+    """The doors beside the way of an order.
+
+    Attributes:
+        office: Who does which errand.
+        consent: Asks for confirmations; None: nothing here wants any.
+        stepped_up: Whether somebody has shown a second factor lately, in a chat.
+        newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
+        refused: Hears of every refusal, for rules about misuse.
+    """
+
+    def __init__(self) -> None:
+        self.office = Office()
+        self.consent: Consent | None = None
+        self.stepped_up: SteppedUp = _never
+        self.newcomer: Newcomer | None = None
+        self.refused: Refused = _ignore
+
+    def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
+        """Return what a button that confirms says, and who has agreed to it.
+
+        Raises:
+            Expired: It was agreed to too long ago.
+        """
+        if self.consent is None:  # then nobody was ever asked to agree
+            return command, None
+        return self.consent.redeem(command, caller)
+
+
+def _never(_principal: PrincipalId, _chat: Chat) -> bool:
+    return False
+
+
+def _ignore(_caller: Caller, _refusal: Refusal) -> None:
+    return None

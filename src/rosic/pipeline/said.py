@@ -1,0 +1,54 @@
+"""One message on its way through the rooms."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.roles import ASSURANCES, Assurance
+from rosic.organiser.grounds import Grounds
+
+if TYPE_CHECKING:
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.message import Inbound
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.reception import SteppedUp
+
+
+class Said:
+    """One message on its way: who said it, where, and which robots its lines asked so far.
+
+    Attributes:
+        confirmed: A button said it that asked whether it is meant.
+        second: Who else has agreed to it.
+    """
+
+    __slots__ = (
+        "arrived_ns", "asked", "caller", "confirmed", "inbound", "messenger", "second", "stepup",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        messenger: Messenger,
+        inbound: Inbound,
+        caller: Caller,
+        arrived_ns: int,
+        stepup: SteppedUp,
+    ) -> None:
+        self.confirmed = False
+        self.second: PrincipalId | None = None
+        self.stepup = stepup
+        self.messenger = messenger
+        self.inbound = inbound
+        self.caller = caller
+        self.arrived_ns = arrived_ns
+        self.asked: set[RobotId] = set()
+
+    def grounds(self) -> Grounds:
+        """Return what counts besides who they are; asked only where it matters."""
+        return Grounds(
+            channel=ASSURANCES.get(self.messenger.assurance, Assurance.PROVIDER_READABLE),
+            stepped_up=self.stepup(self.caller.principal, self.inbound.chat),
+            confirmed=self.confirmed,
+            second=self.second,
+        )

@@ -1,0 +1,152 @@
+"""``/book kuka1 tomorrow 14:00 1h``, ``/book kuka1 every tue 14:00 1h until 2027-02-01``."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from rosic.core.language.compiled import fold
+from rosic.core.language.lines import Misunderstood
+from rosic.core.language.misunderstanding import LONGEST_OFFER
+from rosic.core.language.when import When, read_when
+from rosic.core.message import Button
+from rosic.core.robot import Slots
+from rosic.core.slot import Pattern, Slot
+from rosic.errors import NotUnderstood, OutOfBounds, Refusal
+from rosic.organiser.hindrance import SlotTaken
+from rosic.organiser.occasions import occasion, occasions
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.times import words_times as words
+from rosic.pipeline.times.deciding import decided
+from rosic.pipeline.times.naming import Naming
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.record import Fact
+    from rosic.core.robot import RobotId
+    from rosic.organiser.zones import Zone
+    from rosic.pipeline.changes import Turn
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.times.parts import Times
+
+WHERE_FREE = ("where", "free")
+"""Said after a time that comes again: what is taken is left out."""
+
+
+class Booking:
+    """The clerk who books."""
+
+    def __init__(self, times: Times) -> None:
+        self._times = times
+        self._naming = Naming(times)
+
+    async def book(self, asked: Asked) -> Reply:
+        """Book one time, or one that comes again.
+
+        Raises:
+            Refusal: Why not, and mostly when instead; nothing was booked.
+        """
+        times, principal = self._times, asked.caller.principal
+        text, where_free = _without_where_free(asked.rest)
+        robot, rest = self._naming.robot(asked, "book", text, nameless=self._is_time(asked, text))
+        self._check(principal, robot)
+        zone = times.sides.zone_of(principal)
+        when = read_when(rest, times.clock.wall_ns(), zone.local)
+        if isinstance(when, Misunderstood):
+            offers = tuple(f"book {robot} {offer}" for offer in when.offers)
+            raise NotUnderstood(when.sentence, offers=offers)
+        async with times.changes.turn() as turn:
+            self._check(principal, robot)  # the right may have ended while others had their turn
+            if not when.rrule:
+                return await self._once(turn, principal, robot, when)
+            if where_free:
+                return await self._series(turn, principal, robot, when, skip_taken=True)
+            try:
+                return await self._series(turn, principal, robot, when)
+            except SlotTaken as taken:
+                taken.offers = taken.offers or self._instead(taken, principal, when, rest)
+                raise
+
+    def _is_time(self, asked: Asked, text: str) -> bool:
+        """Whether a line without a name is a time all the same."""
+        zone = self._times.sides.zone_of(asked.caller.principal)
+        return isinstance(read_when(text, self._times.clock.wall_ns(), zone.local), When)
+
+    def _check(self, principal: PrincipalId, robot: RobotId) -> None:
+        refusal = self._times.sides.may_book(principal, robot)
+        if refusal is not None:
+            raise refusal
+        if self._times.vocabulary.profiles[robot].slots is Slots.NONE:
+            shown = self._times.shown(robot)
+            raise OutOfBounds(words.not_booked(shown), offers=(f"wait {robot}",))
+
+    async def _once(self, turn: Turn, principal: PrincipalId, robot: RobotId, when: When) -> Reply:
+        times = self._times
+        zone = times.sides.zone_of(principal)
+        found = occasion(robot, when, zone)
+        facts = times.calendar.book(principal, robot, found.start_ns, found.length_s, principal)
+        (slot,) = await self._write(turn, principal, facts)
+        button = Button("Cancel it", f"/cancel {slot.id}")
+        return Reply(words.booked(times.shown(robot), slot, zone, found.note), ((button,),))
+
+    async def _series(
+        self,
+        turn: Turn,
+        principal: PrincipalId,
+        robot: RobotId,
+        when: When,
+        *,
+        skip_taken: bool = False,
+    ) -> Reply:
+        times = self._times
+        zone = times.sides.zone_of(principal)
+        pattern = _pattern(when, zone)
+        calendar, now_ns = times.calendar, times.clock.wall_ns()
+        facts = calendar.book_series(principal, robot, pattern, principal, skip_taken=skip_taken)
+        slots = await self._write(turn, principal, facts)
+        every = len(occasions(pattern, now_ns, calendar.limits))
+        notes = words.left_out(every - len(slots)), _moved(slots, when, zone)
+        said = words.booked_series(times.shown(robot), slots, zone, *notes)
+        return Reply(said, ((Button("Cancel all of them", f"/cancel all {slots[0].series}"),),))
+
+    async def _write(
+        self, turn: Turn, principal: PrincipalId, facts: tuple[Fact, ...]
+    ) -> tuple[Slot, ...]:
+        times = self._times
+        await turn.write(decided("book", principal, times.clock.wall_ns(), facts))
+        found = (times.calendar.slot(fact.key) for fact in facts)
+        return tuple(slot for slot in found if slot is not None)
+
+    def _instead(
+        self, taken: SlotTaken, principal: PrincipalId, when: When, rest: str
+    ) -> tuple[str, ...]:
+        """Offer the times of a series that nobody has; else to see the first day that is taken."""
+        zone, robot = self._times.sides.zone_of(principal), taken.slot.robot
+        offer = f"book {robot} {rest} {' '.join(WHERE_FREE)}"
+        day = (f"slots {robot} {zone.local(taken.slot.start_ns).date_text()}",)
+        if len(offer) > LONGEST_OFFER:
+            return day
+        with suppress(Refusal):
+            pattern = _pattern(when, zone)
+            self._times.calendar.book_series(principal, robot, pattern, principal, skip_taken=True)
+            return (offer, *day)
+        return day
+
+
+def _without_where_free(text: str) -> tuple[str, bool]:
+    words_said = text.split()
+    if tuple(fold(word) for word in words_said[-2:]) == WHERE_FREE:
+        return " ".join(words_said[:-2]), True
+    return text, False
+
+
+def _pattern(when: When, zone: Zone) -> Pattern:
+    return Pattern(when.start, when.length_s, when.rrule, zone.name)
+
+
+def _moved(slots: tuple[Slot, ...], when: When, zone: Zone) -> str:
+    """Return what to know about the first time that the clocks skip; mostly nothing."""
+    minute = when.start.minute_of_day
+    starts = (zone.local(slot.start_ns) for slot in slots)
+    odd = next((start for start in starts if start.minute_of_day != minute), None)
+    return words.moved(odd, zone) if odd is not None else ""

@@ -1,0 +1,142 @@
+"""``/cancel``: my times as buttons; of a time that comes again, this one or all of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language.compiled import fold
+from rosic.core.message import Button
+from rosic.errors import NotUnderstood
+from rosic.organiser.words_calendar import no_such_time
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.times import words_times as words
+from rosic.pipeline.times.deciding import decided
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.core.identity import PrincipalId
+    from rosic.core.record import Fact
+    from rosic.core.slot import Slot
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.times.parts import Times
+
+MOST_LISTED = 8
+
+# Said by buttons, with an id after them.
+ONLY, ALL, FROM = "only", "all", "from"
+
+
+class Cancelling:
+    """The clerk who takes times back."""
+
+    def __init__(self, times: Times) -> None:
+        self._times = times
+
+    async def cancel(self, asked: Asked) -> Reply:
+        """List what can be cancelled, ask, or cancel.
+
+        Raises:
+            Refusal: Why not; nothing has changed.
+        """
+        said = fold(asked.rest).split()
+        if not said or said[0] == FROM:
+            number = said[1] if len(said) > 1 and said[1].isdecimal() else "0"
+            return self._list(asked, int(number[:6]))
+        if said[0] == ALL and len(said) > 1:
+            return await self._all(asked, said[1])
+        if said[0] == ONLY and len(said) > 1:
+            return await self._one(asked, said[1])
+        return await self._ask_or_cancel(asked, said[0])
+
+    def _list(self, asked: Asked, begin: int) -> Reply:
+        times, principal = self._times, asked.caller.principal
+        zone, now_ns = times.sides.zone_of(principal), times.clock.wall_ns()
+        entries: dict[str, list[Slot]] = {}
+        for slot in times.upcoming(principal):
+            entries.setdefault(slot.series or slot.id, []).append(slot)
+        if not entries:
+            return Reply(words.NO_TIMES)
+        page = list(entries.values())[begin : begin + MOST_LISTED]
+        lines, buttons = [words.which_to_cancel(zone)], []
+        for slots in page:
+            line = words.mine(times.shown(slots[0].robot), slots[0], now_ns, zone)
+            lines.append(line + (words.again(len(slots) - 1) if len(slots) > 1 else ""))
+            buttons.append((Button(line, f"/cancel {slots[0].id}"),))
+        left = len(entries) - begin - len(page)
+        if left > 0:
+            lines.append(words.and_more(left))
+            buttons.append((Button("More", f"/cancel {FROM} {begin + len(page)}"),))
+        return Reply("\n".join(lines), tuple(buttons))
+
+    async def _ask_or_cancel(self, asked: Asked, slot_id: str) -> Reply:
+        times, principal = self._times, asked.caller.principal
+        slot = self._seen(principal, times.calendar.slot(slot_id))
+        if not slot.series:
+            return await self._one(asked, slot_id)
+        left = self._left_of(slot)
+        if len(left) == 1 and left[0] is slot:
+            return await self._all(asked, slot.series)
+        zone, now_ns = times.sides.zone_of(principal), times.clock.wall_ns()
+        shown = times.shown(slot.robot)
+        row = (
+            Button("This one", f"/cancel {ONLY} {slot.id}"),
+            Button("All of them", f"/cancel {ALL} {slot.series}"),
+        )
+        when = words.soon(slot, now_ns, zone)
+        return Reply(words.this_or_all(shown, when, len(left)), (row,))
+
+    async def _one(self, asked: Asked, slot_id: str) -> Reply:
+        times, by = self._times, asked.caller.principal
+        async with times.changes.turn() as turn:
+            slot = self._seen(by, times.calendar.slot(slot_id))
+            anybodys = times.sides.may_cancel_any(by, slot.robot)
+            facts = times.calendar.cancel(slot_id, by, anybodys=anybodys)
+            now_ns = times.clock.wall_ns()
+            await turn.write(decided("cancel", by, now_ns, facts))
+        self._tell_owner(by, (slot,))
+        shown, zone = times.shown(slot.robot), times.sides.zone_of(by)
+        if slot.start_ns < now_ns:
+            return Reply(words.given_back(shown, slot, now_ns, zone))
+        return Reply(words.cancelled(shown, slot, zone))
+
+    async def _all(self, asked: Asked, series_id: str) -> Reply:
+        times, by = self._times, asked.caller.principal
+        async with times.changes.turn() as turn:
+            series = times.calendar.series(series_id)
+            if series is None or not self._may_know(by, series.principal, series.robot):
+                raise NotUnderstood(no_such_time(), offers=("cancel",))
+            anybodys = times.sides.may_cancel_any(by, series.robot)
+            facts = times.calendar.cancel_series(series_id, by, anybodys=anybodys)
+            slots = self._slots(facts)
+            if not slots:
+                raise NotUnderstood(no_such_time(), offers=("cancel",))
+            await turn.write(decided("cancel", by, times.clock.wall_ns(), facts))
+        self._tell_owner(by, slots)
+        zone = times.sides.zone_of(by)
+        return Reply(words.cancelled_series(times.shown(series.robot), slots, zone))
+
+    # ---- whose ----
+
+    def _may_know(self, by: PrincipalId, owner: PrincipalId, robot: str) -> bool:
+        return owner == by or robot in self._times.sides.visible(by)
+
+    def _seen(self, by: PrincipalId, slot: Slot | None) -> Slot:
+        """Return a slot that this person may know of; of others they hear nothing."""
+        if slot is None or not self._may_know(by, slot.principal, slot.robot):
+            raise NotUnderstood(no_such_time(), offers=("cancel",))
+        return slot
+
+    def _left_of(self, slot: Slot) -> list[Slot]:
+        return [s for s in self._times.upcoming(slot.principal) if s.series == slot.series]
+
+    def _slots(self, facts: Sequence[Fact]) -> tuple[Slot, ...]:
+        found = (self._times.calendar.slot(fact.key) for fact in facts)
+        return tuple(slot for slot in found if slot is not None)
+
+    def _tell_owner(self, by: PrincipalId, slots: tuple[Slot, ...]) -> None:
+        owner, times = slots[0].principal, self._times
+        if owner != by:
+            name, zone = times.calendar.name_of(by), times.sides.zone_of(owner)
+            shown = times.shown(slots[0].robot)
+            times.reach.tell((owner,), words.cancelled_by(shown, name, slots, zone))

@@ -1,0 +1,173 @@
+"""The one task that follows the calendar: starts, warnings, ends, and whose turn it is."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from rosic.core.civil import MINUTE_NS
+from rosic.core.message import Button
+from rosic.errors import Refusal
+from rosic.organiser.words_calendar import moment
+from rosic.pipeline.times import words_times as words
+from rosic.pipeline.times.ending import Ending
+from rosic.pipeline.times.offering import Offering
+from rosic.pipeline.times.unused import Unused
+from rosic.pipeline.times.vacancy import SECOND_NS, Vacancy
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.core.slot import Slot
+    from rosic.organiser.bells import Event
+    from rosic.pipeline.times.parts import Times
+
+LONGEST_SLEEP_NS = 20 * SECOND_NS
+"""The wall clock may be set while this sleeps: that is seen after so long at the latest."""
+AGAIN_NS = 10 * SECOND_NS
+"""After something failed."""
+
+log = logging.getLogger("rosic.times")
+
+
+class Keeper:
+    """Sleeps until something is due, and tells or does it, once.
+
+    Attributes:
+        vacancy: Who could have which robot now.
+    """
+
+    def __init__(self, times: Times) -> None:
+        self.vacancy = Vacancy(times)
+        self._times = times
+        self._woken = asyncio.Event()
+        self._ending = Ending(times, self.vacancy, self.look)
+        self._unused = Unused(times, self.vacancy)
+        self._offering = Offering(times, self.vacancy)
+
+    def look(self) -> None:
+        """Look again soon: something was booked, given back, or an order has ended."""
+        self._woken.set()
+
+    def keep(self, principal: PrincipalId, robot: RobotId) -> bool:
+        """Count a slot as used just now. Return False if it is not this person's."""
+        return self._unused.keep(principal, robot)
+
+    async def run(self) -> None:
+        """Follow the calendar until cancelled. What fails is logged and tried again."""
+        while True:
+            self._woken.clear()
+            try:
+                wake_ns = await self._follow()
+            except Refusal as refusal:
+                log.warning("times could not be followed: %s", refusal)
+                wake_ns = self._times.clock.monotonic_ns() + AGAIN_NS
+            except Exception:
+                log.exception("times could not be followed")
+                wake_ns = self._times.clock.monotonic_ns() + AGAIN_NS
+            await self._sleep(wake_ns)
+
+    async def close(self) -> None:
+        """Wait for robots that come to rest, briefly."""
+        await self._ending.close()
+
+    async def _follow(self) -> int:
+        """Do all that is due, and return when to look again, monotonic clock."""
+        times = self._times
+        self._ring(times.calendar.due(times.clock.wall_ns()))
+        wakes = [self._ending.seen_to(), await self._offering.pass_on()]
+        wanted = [robot for robot in times.vocabulary.profiles if times.waiting.queue(robot)]
+        wakes.extend([await self._attend(robot) for robot in wanted])
+        # What all this has written may ring, too: it is looked at before sleeping.
+        now_ns, wall_ns = times.clock.monotonic_ns(), times.clock.wall_ns()
+        next_ns = times.calendar.next_event_ns()
+        if next_ns is not None:
+            wakes.append(now_ns + next_ns - wall_ns)
+        return min((ns for ns in wakes if ns is not None), default=now_ns + LONGEST_SLEEP_NS)
+
+    async def _attend(self, robot: RobotId) -> int | None:
+        """See to a robot that somebody waits for; a fault with one holds no other up."""
+        try:
+            unused_ns = await self._unused.look_at(robot)
+            offer_ns = await self._offering.offer(robot)
+        except Refusal:
+            raise
+        except Exception:
+            log.exception("nobody can be offered %s now", robot)
+            return self._times.clock.monotonic_ns() + AGAIN_NS
+        return min((ns for ns in (unused_ns, offer_ns) if ns is not None), default=None)
+
+    async def _sleep(self, wake_ns: int) -> None:
+        delay_ns = min(wake_ns - self._times.clock.monotonic_ns(), LONGEST_SLEEP_NS)
+        if delay_ns <= 0 or self._woken.is_set():
+            await asyncio.sleep(0)
+            return
+        # Half a nanosecond more: whole ones survive becoming seconds and back.
+        timer = asyncio.create_task(self._times.clock.sleep((delay_ns + 0.5) / SECOND_NS))
+        woken = asyncio.create_task(self._woken.wait())
+        try:
+            await asyncio.wait((timer, woken), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            timer.cancel()
+            woken.cancel()
+
+    # ---- bells ----
+
+    def _ring(self, events: tuple[Event, ...]) -> None:
+        """Tell starts and warnings; let those come to rest whose time is over."""
+        ended: dict[RobotId, set[PrincipalId]] = {}
+        for event in events:
+            robot = event.slot.robot
+            if not self.vacancy.booked(robot):
+                continue
+            if event.kind == "start":
+                ended.setdefault(robot, set())
+                self._unused.begins(event.slot)
+            elif event.kind == "end":
+                ended.setdefault(robot, set()).add(event.slot.principal)
+        for robot, people in ended.items():
+            self._ending.change_over(robot, people)
+        for event in events:
+            if not event.overtaken and self.vacancy.booked(event.slot.robot):
+                self._tell(event)
+
+    def _tell(self, event: Event) -> None:
+        slot = event.slot
+        if event.kind == "start":
+            self._starts(slot)
+        elif event.kind == "warning":
+            self._warn(slot)
+
+    def _starts(self, slot: Slot) -> None:
+        """Tell the owner, unless they were told just now, or have to wait until it is at rest."""
+        told_just_now = slot.by == slot.principal and slot.start_ns - slot.made_ns < MINUTE_NS
+        if self._ending.is_unsure(slot.robot):
+            self._ending.tell_to_wait(slot)
+        elif slot.robot not in self.vacancy.barred and not told_just_now:
+            self._begins(slot)
+
+    def _begins(self, slot: Slot) -> None:
+        times = self._times
+        shown, until = times.shown(slot.robot), self._moment(slot, slot.end_ns)
+        holder = self.vacancy.holder(slot.robot)
+        if holder not in {None, slot.principal}:
+            said = words.begins_taken(shown, times.calendar.name_of(holder or ""))
+            times.reach.tell((slot.principal,), said)
+            return
+        menu = Button(shown, f"/use {slot.robot}")
+        times.reach.tell((slot.principal,), words.begins(shown, until), ((menu,),))
+
+    def _warn(self, slot: Slot) -> None:
+        """Say how long it goes on from now on, which after a pause is less than the bell says."""
+        times = self._times
+        following = times.calendar.present(slot.robot, slot.end_ns)
+        if following is not None and following.principal == slot.principal:
+            return  # it goes on
+        left_s = -(-(slot.end_ns - times.clock.wall_ns()) // SECOND_NS)
+        said = words.ends_soon(times.shown(slot.robot), left_s, self._moment(slot, slot.end_ns))
+        times.reach.tell((slot.principal,), said)
+
+    def _moment(self, slot: Slot, at_ns: int) -> str:
+        zone = self._times.sides.zone_of(slot.principal)
+        return moment(at_ns, self._times.clock.wall_ns(), zone)

@@ -1,0 +1,97 @@
+"""Which robot somebody means, in a line that is not an order."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core import words as core_words
+from rosic.core.language.compiled import fold
+from rosic.core.language.misunderstanding import MOST_OFFERS, Misunderstanding
+from rosic.core.language.words import FILLERS
+from rosic.errors import NotPermitted, NotUnderstood
+from rosic.pipeline.times import words_times as words
+
+if TYPE_CHECKING:
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.times.parts import Times
+
+MOST_WORDS = 64
+
+
+class Naming:
+    """Finds the robot at the beginning of what was said after a verb.
+
+    Robots that the person may not see are as unknown as those that do not exist.
+    """
+
+    def __init__(self, times: Times) -> None:
+        self._vocabulary = times.vocabulary
+        self._sides = times.sides
+
+    def robot(
+        self, asked: Asked, verb: str, text: str, *, nameless: bool = False
+    ) -> tuple[RobotId, str]:
+        """Return the robot that is meant, and what was said after its name.
+
+        Without a name it is the one that was chosen in this chat, or the only visible one.
+
+        Args:
+            asked: By whom, where.
+            verb: For what is offered instead: what stands before the name.
+            text: What was said after the verb.
+            nameless: The text makes sense as it is, so that its first word is no misspelt name.
+
+        Raises:
+            NotUnderstood: No such robot, several, or none was named.
+            NotPermitted: The person sees no robot at all.
+        """
+        visible = self._sides.visible(asked.caller.principal)
+        if not visible:
+            raise NotPermitted(core_words.NOTHING_VISIBLE)
+        raw = text.split()[:MOST_WORDS]
+        low = [fold(word) for word in raw]
+        begin = next((i for i, word in enumerate(low) if word not in FILLERS), len(low))
+        name, robots, end = self._named(low, begin, visible)
+        rest = " ".join(raw[end:])
+        if len(robots) == 1:
+            return robots[0], rest
+        if robots:
+            raise NotUnderstood(words.which_of(name), offers=_offers(verb, robots, rest))
+        if begin < len(low) and not nameless:
+            trouble = Misunderstanding([verb, *raw], [verb, *low], self._vocabulary, visible)
+            wrong = trouble.no_such_robot(begin + 1)
+            raise NotUnderstood(wrong.sentence, offers=wrong.offers)
+        return self._unnamed(asked, verb, visible, text), text
+
+    def calls(self, asked: Asked, text: str) -> bool:
+        """Whether a text is the name of a robot that the person sees, and nothing else."""
+        low = [fold(word) for word in text.split()[:MOST_WORDS]]
+        visible = self._sides.visible(asked.caller.principal)
+        _, robots, end = self._named(low, 0, visible)
+        return bool(robots) and end == len(low)
+
+    def _named(
+        self, low: list[str], at: int, visible: frozenset[RobotId]
+    ) -> tuple[str, tuple[RobotId, ...], int]:
+        """Return the longest name here, whom of the visible it calls, and where it ends."""
+        most = self._vocabulary.longest_callee.get(low[at], 0) if at < len(low) else 0
+        for count in range(most, 0, -1):
+            callee = self._vocabulary.callees.get(" ".join(low[at : at + count]))
+            if callee is not None:
+                seen = tuple(robot.id for robot in callee.robots if robot.id in visible)
+                if seen:
+                    return callee.name, seen, at + count
+        return "", (), at
+
+    def _unnamed(self, asked: Asked, verb: str, visible: frozenset[RobotId], text: str) -> RobotId:
+        chosen = self._sides.selected(asked.caller.principal, asked.inbound.chat)
+        if chosen in visible:
+            return chosen
+        if len(visible) == 1:
+            return next(iter(visible))
+        raise NotUnderstood(words.which_robot(), offers=_offers(verb, tuple(sorted(visible)), text))
+
+
+def _offers(verb: str, robots: tuple[RobotId, ...], rest: str) -> tuple[str, ...]:
+    return tuple(f"{verb} {robot} {rest}".strip() for robot in robots[:MOST_OFFERS])

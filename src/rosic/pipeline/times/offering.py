@@ -1,0 +1,98 @@
+"""Whose turn it is: a robot that is free is offered to the first who waits, then to the next."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.message import Button
+from rosic.organiser.words_waiting import turn_over, your_turn
+from rosic.pipeline.times import words_times as words
+from rosic.pipeline.times.vacancy import SECOND_NS
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.organiser.waiting import Offer
+    from rosic.pipeline.times.parts import Times
+    from rosic.pipeline.times.vacancy import Vacancy
+
+POLL_NS = 5 * SECOND_NS
+"""A robot at work, stopped or away becomes free without a word; so often it is looked at."""
+
+
+class Offering:
+    """Offers free robots, once each."""
+
+    def __init__(self, times: Times, vacancy: Vacancy) -> None:
+        self._times = times
+        self._vacancy = vacancy
+        self._told: dict[RobotId, Offer] = {}
+
+    async def pass_on(self) -> int | None:
+        """Take out of the queues who let their turn pass, and tell them.
+
+        Returns:
+            When the next offer expires, monotonic clock.
+
+        Raises:
+            RecordUnavailable: Nobody was taken out.
+        """
+        times = self._times
+        if times.waiting.lapsed():
+            async with times.changes.turn() as turn:
+                lapsed = times.waiting.lapsed()  # somebody may have taken it meanwhile
+                await turn.write([waiting.no_more() for waiting in lapsed])
+            for waiting in lapsed:
+                again = Button("Wait again", f"/wait {waiting.robot}")
+                said = turn_over(times.shown(waiting.robot))
+                times.reach.tell((waiting.principal,), said, ((again,),))
+        return times.waiting.next_expiry_ns()
+
+    async def offer(self, robot: RobotId) -> int | None:
+        """Offer a robot if it is free; return when to look again, monotonic clock."""
+        times, waiting = self._times, self._times.waiting
+        await self._drop_who_has_it(robot)
+        await self._drop_who_may_not(robot)
+        queue = waiting.queue(robot)
+        if not queue:
+            self._told.pop(robot, None)
+            return None
+        if not self._vacancy.free_for(robot, queue[0]):
+            waiting.withdraw(robot)
+            self._told.pop(robot, None)
+            poll_ns = times.clock.monotonic_ns() + POLL_NS
+            return min(poll_ns, self._vacancy.lapses_ns(robot) or poll_ns)
+        made = waiting.offer(robot)
+        if made is not None and made is not self._told.get(robot):
+            self._told[robot] = made
+            self._tell(made)
+        return None if made is None else made.expires_ns
+
+    def _tell(self, made: Offer) -> None:
+        times = self._times
+        seconds = (made.expires_ns - times.clock.monotonic_ns()) / SECOND_NS
+        said = your_turn(times.shown(made.robot), seconds)
+        row = (
+            Button("Take it", f"/wait take {made.robot}"),
+            Button("Not now", f"/wait none {made.robot}"),
+        )
+        times.reach.tell((made.principal,), said, (row,), lifetime_s=seconds)
+
+    async def _drop_who_has_it(self, robot: RobotId) -> None:
+        """Whoever has a robot does not wait for it any more."""
+        for principal in self._times.waiting.queue(robot):
+            if self._vacancy.has(principal, robot):
+                await self._drop(principal, robot)
+
+    async def _drop_who_may_not(self, robot: RobotId) -> None:
+        """Take the first out of the queue as long as they have no right to the robot any more."""
+        times = self._times
+        while queue := times.waiting.queue(robot):
+            if times.sides.may_book(queue[0], robot) is None:
+                return
+            await self._drop(queue[0], robot)
+            times.reach.tell((queue[0],), words.no_right_any_more(times.shown(robot)))
+
+    async def _drop(self, principal: PrincipalId, robot: RobotId) -> None:
+        async with self._times.changes.turn() as turn:
+            await turn.write(self._times.waiting.leave(principal, robot))

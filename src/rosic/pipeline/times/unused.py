@@ -1,0 +1,121 @@
+"""A slot whose owner is not there is given to whoever waits, after a question."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.identity import OPERATOR
+from rosic.core.message import Button
+from rosic.core.slot import SlotId
+from rosic.organiser.words_calendar import moment
+from rosic.pipeline.times import words_times as words
+from rosic.pipeline.times.deciding import decided
+from rosic.pipeline.times.vacancy import SECOND_NS
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.core.slot import Slot
+    from rosic.pipeline.times.parts import Times
+    from rosic.pipeline.times.vacancy import Vacancy
+
+POLL_NS = 5 * SECOND_NS
+
+
+class Watch(msgspec.Struct):
+    """A slot that is looked at.
+
+    Attributes:
+        since_ns: When its owner was last known to want it, monotonic clock.
+        asked_ns: When they were asked; None: not since then.
+    """
+
+    slot: SlotId
+    since_ns: int
+    asked_ns: int | None = None
+
+
+class Unused:
+    """Asks owners who do nothing while somebody waits, and releases their slots.
+
+    After a restart the count begins anew.
+    """
+
+    def __init__(self, times: Times, vacancy: Vacancy) -> None:
+        self._times = times
+        self._vacancy = vacancy
+        self._watches: dict[RobotId, Watch] = {}
+        self._release_ns = int(times.idle_release_s * SECOND_NS)
+        self._notice_ns = int(min(times.notice_s, times.idle_release_s) * SECOND_NS)
+
+    def begins(self, slot: Slot) -> None:
+        """Count from now on."""
+        self._watches[slot.robot] = Watch(slot.id, self._times.clock.monotonic_ns())
+
+    def keep(self, principal: PrincipalId, robot: RobotId) -> bool:
+        """Count as used now. Return False if it is not this person's slot."""
+        slot = self._vacancy.slot(robot)
+        if slot is None or slot.principal != principal:
+            return False
+        self.begins(slot)
+        return True
+
+    async def look_at(self, robot: RobotId) -> int | None:
+        """Ask or release, if it is time; return when to look again, monotonic clock.
+
+        Raises:
+            RecordUnavailable: Nothing was released.
+        """
+        now_ns, slot = self._times.clock.monotonic_ns(), self._vacancy.slot(robot)
+        if slot is None:
+            return None
+        watch = self._watches.get(robot)
+        if watch is None or watch.slot != slot.id:
+            self.begins(slot)
+            watch = self._watches[robot]
+        lease = self._times.sides.lease(robot)
+        if lease.holder == slot.principal:
+            used_ns = now_ns if lease.active else lease.idle_since_ns
+            if used_ns > watch.since_ns:
+                watch.since_ns, watch.asked_ns = used_ns, None
+            if lease.active:
+                return now_ns + POLL_NS
+        return await self._next_step(slot, watch, now_ns)
+
+    async def _next_step(self, slot: Slot, watch: Watch, now_ns: int) -> int | None:
+        ask_ns = watch.since_ns + self._release_ns - self._notice_ns
+        if watch.asked_ns is None:
+            if now_ns < ask_ns:
+                return ask_ns
+            if slot.end_ns - self._times.clock.wall_ns() <= self._notice_ns:
+                return None  # it ends by itself before that
+            watch.asked_ns = now_ns
+            self._ask(slot, watch, now_ns)
+        release_ns = watch.asked_ns + self._notice_ns
+        if now_ns < release_ns:
+            return release_ns
+        await self._release(slot)
+        return None
+
+    def _ask(self, slot: Slot, watch: Watch, now_ns: int) -> None:
+        times = self._times
+        idle_s, notice_s = (now_ns - watch.since_ns) / SECOND_NS, self._notice_ns / SECOND_NS
+        said = words.unused(times.shown(slot.robot), idle_s, notice_s)
+        keep = Button("Keep it", f"/wait keep {slot.robot}")
+        give = Button("Give it back", f"/cancel only {slot.id}")
+        times.reach.tell((slot.principal,), said, ((keep, give),), lifetime_s=notice_s)
+
+    async def _release(self, slot: Slot) -> None:
+        times = self._times
+        async with times.changes.turn() as turn:
+            if self._vacancy.slot(slot.robot) is not slot:
+                return
+            facts = times.calendar.cancel(slot.id, slot.principal)
+            await turn.write(decided("release", OPERATOR, times.clock.wall_ns(), facts))
+        self._watches.pop(slot.robot, None)
+        zone = times.sides.zone_of(slot.principal)
+        until = moment(slot.end_ns, times.clock.wall_ns(), zone)
+        said = words.released(times.shown(slot.robot), until)
+        times.reach.tell((slot.principal,), said)

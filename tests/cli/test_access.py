@@ -1,0 +1,232 @@
+"""Invitations, keys and locks from the command line, straight from the data."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.app.config import load_config
+from rosic.app.offline import Alone, Seeding
+from rosic.app.operator_desk import OperatorDesk
+from rosic.cli.entry import main
+from rosic.errors import RecordUnavailable
+from rosic.stores.memory import MemoryStore
+from rosic.system import SystemClock, SystemEntropy
+from tests.cli.offline import MEMORY, Place
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
+
+
+@pytest.fixture
+def place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Place:
+    return Place(tmp_path, capsys)
+
+
+def on_disk(folder: Path) -> bytes:
+    return b"".join(path.read_bytes() for path in folder.rglob("*") if path.is_file())
+
+
+# ---- coming in ----
+
+
+def test_an_invitation_is_shown_once_and_only_its_digest_is_kept(place: Place) -> None:
+    out = place.good(
+        "invite", "--role", "operator", "--robot", "kuka1", "--for", "2h", "--code-ttl", "20m",
+        "--limit", "force <= 20 N", "--as", "Cy",
+    )  # fmt: skip
+
+    said, how, *picture = out.splitlines()
+    [code] = set(CODE.findall(out))
+    assert said.startswith(
+        f"Invitation as operator on kuka1, with force <= 20 N, for 2 hours. Code {code}, good "
+        "once, for 20 minutes"
+    )
+    assert how == f"Let them send the bot, in a private chat: join {code}"
+    assert len(picture) > 10
+    assert all(set(line) <= set("█▀▄ ") for line in picture)
+    kept = on_disk(place.folder / "rosic-data")
+    assert code.encode() not in kept
+    assert code.replace("-", "").encode() not in kept
+    assert "operator on kuka1, with force <= 20 N, for 2 hours" in place.good("security report")
+
+
+def test_plain_is_without_a_picture(place: Place) -> None:
+    out = place.good("invite", "--role", "viewer", "--plain")
+
+    assert len(out.splitlines()) == 2
+    assert "█" not in out
+
+
+def test_an_admin_has_to_tap_where_that_was_said(place: Place) -> None:
+    place.good("invite", "--role", "viewer", "--confirm", "--plain")
+    report = json.loads(place.good("security report", "--json"))
+
+    [invitation] = report["invitations"]
+    assert invitation["given"] == "viewer"
+    assert invitation["issuer"] == "operator"
+
+
+def test_an_admin_invited_where_there_is_none_is_the_first(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = Place(tmp_path, capsys, MEMORY.replace('role = "admin"', 'role = "viewer"'))
+
+    first = place.good("invite", "--role", "admin", "--plain")
+    second = place.good("invite", "--role", "admin", "--plain")
+
+    assert "Nobody is admin here yet." in first
+    assert CODE.findall(first) != CODE.findall(second)
+    [only] = json.loads(place.good("security report", "--json"))["invitations"]
+    assert only["given"] == "admin"  # the code of the first start ended with the second
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ("", "An invitation needs a role, for example operator. Nothing was done."),
+        ("--role operatr", "No role is called 'operatr'. Did you mean operator?"),
+        ("--role operator --robot kuka9",
+         "No robot or group is called 'kuka9'. Did you mean kuka1?"),
+        ("--role operator --robot cf*", "No robot matches 'cf*'. Known here: kuka1, omni."),
+        ("--role operator --for soon",
+         "as a length of time. Write --for 2h, --for 30min or --for 3d."),
+        ("--role operator --for 2", "I cannot read --for '2' as a length of time."),
+        ("--role operator --for 0m", "--for 0m is no time at all. Nothing was done."),
+        ("--role operator --for -1h", "--for -1h is less than no time. Nothing was done."),
+        ("--role operator --for 1y", "I cannot read --for '1y' as a length of time."),
+        ("--role operator --for 9999d", "A right and a code last at least some seconds"),
+        ("--role operator --code-ttl 365d", "a code at most a week. Nothing was done."),
+        ("--role operator --code-ttl 0s", "--code-ttl 0s is no time at all."),
+        ("--role operator --limit speed", "speed"),
+        ("--role operator --limit height<=2m", "no parameter"),
+        ("--role operator --robot kuka1 --limit force<=2kg", "force"),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_an_invitation_is_one_sentence(
+    place: Place, arguments: str, sentence: str
+) -> None:
+    wrong = place.wrong("invite", *arguments.split())
+
+    if sentence == "no parameter":
+        assert "limits nothing" in wrong
+    else:
+        assert sentence in wrong
+    assert "Open invitations: none." in place.good("security report")
+
+
+def test_without_the_robots_of_a_file_an_invitation_to_one_says_so(
+    place: Place, capsys: pytest.CaptureFixture[str]
+) -> None:
+    data = str(place.folder / "rosic-data")
+    assert main(["invite", "--role", "viewer", "--robot", "omni", "--data", data]) == 2
+    assert "a data folder alone does not say which robots" in capsys.readouterr().err
+
+
+# ---- keys ----
+
+
+def test_a_key_is_replaced_and_the_old_one_ends(place: Place) -> None:
+    assert place.good("key rotate", "Bob", "--grace", "10m") == (
+        "Bob has a new key. The old one is good for another 10 minutes.\n"
+    )
+    new, old = place.good("key list", "Bob").splitlines()
+    assert new.endswith("  Bob  until taken back")
+    assert old.endswith("  Bob  for 10 minutes")
+    assert "Bob, key k" in place.good("security report")
+
+    assert (
+        place.good("key rotate", "Bob") == "Bob has a new key. The old one is not good any more.\n"
+    )
+    assert place.good("key list", "Bob").count("taken back\n") == 2
+    assert "Bob: as operator" in place.good("people")
+    assert len(place.good("key list").splitlines()) == 4
+
+
+def test_a_key_is_taken_back_by_its_id_or_by_its_person(place: Place) -> None:
+    place.good("key rotate", "Bob", "--grace", "10m")
+    _, old = (line.split()[0] for line in place.good("key list", "Bob").splitlines())
+
+    assert place.good("key revoke", old) == (
+        f"The key {old} is not good any more, also after a restart.\n"
+    )
+    assert "Bob: as operator" in place.good("people")
+    assert place.wrong("key revoke", old) == "This key was taken back before. Nothing was done."
+    assert place.good("key revoke", "Bob") == (
+        "Bob has no good key any more, also after a restart.\n"
+    )
+    assert "Bob: access ended" in place.good("people")
+    assert "There is no good key to replace." in place.wrong("key rotate", "Bob")
+    assert "There is no good key to replace." in place.wrong("key revoke", "Bob")
+
+
+@pytest.mark.parametrize("command", ["key list", "key rotate", "key revoke", "lock", "unlock",
+                                     "revoke"])  # fmt: skip
+def test_nobody_of_that_name_is_one_sentence(place: Place, command: str) -> None:
+    assert place.wrong(command, "Zed") == "Nobody is called Zed. There are: Ada, Bob."
+
+
+@pytest.mark.parametrize(
+    ("grace", "sentence"),
+    [("-5m", "--grace -5m is less than no time."), ("later", "I cannot read --grace 'later'"),
+     ("31d", "An old key stays good for at most 30 days. Nothing was done.")],
+)  # fmt: skip
+def test_a_grace_that_is_none_is_one_sentence(place: Place, grace: str, sentence: str) -> None:
+    assert sentence in place.wrong("key rotate", "Bob", "--grace", grace)
+
+
+# ---- locks ----
+
+
+def test_a_lock_holds_until_it_is_undone(place: Place) -> None:
+    assert place.good("lock", "bob") == (
+        "Bob is locked: nothing they send is carried out until an admin unlocks them.\n"
+    )
+    assert "Bob: locked · as operator" in place.good("people")
+    assert "  Bob, by the operator, since" in place.good("security report")
+
+    assert place.good("unlock", "Bob") == "Bob is unlocked.\n"
+    assert "locked" not in place.good("people")
+    assert place.wrong("unlock", "Bob") == "Bob is not locked. Nothing was done."
+
+
+async def test_a_lock_waits_for_no_other_change_and_for_no_disk(place: Place) -> None:
+    config = load_config(place.config)
+    store = MemoryStore()
+    memory = await store.open()
+    alone = Alone(place.folder, config, SystemClock(), SystemEntropy())
+    books = await alone.books(store, memory, Seeding.WRITTEN)
+    desk, [bob] = OperatorDesk(books), books.authoriser.directory.named("Bob")
+
+    async with books.access.changes.turn():  # somebody else's write hangs on the disk
+        locking = asyncio.create_task(desk.access.lock("Bob"))
+        await asyncio.sleep(0)
+        assert bob.id in books.organiser.locked
+    assert "until an admin unlocks" in await locking
+
+    await store.close()
+    with pytest.raises(RecordUnavailable):
+        await desk.access.unlock("Bob")
+    assert "it holds until ROSIC is restarted" in await desk.access.lock("Ada")
+    assert len(books.organiser.locked) == 2
+
+
+def test_revoking_ends_everything_of_somebody(place: Place) -> None:
+    assert place.good("revoke", "Bob") == "Bob has no access any more, also after a restart.\n"
+    assert "Bob: access ended" in place.good("people")
+    assert place.good("revoke", "Bob") == "Bob has no access already. Nothing was changed.\n"
+
+
+def test_looking_leaves_no_data_behind(place: Place) -> None:
+    place.good("people")
+    place.good("key list")
+    place.good("security report")
+    place.good("explain", "Bob", "kuka1 home")
+
+    assert not (place.folder / "rosic-data").exists()

@@ -1,0 +1,84 @@
+"""`rosic explain`: the decision, and every rule that made it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.cli.offline import MEMORY, Place
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+OWN = """
+[role.junior]
+scopes = ["kuka1:*"]
+limits = ["force <= 20 N"]
+"""
+
+
+@pytest.fixture
+def place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Place:
+    return Place(tmp_path, capsys, MEMORY.replace('"operator"', '"junior"') + OWN)
+
+
+def test_it_completes_the_arguments_and_names_every_rule(place: Place) -> None:
+    lines = place.good("explain", "Ada", "kuka1 grasp").splitlines()
+
+    assert lines[:2] == ["KUKA iiwa: grasp, 15 N", "Ada may."]
+    assert [line.split(":")[0].split() for line in lines[2:]] == [
+        ["ok", rule]
+        for rule in ("key", "lock", "sight", "reach", "right", "channel", "limits", "stopped",
+                     "slot", "lease", "care")
+    ]  # fmt: skip
+
+
+def test_a_limit_refuses_by_name(place: Place) -> None:
+    *_, last = place.good("explain", "Bob", "kuka1 grasp force=30").splitlines()
+
+    assert last == "no  limits:   force <= 20 N is broken (force is 30.0, in SI); Ada can help"
+    assert "Bob may.\n" in place.good("explain", "Bob", "kuka1", "grasp", "20", "N")
+
+
+def test_who_may_not_see_a_robot_is_told_that_there_is_none(place: Place) -> None:
+    said = place.good("explain", "Bob", "omni arm home")
+
+    assert said.startswith("To Bob there is no such robot; they are told so.\n")
+    assert "no  sight:" in said
+    assert "Bob may not." in said
+
+
+def test_the_robots_own_bounds_are_said_beside_the_rules(place: Place) -> None:
+    said = place.good("explain", "Ada", "kuka1 grasp 300 N")
+
+    assert "40 N" in said
+    assert "ok  right:" in said
+
+
+def test_stop_and_resume_are_explained_too(place: Place) -> None:
+    assert "Bob may." in place.good("explain", "Bob", "stop kuka1")
+    assert "ok  right:" in place.good("explain", "Ada", "resume kuka1")
+
+
+def test_whoever_is_locked_may_only_stop(place: Place) -> None:
+    place.good("lock", "Bob")
+
+    assert "no  lock:" in place.good("explain", "Bob", "kuka1 home")
+    assert "Bob may." in place.good("explain", "Bob", "stop")
+
+
+@pytest.mark.parametrize(
+    ("who", "line", "sentence"),
+    [
+        ("Zed", "kuka1 home", "Nobody is called Zed. There are: Ada, Bob."),
+        ("Bob", "kuka1 graps", 'KUKA iiwa has no "graps". Did you mean grasp?'),
+        ("Bob", "help", "That asks nothing of a robot, so no rule is asked."),
+        ("Bob", "kuka1 home\nkuka1 home", "Ask about one line at a time."),
+        ("Bob", "", "There was nothing to read."),
+    ],
+)
+def test_what_cannot_be_explained_is_one_sentence(
+    place: Place, who: str, line: str, sentence: str
+) -> None:
+    assert sentence in place.wrong("explain", who, line)

@@ -1,0 +1,169 @@
+"""`rosic init`: a few answers, and a configuration that `rosic check` accepts, or nothing."""
+
+from __future__ import annotations
+
+import os
+import stat
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.app.config import load_config
+from rosic.app.founding import Founding, found
+from rosic.cli.entry import main
+from rosic.errors import ConfigurationError
+from rosic.system import SystemClock
+from tests.cli.running import rosic
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+TOKEN = "4242424242:" + "abc" * 12
+DRAFT = """
+id: rover
+title: Rover
+link: { kind: memory }
+skills:
+  home: { title: Home, class: task }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    capsys.readouterr()
+    status = main(["init", *arguments])
+    return status, *capsys.readouterr()
+
+
+def left(folder: Path) -> list[str]:
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+
+
+def test_without_a_question_it_writes_what_can_be_started(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, out, err = said(capsys, "--yes")
+
+    assert (status, err) == (0, "")
+    assert out == "Written: rosic.toml. Start with: rosic run\n"
+    assert main(["check"]) == 0
+    config = load_config(folder / "rosic.toml")
+    assert [robot.id for robot in config.robots] == ["omni", "kuka1"]
+    assert [str(a) for p in config.people for a in p.addresses] == [f"terminal:{os.getuid()}"]
+
+
+def test_questions_are_asked_and_answered(folder: Path) -> None:
+    answers = f"My lab\n{TOKEN}\n\nomni, talker\nperhaps\ny\n1001\n"
+    ran = rosic("init", stdin=answers, cwd=folder)
+
+    assert (ran.status, ran.err) == (0, "")
+    assert "Please say yes or no." in ran.out
+    assert ran.out.endswith("Written: telegram-token.txt, rosic.toml. Start with: rosic run\n")
+    assert TOKEN not in ran.out
+    assert TOKEN not in (folder / "rosic.toml").read_text()
+    assert stat.S_IMODE((folder / "telegram-token.txt").stat().st_mode) == 0o600
+    config = load_config(folder / "rosic.toml")
+    assert config.name == "My lab"
+    assert [robot.id for robot in config.robots] == ["omni", "talker"]
+    assert [robot.link.kind for robot in config.robots] == ["simulated", "simulated"]
+    assert [str(a) for p in config.people for a in p.addresses] == ["telegram:1001"]
+    assert rosic("check", cwd=folder).status == 0
+
+
+def test_everything_can_be_said_by_options(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LAB_TOKEN", TOKEN)
+    status, out, _ = said(
+        capsys, "--yes", "--name", 'The "lab"', "--zone", "Europe/Vienna", "--token-env",
+        "LAB_TOKEN", "--robot", "omni", "cf1", "--link", "ros2", "--admin", "code",
+        "-c", "place.toml",
+    )  # fmt: skip
+
+    assert status == 0
+    assert "Start with: rosic run -c place.toml\n" in out
+    assert out.endswith("Whoever sends it first is the admin.\n")
+    assert left(folder) == ["place.toml"]
+    config = load_config("place.toml")
+    assert (config.name, config.zone, config.people) == ('The "lab"', "Europe/Vienna", ())
+    assert {robot.link.kind for robot in config.robots} == {"ros2"}
+
+
+@pytest.mark.parametrize("name", ["rosic.toml", "telegram-token.txt"])
+def test_nothing_is_overwritten(folder: Path, name: str) -> None:
+    (folder / name).write_text("precious")
+
+    ran = rosic("init", stdin=f"\n{TOKEN}\n\n\n\n\n", cwd=folder)
+
+    assert ran.status == 2
+    assert "it was left alone" in ran.err
+    assert len(ran.err.strip().splitlines()) == 1
+    assert left(folder) == [name]
+    assert (folder / name).read_text() == "precious"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ("--robot omin", "No profile is called 'omin'. Did you mean omni?"),
+        ("--token-env NO_SUCH", "The environment variable NO_SUCH is not set."),
+        ("--token-file none.txt", "to read a secret from"),
+        ("--admin 1001", "there is no Telegram here."),
+        ("--token-env BAD", "does not look like a Telegram token."),
+        ("--token-env LAB_TOKEN --admin @ada", "'@ada' is not a Telegram id"),
+        ("--zone Europe/Vinna", "Did you mean Europe/Vienna?"),
+        ("--name " + "x" * 65, "is not a name."),
+        ("-c /sys/rosic.toml", "This cannot be written"),
+    ],
+)
+def test_a_mistake_is_one_sentence_and_nothing_is_written(
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    arguments: str,
+    sentence: str,
+) -> None:
+    monkeypatch.setenv("LAB_TOKEN", TOKEN)
+    monkeypatch.setenv("BAD", "nonsense")
+    status, out, err = said(capsys, "--yes", *arguments.split())
+
+    assert (status, out) == (2, "")
+    [line] = err.splitlines()
+    assert sentence in line
+    assert left(folder) == []
+
+
+def test_answers_that_end_too_soon_write_nothing(folder: Path) -> None:
+    ran = rosic("init", stdin="lab\n", cwd=folder)
+
+    assert ran.status == 2
+    assert "The questions were not answered to the end. Nothing was written." in ran.err
+    assert left(folder) == []
+
+
+def test_drafts_become_profiles_of_their_own(folder: Path) -> None:
+    path = folder / "rosic.toml"
+    made = found(path, Founding(name="lab", drafts={"rover": DRAFT}), SystemClock())
+
+    assert left(folder) == ["robots/rover.yaml", "rosic.toml"]
+    assert list(made.written) == [str(folder / "robots/rover.yaml"), str(path)]
+    assert [robot.id for robot in load_config(path).robots] == ["rover"]
+
+
+def test_a_draft_that_is_no_profile_takes_everything_back(folder: Path) -> None:
+    answers = Founding(name="lab", drafts={"rover": DRAFT.replace("task", "fly")})
+    with pytest.raises(ConfigurationError, match=r"rover\.yaml:6"):
+        found(folder / "rosic.toml", answers, SystemClock())
+
+    assert left(folder) == []
+
+
+def test_no_robot_is_no_configuration(folder: Path) -> None:
+    with pytest.raises(ConfigurationError, match="There is no robot"):
+        found(folder / "rosic.toml", Founding(name="lab"), SystemClock())
+    assert left(folder) == []

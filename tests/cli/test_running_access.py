@@ -1,0 +1,227 @@
+"""People, keys, locks and plans through the socket of a running gateway."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import pty
+import re
+import select
+import subprocess
+import time
+from contextlib import asynccontextmanager
+from datetime import UTC, datetime, timedelta
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.app.asked import Ask, Verb
+from rosic.cli.asking import answers
+from rosic.testing.telegram import FakeTelegram
+from tests.cli.running import ROSIC, environment, gateway, rosic, write_config
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+    from pathlib import Path
+
+    from tests.cli.running import Gateway
+
+CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
+NOBODY = """
+[[messenger]]
+kind = "telegram"
+token = {{ env = "LAB_TOKEN" }}
+api_base = "{api_base}"
+[[robot]]
+profile = "omni"
+link = "memory"
+"""
+
+
+@pytest.fixture(scope="module")
+def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_config(tmp_path_factory.mktemp("place"))
+
+
+@pytest.fixture(scope="module")
+def running(config: Path) -> Iterator[Gateway]:
+    with gateway(config) as opened:
+        yield opened
+
+
+def good(command: str, *arguments: str, config: Path) -> str:
+    ran = rosic(*command.split(), *arguments, "-c", config)
+    assert (ran.status, ran.err) == (0, "")
+    return ran.out
+
+
+@pytest.mark.usefixtures("running")
+def test_an_invitation_is_made_and_a_mistake_is_one_sentence(config: Path) -> None:
+    out = good("invite", "--role", "operator", "--robot", "kuka1", "--for", "2h", config=config)
+    assert len(set(CODE.findall(out))) == 1
+    assert "█" in out
+
+    wrong = rosic("invite", "--role", "operatr", "-c", config)
+    assert (wrong.status, wrong.out) == (1, "")
+    assert wrong.err == "rosic: No role is called 'operatr'. Did you mean operator?\n"
+    assert "operator on kuka1 for 2 hours" in good("security report", config=config)
+
+
+@pytest.mark.usefixtures("running")
+def test_keys_and_explanations_come_from_the_running_gateway(config: Path) -> None:
+    assert "Bob has a new key." in good("key rotate", "Bob", "--grace", "1h", config=config)
+    _, old = (line.split()[0] for line in good("key list", "Bob", config=config).splitlines())
+    assert "not good any more" in good("key revoke", old, config=config)
+    assert "ok  key:" in good("explain", "Bob", "kuka1 grasp force=30", config=config)
+    assert json.loads(good("security report", "--json", config=config))["locks"] == []
+
+
+@pytest.mark.usefixtures("running")
+def test_a_plan_is_booked_and_shown_to_the_next_one(config: Path) -> None:
+    day = (datetime.now(tz=UTC) + timedelta(days=7)).strftime("%Y-%m-%d")
+    file = config.parent / "week.csv"
+    file.write_text(
+        f"person,robots,length,earliest,latest\nBob,kuka1,1 h,{day} 09:00,{day} 10:00\n"
+    )
+    assert good("schedule plan", str(file), "--book", config=config).endswith("Booked: 1 slot.\n")
+    assert "kuka1 is booked" in good("schedule plan", str(file), config=config)
+
+
+def test_whoever_is_locked_comes_to_rest_within_a_second(running: Gateway, config: Path) -> None:
+    running.say("omni move 3 m")
+    running.wait_for("driving")
+    assert "Bob may not." in good("explain", "Bob", "omni arm home", config=config)  # it is taken
+
+    begun_s = time.monotonic()
+    [said] = answers(config.parent / "rosic-data", Ask(Verb.LOCK, ("Ada",)))
+    running.wait_for("omni: stopped before it ended")
+    assert time.monotonic() - begun_s < 1
+    assert said.startswith("Ada is locked")
+    assert "stopped" in good("status", "omni", config=config)
+
+    running.say("kuka1 home")
+    running.wait_for("locked")
+    assert "Ada: locked" in good("people", config=config)
+    assert "Ada is unlocked." in good("unlock", "Ada", config=config)
+
+
+# ---- the first admin ----
+
+
+class AtTerminal:
+    """`rosic run` with somebody in front of it."""
+
+    def __init__(self, config: Path, token: str) -> None:
+        self._ours, theirs = pty.openpty()
+        self._log = config.with_suffix(".err")
+        with self._log.open("w") as err:
+            self.process = subprocess.Popen(  # noqa: S603 - our own command
+                [*ROSIC, "run", "-c", str(config)], stdin=subprocess.DEVNULL, stdout=theirs,
+                stderr=err, env=environment({"LAB_TOKEN": token}),
+            )  # fmt: skip
+        os.close(theirs)
+        self.shown = ""
+
+    def wait_for(self, text: str, within_s: float = 30) -> None:
+        end_s = time.monotonic() + within_s
+        while text not in self.shown:
+            assert time.monotonic() < end_s, f"no {text!r}: {self.shown}{self.log()}"
+            assert self.process.poll() is None, self.log()
+            self.look(0.1)
+
+    def look(self, wait_s: float = 0.0) -> None:
+        """Take over what is shown by now."""
+        if select.select([self._ours], [], [], wait_s)[0]:
+            self.shown += os.read(self._ours, 65_536).decode(errors="replace")
+
+    def log(self) -> str:
+        return self._log.read_text()
+
+    def end(self) -> None:
+        self.process.terminate()
+        try:
+            self.process.wait(10)
+        finally:
+            self.process.kill()
+            os.close(self._ours)
+
+
+def everything(folder: Path) -> bytes:
+    return b"".join(p.read_bytes() for p in folder.rglob("*") if p.is_file())
+
+
+async def joins(server: FakeTelegram, config: Path, who: int, code: str, as_what: str) -> None:
+    """Let somebody hand a code in, and wait until they are listed."""
+    server.say(who, who, f"/start {code}")
+    async with asyncio.timeout(20):
+        while not (told := server.messages(who, by_bot=True)):
+            await server.wait(server.seq, 1.0)
+    server.tap(who, who, told[-1]["message_id"], "Join")
+    listed = re.compile(rf"{as_what}.*telegram:{who} ")
+    async with asyncio.timeout(20):
+        while not listed.search((await asyncio.to_thread(rosic, "people", "-c", config)).out):
+            await server.wait(server.seq, 0.5)
+
+
+@asynccontextmanager
+async def at_terminal(config: Path, token: str) -> AsyncIterator[AtTerminal]:
+    """Let a gateway run at a terminal while inside."""
+    terminal = AtTerminal(config, token)
+    try:
+        yield terminal
+    finally:
+        await asyncio.to_thread(terminal.end)
+
+
+async def invited(config: Path, *arguments: str) -> str:
+    """Return the code in the link that an invitation shows."""
+    ran = await asyncio.to_thread(rosic, "invite", *arguments, "-c", config)
+    link = re.search(r"https://t\.me/\w+\?start=(\S+)", ran.out)
+    assert link is not None, ran
+    return link[1]
+
+
+@pytest.mark.limit(90)
+async def test_the_first_start_shows_a_code_and_whoever_sends_it_is_the_admin(
+    tmp_path: Path,
+) -> None:
+    async with FakeTelegram(limits=None) as server:
+        config = write_config(tmp_path, NOBODY, api_base=server.api_base)
+        async with at_terminal(config, server.token) as terminal:
+            await asyncio.to_thread(terminal.wait_for, "start=")
+            await asyncio.to_thread(terminal.wait_for, "█")
+            [code] = set(CODE.findall(terminal.shown))
+            assert f"https://t.me/{server.world.bot.username}?start={code}" in terminal.shown
+            assert code not in terminal.log()
+            kept = everything(tmp_path)
+            assert code.encode() not in kept
+            assert code.replace("-", "").encode() not in kept
+
+            await joins(server, config, server.create_user("Eve"), code, "as admin · ")
+            code = await invited(
+                config, "--role", "operator", "--robot", "omni", "--for", "2h", "--plain"
+            )
+            student = server.create_user("Cy")
+            await joins(server, config, student, code, "as operator on omni, until ")
+
+        async with at_terminal(config, server.token) as again:
+            async with asyncio.timeout(30):
+                while "listening" not in again.log():  # noqa: ASYNC110
+                    await asyncio.sleep(0.05)
+            again.look()
+            assert again.shown == ""
+
+
+async def test_where_nobody_sits_no_code_is_shown(tmp_path: Path) -> None:
+    async with FakeTelegram(limits=None) as server:
+        config = write_config(tmp_path, NOBODY, api_base=server.api_base)
+        with gateway(config, env={"LAB_TOKEN": server.token}, ready=False) as running:
+            await asyncio.to_thread(
+                running.wait_for, "nobody is admin here yet: rosic invite --role admin", log=True
+            )
+            assert CODE.search(running.out() + running.err()) is None
+
+            out = (await asyncio.to_thread(rosic, "invite", "--role", "admin", "-c", config)).out
+            assert f"https://t.me/{server.world.bot.username}?start=" in out
+            assert "Nobody is admin here yet." in out

@@ -1,0 +1,137 @@
+"""Guessing codes: five tries an address, a breaker for all, and one word to the admins."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from rosic.authoriser import words_entry as words
+from rosic.authoriser.admission import Answer, Redeemed, TurnedAway
+from rosic.authoriser.codes import new_code
+from rosic.authoriser.guessing import ADDRESSES_AT_MOST, Guessing, GuessLimits
+from rosic.testing.clock import SeededEntropy
+from tests.rooms.authoriser.office import CY, DI, Office, account
+
+
+@pytest.fixture
+async def office() -> Office:
+    return await Office().with_admins()
+
+
+def away(answer: Answer) -> TurnedAway:
+    assert isinstance(answer, TurnedAway), answer
+    return answer
+
+
+def guesses(count: int) -> list[str]:
+    entropy = SeededEntropy(77)
+    return [new_code(entropy).reveal() for _ in range(count)]
+
+
+async def test_five_wrong_codes_then_a_pause_even_for_the_right_one(office: Office) -> None:
+    code, _ = await office.invite("viewer")
+    for guess in guesses(5):
+        assert away(await office.redeem(guess)).sentence == words.NOT_GOOD
+    paused = away(await office.redeem(code))
+    assert paused.kind == "code-paused"
+    assert paused.sentence == (
+        "Too many wrong codes. Try again in 15 minutes, or ask whoever invited you."
+    )
+    # Others are not held up, and the code was not used.
+    await office.clock.advance(300.0)
+    assert away(await office.redeem(code)).kind == "code-paused"
+    assert isinstance(await office.redeem(code, DI), Redeemed)
+
+
+async def test_after_the_pause_there_are_five_more(office: Office) -> None:
+    for guess in guesses(5):
+        await office.redeem(guess)
+    await office.clock.advance(900.0)
+    found = Counter([away(await office.redeem(guess)).kind for guess in guesses(6)])
+    assert found == {"code-unknown": 5, "code-paused": 1}
+
+
+async def test_a_right_code_forgives_wrong_ones(office: Office) -> None:
+    for guess in guesses(4):
+        await office.redeem(guess)
+    code, _ = await office.invite("viewer")
+    assert isinstance(await office.redeem(code), Redeemed)
+    for guess in guesses(4):
+        assert away(await office.redeem(guess)).kind == "code-unknown"
+
+
+async def test_ten_thousand_guesses_of_one_account_get_five_answers(office: Office) -> None:
+    await office.invite("viewer")
+    found = Counter([away(await office.redeem(guess)).kind for guess in guesses(10_000)])
+    assert found == {"code-unknown": 5, "code-paused": 9_995}
+    assert office.tally["code-breaker"] == 0
+    # One account alone does not shut the door for the others.
+    code, _ = await office.invite("viewer")
+    assert isinstance(await office.redeem(code, DI), Redeemed)
+
+
+async def test_ten_thousand_guesses_of_as_many_accounts_open_the_breaker(office: Office) -> None:
+    code, _ = await office.invite("viewer")
+    answers = [
+        away(await office.redeem(guess, account(number)))
+        for number, guess in enumerate(guesses(10_000))
+    ]
+    assert Counter(answer.kind for answer in answers) == {
+        "code-unknown": 50,
+        "code-paused-for-all": 9_950,
+    }
+    # The admins hear of it once.
+    alarms = [answer.alarm for answer in answers if answer.alarm is not None]
+    assert len(alarms) == 1
+    assert alarms[0].sentence == (
+        "50 wrong codes came in within 60 minutes. Nobody can join for 60 minutes, "
+        "unless an admin opens joining again."
+    )
+    assert away(await office.redeem(code)).sentence.startswith("Nobody can join for 60 minutes")
+
+    await office.write(office.enrolment.reopen("ada"))
+    assert isinstance(await office.redeem(code), Redeemed)
+
+
+async def test_the_breaker_closes_by_itself(office: Office) -> None:
+    for number, guess in enumerate(guesses(50)):
+        await office.redeem(guess, account(number))
+    await office.clock.advance(3600.0)
+    code, _ = await office.invite("viewer")
+    assert isinstance(await office.redeem(code, CY), Redeemed)
+
+
+async def test_wrong_codes_now_and_then_open_no_breaker(office: Office) -> None:
+    for number, guess in enumerate(guesses(200)):
+        await office.clock.advance(80.0)
+        assert away(await office.redeem(guess, account(number))).kind == "code-unknown"
+
+
+async def test_wrong_codes_in_groups_count(office: Office) -> None:
+    for number, guess in enumerate(guesses(49)):
+        await office.redeem(guess, account(number), private=False)
+    assert away(await office.redeem("0000-0000", private=False)).alarm is not None
+
+
+async def test_limits_are_settings() -> None:
+    limits = GuessLimits(tries=1, pause_s=5.0, breaker_tries=3)
+    office = await Office(limits=limits).with_admins()
+    kinds = [away(await office.redeem("0000-0000", account(n // 2))).kind for n in range(7)]
+    assert kinds == [
+        "code-unknown", "code-paused", "code-unknown", "code-paused", "code-unknown",
+        "code-paused-for-all", "code-paused-for-all",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("changes", [{"tries": 0}, {"pause_s": 0.0}, {"breaker_pause_s": -1.0}])
+def test_limits_that_are_none_are_refused(changes: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match="greater than 0"):
+        GuessLimits(**changes)  # type: ignore[arg-type]
+
+
+def test_a_million_addresses_take_no_more_room() -> None:
+    guessing = Guessing(GuessLimits(breaker_tries=10))
+    for number in range(3 * ADDRESSES_AT_MOST):
+        guessing.wrong(account(number), number)
+    assert len(guessing._tries) == ADDRESSES_AT_MOST

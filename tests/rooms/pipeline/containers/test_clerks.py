@@ -1,0 +1,181 @@
+from __future__ import annotations
+
+import pytest
+
+from rosic.core.message import ChatKind
+from tests.rooms.pipeline.containers.ward import a_ward
+from tests.rooms.pipeline.place import ADA, BO, VI
+
+GROUP = ChatKind.GROUP
+
+
+# ---- settings ----
+
+
+async def test_settings_are_shown_set_and_kept_over_a_restart() -> None:
+    async with a_ward() as ward:
+        assert await ward.said("settings", account=BO) == (
+            "Your settings:\n  Language: English\n  Units: metric\n"
+            "  Robot, when none is named: none\n  Highest speed: whatever each robot allows\n"
+            "  Time zone: UTC"
+        )
+        assert await ward.said("language", "deutsch", account=BO) == "Saved."
+        assert await ward.said("settings", "units imperial", account=BO) == "Saved."
+        assert await ward.said("settings", "robot omni", account=BO) == "Saved."
+        assert await ward.said("settings", "time zone europe/vienna", account=BO) == "Saved."
+        reply = await ward.ask("settings", account=BO)
+        assert reply.text == (
+            "Your settings:\n  Language: Deutsch\n  Units: imperial\n"
+            "  Robot, when none is named: omni\n  Highest speed: whatever each robot allows\n"
+            "  Time zone: Europe/Vienna"
+        )
+        assert [button.command for row in reply.buttons for button in row] == [
+            "/settings units metric", "/language en",
+        ]  # fmt: skip
+        assert ward.book.of(ward.id_of(VI)).robot == ""
+
+
+async def test_what_is_no_setting_is_said_so() -> None:
+    async with a_ward() as ward:
+        assert (await ward.said("settings", "colour blue")).startswith(
+            'There is no setting "colour". Write what and how, for example: /settings speed'
+        )
+        assert (await ward.said("settings", "zone Atlantis")).startswith("I know no time zone")
+        assert await ward.said("settings", kind=GROUP) == (
+            "Ask me that in a private chat with me, please."
+        )
+        reply = await ward.ask("language")
+        assert reply.text == "English"
+        assert [b.command for row in reply.buttons for b in row] == ["/language en", "/language de"]
+        said = await ward.said("settings", "speed 1 m/s")
+        assert said.startswith('No robot here is given a speed in "m/s".')
+
+
+async def test_the_usual_robot_is_meant_when_none_is_chosen() -> None:
+    async with a_ward() as ward:
+        await ward.say("wave", account=BO, chat=BO)
+        assert ward.acted() == 0
+        await ward.said("settings", "robot omni", account=BO)
+        await ward.say("wave", account=BO, chat=BO)
+        assert ward.acted() == 1
+
+
+# ---- shared data ----
+
+
+async def test_data_is_kept_with_a_robot_by_whoever_has_it() -> None:
+    async with a_ward() as ward:
+        assert await ward.said("data", "omni", account=BO) == "omni keeps nothing yet."
+        assert (await ward.said("data", "omni offset = 0.3", account=BO)).startswith(
+            "Only whoever has omni now can keep data with it."
+        )
+        await ward.say("omni wave", account=BO, chat=BO)
+        assert await ward.said("data", "omni offset = 0.3", account=BO) == "Data stored."
+        await ward.clock.advance(61)
+        assert await ward.said("data", "omni", account=VI) == (
+            "omni keeps:\n  offset: 0.3 (Bo, 1 min ago)"
+        )
+        assert await ward.said("data", "omni x", account=VI) == 'omni keeps nothing called "x".'
+        assert await ward.said("data", "omni offset =", account=ADA) == (
+            "Only whoever has omni now can keep data with it. Nothing was kept."
+        )
+
+
+async def test_one_s_own_data_is_one_s_own() -> None:
+    async with a_ward() as ward:
+        assert await ward.said("data", "home = bay 4", account=BO) == "Data stored."
+        assert await ward.said("data", account=BO) == (
+            "Your container keeps:\n  home: bay 4 (Bo, 0 s ago)"
+        )
+        assert "bay 4" not in await ward.said("data", account=ADA)
+        assert (await ward.said("data", ward.id_of(BO), account=ADA)).startswith("Write /data and")
+        assert "private chat" in await ward.said("data", account=BO, kind=GROUP)
+        assert await ward.said("data", "home =", account=BO) == "Data removed."
+        assert await ward.said("data", account=BO) == "Your container keeps nothing yet."
+
+
+# ---- archives ----
+
+
+async def test_an_admin_decides_everybody_may_ask_and_the_chat_is_told() -> None:
+    async with a_ward() as ward:
+        only = "Only an admin decides whether messages are kept, and takes them out."
+        assert await ward.said("archive", "on", account=BO, kind=GROUP) == only
+        assert await ward.said("archive", account=BO, kind=GROUP) == (
+            "The messages of this chat are not kept."
+        )
+        assert await ward.said("archive", "on 30 days", kind=GROUP) == (
+            "From now on the messages of this chat are kept for 30 days: Ada decided so. Everybody "
+            "here may ask with /archive. They are sealed; what I write is kept, too."
+        )
+        ward.chat.say("omni wave", account=BO, chat="g", kind=GROUP)
+        await ward.quiet()
+        said = await ward.said("archive", account=BO, kind=GROUP)
+        assert said.startswith("The messages of this chat are kept since 22:13, for 30 days: Ada")
+        assert "Kept now: 2 entries, " in said
+        for word in ("off", "erase", "export"):
+            assert await ward.said("archive", word, account=BO, kind=GROUP) == only
+        text = await ward.said("archive", "export", kind=GROUP)
+        assert text.splitlines()[0] == "Sender ID: 2, Sender Username: Bo, Message: omni wave"
+        assert text.splitlines()[1].startswith("Sender ID: rosic, Sender Username: ROSIC")
+        assert '"text":"omni wave"' in await ward.said("archive", "export jsonl", kind=GROUP)
+        assert await ward.said("archive", "export xlsx", kind=GROUP) == (
+            "A spreadsheet cannot be sent in a message. The operator can make it: "
+            "rosic archive export --as xlsx"
+        )
+        assert await ward.said("archive", "off", kind=GROUP) == (
+            "From now on the messages of this chat are not kept: Ada decided so. "
+            "Those kept before go after 30 days; /archive erase erases them at once."
+        )
+        assert "2 entries of before are left" in await ward.said("archive", kind=GROUP)
+
+
+async def test_an_archive_is_erased_after_one_question() -> None:
+    async with a_ward() as ward:
+        await ward.said("archive", "on 1 day")
+        ward.chat.say("a thing", account=ADA, chat=ADA)
+        await ward.quiet()
+        reply = await ward.ask("archive", "erase")
+        assert reply.text == "Shall every message of this chat that is kept be erased?"
+        assert [b.label for row in reply.buttons for b in row] == ["Erase them", "Leave it"]
+        assert "a thing" in await ward.said("archive", "export")
+        assert (await ward.said("archive", "erase confirmed")).startswith("Every message of this")
+        assert await ward.said("archive", "export") == "No message of this chat is kept."
+        assert await ward.said("archive", "erase") == (
+            "The messages of this chat are not being kept."
+        )
+
+
+@pytest.mark.parametrize("rest", ["on soon", "on 3 weeks", "on ² days", "off now", "burn",
+                                  "export pdf", "export text now"])  # fmt: skip
+async def test_what_no_archive_can_do(rest: str) -> None:
+    async with a_ward() as ward:
+        assert (await ward.said("archive", rest)).startswith("Write /archive on, ")
+        assert await ward.said("archive", "on 0 days") == (
+            "Messages can be kept from 1 to 3650 days. Nothing has changed."
+        )
+
+
+async def test_a_long_archive_shows_its_newest_lines_and_who_has_the_rest() -> None:
+    async with a_ward() as ward:
+        await ward.said("archive", "on")
+        for n in range(60):
+            ward.chat.say(f"{n} " + "x" * 200, account=ADA, chat=ADA)
+            await ward.quiet()
+        text = await ward.said("archive", "export")
+        assert len(text) < 3_900
+        assert "lines are too much for a message. The operator can give you all: rosic" in text
+        assert "59 xxx" in text
+
+
+async def test_secrets_that_pass_are_not_kept() -> None:
+    async with a_ward() as ward:
+        await ward.said("archive", "on")
+        ward.chat.say("/code 123456", account=ADA, chat=ADA)
+        ward.chat.say("/authenticator", account=ADA, chat=ADA)
+        await ward.quiet()
+        assert any("otpauth://" in told.outbound.text for told in ward.chat.told)
+        text = await ward.said("archive", "export")
+        assert "123456" not in text
+        assert "otpauth" not in text
+        assert "/code (not kept)" in text

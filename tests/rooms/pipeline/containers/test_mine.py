@@ -1,0 +1,306 @@
+from __future__ import annotations
+
+import asyncio
+import json
+import shutil
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.core.message import ChatKind
+from rosic.errors import RecordUnavailable, Refusal, StoreFault
+from rosic.pipeline.containers import inspecting
+from rosic.pipeline.containers.tidying import tidy
+from rosic.stores.database import DatabaseStore
+from rosic.testing.clock import ManualClock
+from tests.rooms.pipeline.containers.ward import Ward, a_ward
+from tests.rooms.pipeline.place import ADA, BO, VI
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+    from rosic.core.record import Fact
+
+OPERATOR = "operator"
+
+
+async def used(ward: Ward) -> str:
+    """Let Bo use everything; return his id."""
+    await ward.said("archive", "on", kind=ChatKind.GROUP)
+    await ward.say("omni wave", account=BO, chat=BO)
+    await ward.said("data", "omni offset = 0.3", account=BO)
+    await ward.said("data", "home = bay four", account=BO)
+    await ward.said("language", "de", account=BO)
+    await ward.say("omni fly", account=BO, chat=BO)
+    await ward.say("/book omni tomorrow 10:00 1h", account=BO, chat=BO)
+    ward.chat.say("hello from the left", account=BO, chat="g", kind=ChatKind.GROUP)
+    ward.chat.say("hello from the right", account=ADA, chat="g", kind=ChatKind.GROUP)
+    await ward.quiet()
+    return ward.id_of(BO)
+
+
+async def test_my_data_says_what_there_is_and_only_of_me(tmp_path: Path) -> None:
+    async with a_ward(tmp_path) as ward:
+        bo = await used(ward)
+        reply = await ward.ask("mydata", account=BO)
+        lines = reply.text.splitlines()
+        assert lines[0] == "What is kept about you:"
+        assert "  your name and your addresses: 1 (" in reply.text
+        assert "  your messages in chats that are kept: 1 (" in reply.text
+        assert "  data you keep: 1 (" in reply.text
+        assert "  your settings: 1 (" in reply.text
+        assert lines[-2] == "It is sealed with a key of your own. /forget me erases that key."
+        assert [b.command for row in reply.buttons for b in row] == ["/mydata export", "/forget me"]
+        text = await ward.said("mydata", "export", account=BO)
+        things = [json.loads(line) for line in text.splitlines()]
+        assert {"card", "command", "shelf", "archived", "preference"} <= {t["kind"] for t in things}
+        assert "hello from the left" in text
+        assert "hello from the right" not in text
+        assert bo not in await ward.said("mydata", "export", account=VI)
+        private = "Ask me that in a private chat with me, please."
+        assert await ward.said("mydata", account=BO, kind=ChatKind.GROUP) == private
+        assert await ward.said("forget", "me", account=BO, kind=ChatKind.GROUP) == private
+        assert (await ward.said("mydata", "of Ada", account=BO)).startswith("To have everything")
+
+
+async def test_it_asks_once_and_says_what_goes_and_what_stays() -> None:
+    async with a_ward() as ward:
+        reply = await ward.ask("forget", "Me", account=BO)
+        assert reply.text.startswith("Shall I forget you? Your access ends at once")
+        assert "backups made earlier stay readable" in reply.text.lower()
+        commands = [b.command for row in reply.buttons for b in row]
+        assert commands == ["/forget me confirmed", "leave it"]
+        assert (await ward.said("forget", "Ada", account=BO)).startswith("You can have only your")
+        assert (await ward.said("forget", account=BO)).startswith("To have everything about you")
+        assert ward.id_of(BO)
+
+
+async def test_the_last_admin_stays() -> None:
+    async with a_ward() as ward:
+        for rest in ("me", "me confirmed"):
+            assert await ward.said("forget", rest) == (
+                "You are the only admin here, so nobody could let anybody in any more. Nothing was "
+                "erased. Make somebody else admin first."
+            )
+        with pytest.raises(Refusal) as refused:
+            await inspecting.erase_container(ward.holdings, ward.erasing, ward.id_of(ADA), OPERATOR)
+        assert str(refused.value) == (
+            "Ada is the only admin here. Nothing was erased. Make somebody else admin first."
+        )
+        assert ward.id_of(ADA)
+
+
+async def test_whoever_is_forgotten_is_a_stranger_and_nothing_of_theirs_can_be_read(
+    tmp_path: Path,
+) -> None:
+    clock = ManualClock()
+    async with a_ward(tmp_path, clock=clock) as ward:
+        bo = await used(ward)
+        before = await ward.kept.belongings(bo)
+        assert sum(fact.letter is not None for fact in before) >= 8
+        assert await ward.said("forget", "me confirmed", account=BO) == (
+            "You are forgotten here. Farewell."
+        )
+        assert ward.id_of(BO) == ""
+        assert "I do not know you" in await ward.say("omni wave", account=BO, chat=BO)
+        assert ward.acted() == 1
+        assert ward.book.of(bo).language == ""
+        assert ward.shelf.names(ward.id_of(ADA), "omni") == ()
+        assert ward.gateway.rooms.organiser.calendar.of(bo) == ()
+        acts = [(d.act, d.by, d.about) for d in await ward.kept.decisions(50)]
+        assert ("erase", bo, bo) in acts
+        text = await ward.said("archive", "export", kind=ChatKind.GROUP)
+        assert "hello from the left" not in text
+        assert "hello from the right" in text
+        assert "Message: (erased)" in text
+        assert await ward.said("forget", "me", account="77") == (
+            "There is nobody of that id, or they were erased before."
+        )
+    async with a_ward(tmp_path, clock=clock) as again:
+        assert again.id_of(BO) == ""
+        assert all(fact.letter is None for fact in await again.kept.belongings(bo))
+        assert again.erasing.is_erased(bo)
+        assert "I do not know you" in await again.say("omni wave", account=BO, chat=BO)
+        await again.say("kuka1 wave", account=ADA, chat=ADA, message="another")
+        assert again.acted("kuka1") == 1
+
+
+async def test_an_order_under_way_ends_before_the_key_is_shredded(tmp_path: Path) -> None:
+    async with a_ward(tmp_path) as ward:
+        bo = ward.id_of(BO)
+        gateway, order = ward.gateway, []
+        lives, shred = gateway.pipeline.lives, ward.kept.shred
+
+        async def shredding(container: str) -> None:
+            order.append(len(lives))
+            await shred(container)
+
+        ward.kept.shred = shredding  # type: ignore[method-assign]
+        ward.robot("omni").work_s = 30.0
+        await ward.say("omni wave", account=BO, chat=BO)
+        under_way = len(lives)
+        assert under_way == 1
+        erasing = asyncio.create_task(ward.erasing.erase(bo, OPERATOR))
+        while not erasing.done():  # the disk takes real time, while 10 s pass on the test's clock
+            await ward.clock.advance(0.02)
+            await asyncio.sleep(0.005)
+        erased = await erasing
+        assert erased.at_rest
+        assert order == [0]
+        assert all(fact.letter is None for fact in await ward.kept.belongings(bo))
+
+
+async def test_a_robot_that_does_not_rest_holds_nothing_up_and_it_is_done_again() -> None:
+    async with a_ward() as ward:
+        bo, busy = ward.id_of(BO), [True]
+        ward.erasing._sides = type(ward.erasing._sides)(
+            **{
+                **{
+                    f: getattr(ward.erasing._sides, f)
+                    for f in ward.erasing._sides.__struct_fields__
+                },
+                "busy": lambda _: busy[0],
+            }
+        )
+        asking = asyncio.create_task(ward.said("forget", "me confirmed", account=BO))
+        await ward.clock.advance(15)
+        assert await asking == (
+            "You are forgotten here. A robot of yours has not confirmed that it is at rest: please "
+            "look, and use its own stop button if need be."
+        )
+        assert await ward.erasing.finish() == 0
+        busy[0] = False
+        assert await ward.erasing.finish() == 1
+        assert await ward.erasing.finish() == 0
+        assert ward.erasing.is_erased(bo)
+
+
+async def test_a_record_that_cannot_be_cleared_is_cleared_at_the_next_start(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    clock = ManualClock()
+    async with a_ward(tmp_path, clock=clock) as ward:
+        bo = await used(ward)
+
+        async def broken(container: str) -> None:
+            raise StoreFault(container)
+
+        ward.kept.shred = broken  # type: ignore[method-assign]
+        assert (await ward.said("forget", "me confirmed", account=BO)).startswith(
+            "Your access has ended, but the record could not be cleared now."
+        )
+        assert "it is tried again" in caplog.text
+        assert "ended" in await ward.say("omni wave", account=BO, chat=BO) or not ward.id_of(BO)
+        assert ward.acted() == 1
+    async with a_ward(tmp_path, clock=clock) as again:
+        assert all(fact.letter is None for fact in await again.kept.belongings(bo))
+        assert again.id_of(BO) == ""
+
+
+async def test_what_cannot_be_written_erases_nothing() -> None:
+    async with a_ward() as ward:
+
+        async def full(*_: object) -> None:
+            raise StoreFault("full")
+
+        write = ward.kept.write
+        ward.kept.write = full  # type: ignore[method-assign]
+        with pytest.raises(RecordUnavailable):
+            await ward.erasing.erase(ward.id_of(BO), OPERATOR)
+        ward.kept.write = write  # type: ignore[method-assign]
+        assert ward.id_of(BO)
+        assert not ward.erasing.is_erased(ward.id_of(BO))
+        await ward.say("omni wave", account=BO, chat=BO)
+        assert ward.acted() == 1
+
+        async def unreadable(container: str) -> tuple[Fact, ...]:
+            raise StoreFault(container)
+
+        ward.kept.belongings = unreadable  # type: ignore[method-assign]
+        assert (await ward.said("mydata", account=BO)).startswith("I cannot read what is kept now")
+
+
+async def test_a_copy_made_before_stays_readable_with_its_key_and_one_made_after_does_not(
+    tmp_path: Path,
+) -> None:
+    """What erasing can and cannot promise, in a test, so that nobody promises more."""
+    folder, clock = tmp_path / "data", ManualClock()
+    async with a_ward(folder, clock=clock) as ward:
+        bo = await used(ward)
+    shutil.copytree(folder, tmp_path / "before")
+    async with a_ward(folder, clock=clock) as ward:
+        await ward.said("forget", "me confirmed", account=BO)
+    shutil.copytree(folder, tmp_path / "after")
+    async for name, letters in readable(tmp_path, bo, clock):
+        assert (letters > 0) is (name == "before")
+
+
+async def readable(folder: Path, who: str, clock: ManualClock) -> AsyncIterator[tuple[str, int]]:
+    for name in ("before", "after"):
+        store = DatabaseStore(folder / name, clock=clock)
+        await store.open()
+        found = await store.belongings(who)
+        await store.close()
+        yield name, sum(fact.letter is not None for fact in found)
+
+
+# ---- for the operator ----
+
+
+async def test_the_operator_lists_shows_exports_limits_and_erases(tmp_path: Path) -> None:
+    async with a_ward(tmp_path) as ward:
+        bo = await used(ward)
+        holdings = ward.holdings
+        listed = await inspecting.list_containers(holdings)
+        assert listed.splitlines()[0].split() == ["robot", "cf1", "cf1"]
+        assert f"person   {bo:<40} Bo" in listed
+        (chat,) = [line.split()[1] for line in listed.splitlines() if line.startswith("chat ")]
+        shown = await inspecting.show_container(holdings, bo)
+        assert shown.splitlines()[0] == "Bo"
+        assert shown.splitlines()[-1] == "  shared data: 1 of 64 names, 12 bytes of 64 KiB"
+        assert "bay four" in await inspecting.export_container(holdings, bo)
+        assert "hello" not in await inspecting.export_container(holdings, chat)
+        assert "archived: " in await inspecting.show_container(holdings, chat)
+        for form, what in (("text", "Message: hello"), ("jsonl", '"text":"hello')):
+            found = await inspecting.export_archive(holdings, chat, form)
+            assert isinstance(found, str)
+            assert what in found
+        assert isinstance(await inspecting.export_archive(holdings, chat, "xlsx"), bytes)
+        limited = await inspecting.limit_container(holdings, bo, OPERATOR, names=1, most_bytes=2048)
+        assert limited == "Bo may keep 1 names and 2.0 KiB from now on."
+        assert "at most 1 names" in await ward.said("data", "two = 2", account=BO)
+        assert await ward.said("data", "two = 2", account=VI) == "Data stored."
+        for name in ("nobody", "chat-nothing"):
+            with pytest.raises(Refusal, match="There is no such container"):
+                await inspecting.show_container(holdings, name)
+        with pytest.raises(Refusal, match="There is no such container"):
+            await inspecting.export_archive(holdings, "chat-nothing", "text")
+
+
+async def test_the_operator_erases_a_robot_s_a_chat_s_and_a_person_s(tmp_path: Path) -> None:
+    async with a_ward(tmp_path) as ward:
+        bo = await used(ward)
+        holdings, (key,) = ward.holdings, ward.archive.all()
+        chat = f"chat-{key}"
+        done = await inspecting.erase_container(holdings, ward.erasing, "omni", OPERATOR)
+        assert done.startswith("omni is erased.")
+        assert ward.shelf.names(bo, "omni") == ()
+        await inspecting.erase_container(holdings, ward.erasing, chat, OPERATOR)
+        assert not ward.archive.all()
+        done = await inspecting.erase_container(holdings, ward.erasing, bo, OPERATOR)
+        assert done == (
+            "Bo is erased. Copies of the record made before stay readable with their key."
+        )
+        with pytest.raises(Refusal):
+            await inspecting.erase_container(holdings, ward.erasing, "chat-nothing", OPERATOR)
+
+
+async def test_once_a_day_what_is_too_old_goes(tmp_path: Path) -> None:
+    async with a_ward(tmp_path) as ward:
+        await ward.said("archive", "on 1 day")
+        ward.chat.say("old", account=ADA, chat=ADA)
+        await ward.quiet()
+        ward.clock.jump_wall(2 * 86_400)
+        assert await tidy(ward.holdings, ward.erasing) >= 1
+        assert await ward.said("archive", "export") == "No message of this chat is kept."

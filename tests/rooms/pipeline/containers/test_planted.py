@@ -1,0 +1,121 @@
+"""Nothing that names a person or repeats their words stands in the open in any file."""
+
+from __future__ import annotations
+
+import random
+import re
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.identity import Address, AuthorisationKey
+from rosic.core.message import ChatKind
+from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
+from rosic.stores.folder import DATABASE
+from rosic.testing.clock import ManualClock
+from tests.rooms.pipeline.containers.ward import Ward, a_ward
+from tests.rooms.pipeline.place import ADA, BO
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+COUNT = 1_000
+PEOPLE = 40
+FORMS = (re.compile(rb"(?=(q[a-z]{13}))"), re.compile(rb"(?=((?:[67][0-9a-f]){14}))"))
+LETTERS = "abcdefghijkmnopqrstuvwxyz"
+
+
+def phrases() -> list[str]:
+    chance = random.Random(7)  # noqa: S311 - a repeatable list, not a secret
+    return ["q" + "".join(chance.choices(LETTERS, k=13)) for _ in range(COUNT)]
+
+
+def found_in(folder: Path, planted: list[str]) -> dict[str, list[str]]:
+    """Return which strings stand in which file: as they are, in UTF-16, and as hex."""
+    wanted = {text.encode() for text in planted} | {t.encode().hex().encode() for t in planted}
+    found: dict[str, list[str]] = {}
+    for file in sorted(p for p in folder.rglob("*") if p.is_file()):
+        content = file.read_bytes()
+        for view in (content, content[::2], content[1::2]):
+            seen = {hit for form in FORMS for hit in form.findall(view)} & wanted
+            if seen:
+                found[file.name] = sorted(hit.decode() for hit in seen)
+    return found
+
+
+def test_the_search_finds_what_is_there(tmp_path: Path) -> None:
+    text = phrases()[0]
+    for form in (text.encode(), b"xq" + text.encode() + b"q", text.encode("utf-16-le"),
+                 b"\0" + text.encode("utf-16-le"), text.encode().hex().encode()):  # fmt: skip
+        (tmp_path / "file").write_bytes(form)
+        assert list(found_in(tmp_path, phrases())) == ["file"]
+
+
+async def enrolled(ward: Ward, name: str, account: str) -> None:
+    who = f"p-{random.Random(name).randbytes(6).hex()}"  # noqa: S311 - an id
+    card = Letter(who, msgspec.msgpack.encode(PersonalCard(name, (Address("memory", account),))))
+    key = AuthorisationKey(id=f"k{who}", principal=who, issuer="operator", issued_ns=1)
+    async with ward.gateway.access.changes.turn() as turn:
+        await turn.write(
+            (Enrolled(principal=who, roles=("operator",), at_ns=1, letter=card), KeyIssued(key=key))
+        )
+
+
+def names_in(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def ways(text: str, account: str, group: str) -> dict[int, tuple[str, str, ChatKind]]:
+    """Return ways to say something, and where."""
+    return {
+        0: (text, group, ChatKind.GROUP),
+        1: (f"omni {text}", account, ChatKind.PRIVATE),  # refused, with the word in the sentence
+        2: (f"omni wave {text}", account, ChatKind.PRIVATE),
+        4: (f"kuka1 wave\n{text}", group, ChatKind.GROUP),
+        5: (text, ADA, ChatKind.PRIVATE),
+    }
+
+
+async def use(ward: Ward, planted: list[str]) -> None:
+    """Use everything with planted strings: names, addresses, words, data, refusals, archives."""
+    words = iter(planted)
+    people = [(next(words), next(words)) for _ in range(PEOPLE)]
+    group = next(words)
+    for name, account in people:
+        await enrolled(ward, name, account)
+    for chat, kind in ((group, ChatKind.GROUP), (ADA, ChatKind.PRIVATE)):
+        ward.chat.say("/archive on", account=ADA, chat=chat, kind=kind)
+    await ward.quiet()
+    await ward.say("omni wave", account=BO, chat=BO)
+    for place, text in enumerate(words):
+        account = people[place % PEOPLE][1]
+        if place % 6 == 3:
+            await ward.said("data", f"{text} = {text}", account=account)
+        else:
+            said, chat, kind = ways(text, account, group)[place % 6]
+            ward.chat.say(said, account=account, chat=chat, kind=kind)
+        if place % 40 == 0:
+            await ward.clock.advance(1)
+    await ward.quiet()
+    ward.chat.say("stop", account=people[0][1], chat=people[0][1])
+    await ward.clock.advance(5)
+
+
+async def test_a_thousand_planted_strings_are_found_in_no_file(tmp_path: Path) -> None:
+    planted, clock = phrases(), ManualClock()
+    async with a_ward(tmp_path, clock=clock) as ward:
+        await use(ward, planted)
+        wal = tmp_path / f"{DATABASE}-wal"
+        assert wal.stat().st_size > 0
+        assert found_in(tmp_path, planted) == {}  # while it runs: the log file is full
+        assert {DATABASE, "latch", "root.key"} <= names_in(tmp_path)
+        everything = [await ward.kept.belongings(name) for name in await ward.kept.containers()]
+        said = msgspec.json.encode(
+            [fact.letter.content.decode("latin-1") for held in everything for fact in held
+             if fact.letter is not None]
+        ).decode()  # fmt: skip
+        assert [text for text in planted if text not in said] == []  # all of them were kept
+    assert found_in(tmp_path, planted) == {}
+    async with a_ward(tmp_path, clock=clock) as ward:
+        await ward.quiet()
+        assert found_in(tmp_path, planted) == {}

@@ -1,0 +1,243 @@
+"""Rights in a whole gateway: limits, times, confirmations, a second person, taking over, a lock."""
+
+from __future__ import annotations
+
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rosic.core.robot import Slots
+from rosic.core.roles import DEFAULT_ROLES, Care, Role, Rulebook
+from tests.rooms.pipeline.place import ADA, BO, FLEET, Place
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+HOUR_S = 3600
+JUNIOR = Role(scopes=("*:*",), limits=("distance <= 1 m",), priority=5)
+
+
+@asynccontextmanager
+async def lab(
+    rulebook: Rulebook, roles: dict[str, str] | None = None, slots: Slots = Slots.RESPECTED
+) -> AsyncIterator[Place]:
+    """Run a place with rules of its own; ``roles`` by name instead of the usual ones."""
+    place = Place(fleet=tuple(replace(profile, slots=slots) for profile in FLEET))
+    settings = place.gateway._settings
+    people = tuple(
+        replace(seed, roles=(roles[seed.name],)) if roles and seed.name in roles else seed
+        for seed in settings.people
+    )
+    place.gateway._settings = replace(settings, rulebook=rulebook, people=people)
+    async with place.open():
+        yield place
+
+
+def rules(*care: Care, preempt: tuple[str, ...] = (), **roles: Role) -> Rulebook:
+    return Rulebook(roles={**DEFAULT_ROLES, **roles}, care=care, preempt=preempt)
+
+
+def who(place: Place, name: str) -> str:
+    return place.gateway.rooms.authoriser.directory.named(name)[0].id
+
+
+async def test_a_limit_of_a_role_is_said_and_kept() -> None:
+    async with lab(rules(junior=JUNIOR), {"Bo": "junior"}) as place:
+        told = await place.say("omni move 2 m", account=BO, chat="2")
+        assert place.acted() == 0
+        assert "for you, move is allowed with distance <= 1 m. Nothing was done." in told
+        await place.say("omni move 1 m", account=BO, chat="2")
+        assert place.acted() == 1
+        await place.say("omni move 2 m")
+        assert place.acted() == 1, "Ada has to wait: Bo has it"
+        await place.clock.advance(31)
+        await place.say("omni move 2 m")
+        assert place.acted() == 2
+
+
+async def test_what_wants_a_tap_moves_only_after_it() -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), confirm=True))) as place:
+        told = await place.say("omni wave")
+        assert told == "omni: wave? It moves only if you confirm it."
+        assert place.acted() == 0
+        button, under = place.button("Do it")
+        await place.tap(button, under, account=BO)
+        assert place.acted() == 0, "it was asked of Ada"
+        await place.tap(button, under)
+        assert place.acted() == 1
+        await place.tap(button, under)
+        assert place.acted() == 1, "a button is good once"
+        await place.say("!omni wave")
+        assert place.acted() == 1, "nobody types a confirmation"
+
+
+async def test_a_second_person_has_to_agree_and_only_for_this_once() -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
+        told = await place.say("omni wave", account=BO, chat=BO)
+        assert "Wave on omni needs a second person who agrees. I have asked Ada" in told
+        assert place.acted() == 0
+        button, under = place.button("I agree")
+        told = await place.tap(button, under)
+        assert "Bo is told that you agree." in told
+        button, under = place.button("Do it")
+        await place.tap(button, under, account=BO)
+        assert place.acted() == 1
+        await place.say("omni wave", account=BO, chat=BO)
+        assert place.acted() == 1
+
+
+async def test_nobody_agrees_with_themselves_and_a_no_is_told() -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
+        await place.say("omni wave", account=BO, chat=BO)
+        button, _ = place.button("I agree")
+        bound = place.gateway.rooms.authoriser.buttons._bound[button.nonce]
+        told = await place.say(bound.command, account=BO, chat=BO)
+        assert "Somebody else has to agree." in told
+        button, under = place.button("No")
+        await place.tap(button, under)
+        assert (
+            "Ada does not agree: omni wave. Nothing was done."
+            in place.chat.told[-2].outbound.text + place.chat.told[-1].outbound.text
+        )
+        assert place.acted() == 0
+
+
+async def test_somebodys_time_keeps_others_out_and_says_when() -> None:
+    async with lab(rules()) as place:
+        calendar, access = place.gateway.rooms.organiser.calendar, place.gateway.access
+        now_ns = place.clock.wall_ns()
+        async with access.changes.turn() as turn:
+            await turn.write(calendar.book(who(place, "Bo"), "omni", now_ns, HOUR_S, "test"))
+        told = await place.say("omni wave")
+        assert place.acted() == 0
+        assert "Bo" in told
+        assert "until" in told
+        await place.say("omni wave", account=BO, chat=BO)
+        assert place.acted() == 1
+        await place.clock.advance(HOUR_S)
+        await place.say("omni wave")
+        assert place.acted() == 2
+
+
+async def test_a_robot_that_has_to_be_booked_moves_for_nobody_else() -> None:
+    async with lab(rules(), slots=Slots.REQUIRED) as place:
+        told = await place.say("omni wave")
+        assert place.acted() == 0
+        assert "book" in told.lower()
+        assert "look" in await place.say("omni look"), "who may read may look at any time"
+
+
+async def test_a_senior_takes_over_where_that_is_allowed() -> None:
+    async with lab(rules(preempt=("omni",))) as place:
+        place.robot("omni").work_s = 60.0
+        await place.say("omni move 1 m", account=BO, chat=BO)
+        told = await place.say("omni wave")
+        assert "omni is Bo's now. You may take it over; they are told." in told
+        told = await place.say("take over omni")
+        assert "omni is yours now. Bo was told." in told
+        assert "Ada takes omni over now." in told
+        assert "stopped before it ended" in told, "what Bo's order did has ended"
+        place.robot("omni").work_s = 0.0
+        await place.say("omni wave")
+        assert place.acted() == 2
+        told = await place.say("take over omni", account=BO, chat=BO)
+        assert "not yours to take over" in told
+
+
+async def test_who_is_locked_may_only_stop_and_what_they_moved_is_at_rest() -> None:
+    async with lab(rules()) as place:
+        place.robot("omni").work_s = 60.0
+        await place.say("omni move 1 m", account=BO, chat=BO)
+        access = place.gateway.access
+        async with access.changes.turn() as turn:
+            await turn.act(access.locks.lock(who(place, "Bo"), who(place, "Ada")))
+        await place.quiet()
+        assert place.robot("omni").gate.latched
+        assert place.robot("omni").presence().at_rest
+        told = await place.say("status", account=BO, chat=BO)
+        assert told.startswith("Your access is locked.")
+        await place.say("resume omni")
+        told = await place.say("stop", account=BO, chat=BO)
+        assert "STOP" in told
+        assert place.robot("omni").gate.latched
+
+
+async def test_who_keeps_trying_what_is_not_theirs_loses_the_key_and_the_admins_hear_of_it() -> (
+    None
+):
+    async with lab(rules()) as place:
+        for _ in range(31):
+            await place.say("omni wave", account="3", chat="3")
+        said = [told.outbound for told in place.chat.told]
+        assert any(out.chat.id == ADA and "Vi" in out.text for out in said), "an admin is told"
+        told = await place.say("status", account="3", chat="3")
+        assert told == "Your access here has ended. The admin of this place can renew it."
+        assert place.acted() == 0
+
+
+async def test_the_bot_of_the_paper_says_who_may_command() -> None:
+    async with lab(rules(), slots=Slots.REQUIRED) as place:
+        told = await place.say("/start", account=BO, chat=BO)
+        assert told.startswith("You do not have permission to send and receive commands.")
+        calendar, access = place.gateway.rooms.organiser.calendar, place.gateway.access
+        async with access.changes.turn() as turn:
+            now_ns = place.clock.wall_ns()
+            await turn.write(calendar.book(who(place, "Bo"), "omni", now_ns, HOUR_S, "test"))
+        told = await place.say("/start", account=BO, chat=BO)
+        assert "You have permission to send and receive commands. Which robot?" in told
+        told = await place.say("request information", account=BO, chat=BO)
+        assert told.startswith("Here's the information you requested.\n")
+        assert "omni" in told
+        told = await place.say("request information", account="99", chat="99")
+        assert "Hello. I work for people I know" in told
+
+
+async def test_a_session_is_ended_by_whoever_has_it_and_by_nobody_else() -> None:
+    async with lab(rules()) as place:
+        assert await place.say("/end omni") == "Nobody has omni."
+        place.robot("omni").work_s = 60.0
+        await place.say("omni move 1 m", account=BO, chat=BO)
+        told = await place.say("/end omni", account="3", chat="3")
+        assert told == "omni is Bo's now. Only they can end that."
+        told = await place.say("/end omni", account=BO, chat=BO)
+        assert "Session ended. omni is at rest, and free." in told
+        assert "Bo ended the session" in told
+        assert not place.robot("omni").gate.latched
+        await place.say("omni move 1 m")
+        told = await place.say("/end omni", account=ADA)
+        assert "Session ended." in told
+
+
+async def test_the_robot_one_usually_means_need_not_be_named() -> None:
+    async with lab(rules()) as place:
+        assert await place.say("/settings robot omni", account=BO, chat=BO)
+        await place.say("wave", account=BO, chat=BO)
+        assert place.acted() == 1, "it is meant when none is named"
+
+
+async def test_who_asks_to_be_forgotten_is() -> None:
+    async with lab(rules()) as place:
+        await place.say("omni wave", account=BO, chat=BO)
+        assert "Bo" in await place.say("/me", account=BO, chat=BO)
+        told = await place.say("/mydata", account=BO, chat=BO)
+        assert "command" in told or "kept" in told
+        await place.say("/forget me", account=BO, chat=BO)
+        labels = [b.label for row in place.last()[1].buttons for b in row]
+        button, under = place.button(labels[0])
+        await place.tap(button, under, account=BO)
+        await place.clock.advance(15)
+        told = await place.say("omni wave", account=BO, chat=BO)
+        assert place.acted() == 1
+        assert "omni" not in told
+
+
+async def test_a_backlog_of_late_commands_is_no_misuse() -> None:
+    async with lab(rules()) as place:
+        for number in range(400):
+            late_ns = place.clock.wall_ns() - 60_000_000_000
+            place.chat.say("omni wave", account=BO, chat=BO, sent_ns=late_ns, message=f"m{number}")
+        await place.quiet()
+        for _ in range(40):
+            await place.quiet()
+        assert "Bo" in await place.say("/me", account=BO, chat=BO)
