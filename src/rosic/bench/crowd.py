@@ -209,11 +209,12 @@ class Crowd:
                 robot.hungry.clear()
                 await robot.hungry.wait()
                 continue
-            together = min(missing, CHATS)
+            together, before = min(missing, CHATS), waiting(name)
             await asyncio.gather(
                 *(self.say(str(number), next(chats), text) for _ in range(together))
             )
-            await asyncio.sleep(0)  # what was accepted enters its mailbox
+            # What was accepted enters its mailbox; who is refused waits before asking again.
+            await asyncio.sleep(0 if waiting(name) > before else LOOK_S)
 
 
 def crowded_gateway(messenger: Messenger, store: Store, latch: Latch, queued: int) -> Gateway:

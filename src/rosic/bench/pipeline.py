@@ -90,22 +90,18 @@ class BenchMessenger:
 
     def __init__(self) -> None:
         self.ended: dict[str, asyncio.Future[None]] = {}
-        self._shows: dict[str, str] = {}
-        self._ids = count(1)
 
     async def run(self, receive: Receive) -> None:
         """Nothing to listen to: the load calls ``receive`` itself."""
 
     async def send(self, outbound: Outbound) -> str:
-        """Take the first message of a life."""
-        message = str(next(self._ids))
-        self._shows[message] = outbound.reply_to
-        return message
+        """Take the first message of a life; its id is that of the message it answers."""
+        return outbound.reply_to
 
     async def edit(self, message: str, outbound: Outbound) -> None:
         """Take an edit; the one that says done ends the wait."""
         if "\ndone " in outbound.text:
-            ended = self.ended.pop(self._shows.pop(message), None)
+            ended = self.ended.pop(message, None)
             if ended is not None:
                 ended.set_result(None)
 

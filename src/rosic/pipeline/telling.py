@@ -181,13 +181,10 @@ class Teller:
     async def _speak_once(self, item: _Item) -> None:
         if not isinstance(item, Card):
             await self._say(item)
-        elif not item.in_place:
-            await self._show_line_by_line(item)
+        elif item.in_place:
+            await self._show_in_place(item)
         else:
-            if not item.message:
-                await self._show_first(item)
-            if item.dirty:
-                await self._show_again(item)
+            await self._show_line_by_line(item)
 
     async def _say(self, note: Note) -> None:
         try:
@@ -209,17 +206,22 @@ class Teller:
             self._containers.told(*card.untold)
             card.untold = []
 
-    async def _show_first(self, card: Card) -> None:
+    async def _show_in_place(self, card: Card) -> None:
         """Send once, write down which message it is, and say an ending only by editing it.
 
         So an ending is said exactly once, whenever this process may die: what was not noted as
         told is said again by an edit to the same content.
         """
-        card.dirty = bool(card.untold)
-        card.message = await card.messenger.send(_outbound(card, endings=False))
-        await self._place(card)
-
-    async def _show_again(self, card: Card) -> None:
+        if not card.message:
+            card.dirty = bool(card.untold)
+            card.message = await card.messenger.send(_outbound(card, endings=False))
+            if card.ending:
+                await self._containers.place(card.cids, card.principal, card.message)
+            else:
+                # Nobody waits for it: an ending is written later, and so after it.
+                self._containers.note_place(card.cids, card.principal, card.message)
+        if not card.dirty:
+            return
         ended, card.untold = card.untold, []
         card.dirty = False
         try:
@@ -235,16 +237,6 @@ class Teller:
             card.untold = ended + card.untold
         elif ended:
             self._containers.told(*ended)
-
-    async def _place(self, card: Card) -> None:
-        """Write down which message shows these lives, before it says how one of them ended.
-
-        While none ends nobody waits for that: an ending is written later, and so after it.
-        """
-        if card.ending:
-            await self._containers.place(card.cids, card.principal, card.message)
-        else:
-            self._containers.note_place(card.cids, card.principal, card.message)
 
     async def flush(self, seconds: float) -> None:
         """Wait until everything is said, or the time is over; then fall silent."""

@@ -341,8 +341,10 @@ class Pipeline:
                 line.group,
                 robot in said.asked,
             )
-            check_fresh(inbound, request, now_ns)
-            self._check_later_than_stop(inbound, request)
+            if now_ns > request.deadline_ns or sent_ns < inbound.listening_since_ns:
+                check_fresh(inbound, request, now_ns)
+            if received_ns <= self._rooms.board[robot].at_ns:
+                self._check_later_than_stop(inbound, request)
             requests.append(request)
         return requests
 
