@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import msgspec
-
+from rosic.app.people import person_of
 from rosic.authoriser.enrolment import Enrolment
 from rosic.authoriser.highwater import HighWater
 from rosic.authoriser.keys import KeyRing
@@ -14,8 +13,7 @@ from rosic.authoriser.misuse import Misuse, MisuseLimits
 from rosic.authoriser.security import Security
 from rosic.authoriser.stepup import StepUp
 from rosic.authoriser.tally import Tally
-from rosic.core.identity import Principal
-from rosic.core.record import Enrolled, KeyIssued, KeyRevoked, PersonalCard
+from rosic.core.record import Enrolled, KeyIssued, KeyRevoked
 from rosic.core.slot import SERIES, SLOT
 from rosic.organiser.roster import GRANT
 from rosic.organiser.waiting import WAITING, WaitingList
@@ -32,8 +30,6 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
 
 ADMIN = "admin"
-
-_decode_card = msgspec.msgpack.Decoder(PersonalCard).decode
 
 
 class Access:
@@ -95,6 +91,7 @@ class Access:
         changes.watch(KeyRevoked, self._revoked)
         changes.after(authority.enforce)
         organiser.locked = self.locks.everybody()
+        organiser.narrow = self._authoriser.directory.narrowed
 
     def _locked(self, fact: Fact) -> None:
         self.locks.apply(fact)
@@ -102,12 +99,7 @@ class Access:
         self._authority.renew(fact.key)
 
     def _enrolled(self, record: Enrolled) -> None:
-        card = _decode_card(record.letter.content)
-        self._authoriser.directory.enrol(
-            Principal(
-                id=record.principal, name=card.name, roles=record.roles, addresses=card.addresses
-            )
-        )
+        self._authoriser.directory.enrol(person_of(record))
         self._authoriser.forget(record.principal)
         self._authority.enrolled(record)
 

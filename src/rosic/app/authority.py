@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.identity import KeyId, PrincipalId
     from rosic.core.language import UnitTable
-    from rosic.core.record import Enrolled, Fact, KeyRevoked
+    from rosic.core.record import Enrolled, Fact
     from rosic.core.robot import Profile, RobotId
     from rosic.core.roles import Care, Role
     from rosic.pipeline.rooms import Rooms
@@ -146,9 +146,3 @@ def key_of(authoriser: Authoriser, key_id: KeyId) -> Key | None:
         revoked=key.revoked_ns is not None,
         scopes=tuple(map(Scope.parse, key.scopes)),
     )
-
-
-def principal_of(authoriser: Authoriser, record: KeyRevoked) -> PrincipalId | None:
-    """Return whose key was taken back."""
-    key = authoriser.directory.key(record.key)
-    return None if key is None else key.principal

@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat
     from rosic.core.robot import RobotId
     from rosic.core.secret import Secret
-    from rosic.core.slot import Slot
     from rosic.errors import Refusal
     from rosic.pipeline import Pipeline
     from rosic.pipeline.desk import Reply
@@ -195,7 +194,7 @@ class Furnishing:
             lease=organiser.lease,
             ready=self._ready,
             handover=self.handover.end,
-            may_stay=self._may_stay,
+            may_stay=lambda who, slot: self.handover.outranks(who, slot.principal, slot.robot),
         )
         times = Times(
             calendar=organiser.calendar, waiting=access.waiting, vocabulary=rooms.vocabulary,
@@ -211,13 +210,6 @@ class Furnishing:
     def _ready(self, robot: RobotId) -> bool:
         stopped = self._rooms.board[robot].latched
         return not stopped and self._rooms.linker.presence(robot).online is not False
-
-    def _may_stay(self, principal: PrincipalId, slot: Slot) -> bool:
-        """Whether a senior who took a robot over may go on in somebody else's time."""
-        rights, now_ns = self._rooms.organiser.rights, self._rooms.organiser.wall_ns()
-        return rights.may_take_over(slot.robot) and rights.priority(
-            principal, slot.robot, now_ns
-        ) > rights.priority(slot.principal, slot.robot, now_ns)
 
     def _watch_ends(self) -> None:
         """Hear of orders that end, but only while somebody waits for a robot."""

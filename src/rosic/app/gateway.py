@@ -94,7 +94,8 @@ class Gateway:
     """A running ROSIC.
 
     Attributes:
-        pipeline, rooms, stop_lane, robots, authority, access, furnishing: Made by ``open``.
+        pipeline, rooms, stop_lane, robots: Made by ``open``.
+        authority, access, furnishing, holding: Likewise.
     """
 
     pipeline: Pipeline
@@ -104,6 +105,7 @@ class Gateway:
     authority: Authority
     access: Access
     furnishing: Furnishing
+    holding: Holding
 
     def __init__(self, settings: Settings, parts: Parts) -> None:
         self._settings = settings
@@ -176,8 +178,8 @@ class Gateway:
         self.stop_lane = StopLane(self.rooms, parts.store, parts.clock)
         self.authority = authority
         authority.attach(self.rooms, self.stop_lane)
-        holding = Holding(self.rooms, self.access, authority, parts.clock)
-        self._messengers = holding.record(parts.messengers, parts.store)
+        self.holding = Holding(self.rooms, self.access, authority, parts.clock)
+        self._messengers = self.holding.record(parts.messengers, parts.store)
         self._teller = Teller(container, parts.clock)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
         self.furnishing = Furnishing(
@@ -187,7 +189,9 @@ class Gateway:
             authority, self._messengers, parts.clock, parts.entropy, settings.zone
         )
         if isinstance(parts.store, Vault):
-            await holding.furnish(self.pipeline, parts.store, memory, parts.units, parts.entropy)
+            await self.holding.furnish(
+                self.pipeline, parts.store, memory, parts.units, parts.entropy
+            )
 
     async def _authority(self, authoriser: Authoriser, memory: Memory) -> Authority:
         """Make everybody known, of the record and of the configuration; return their rights."""
@@ -220,7 +224,10 @@ class Gateway:
         self._listening = [
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
-        minder = Minder(self.access, self.authority, self.furnishing.admitting, self._parts.clock)
+        minder = Minder(
+            self.access, self.authority, self.furnishing.admitting, self.holding.tidy,
+            self._parts.clock,
+        )  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
         ]  # fmt: skip

@@ -18,6 +18,7 @@ from rosic.pipeline.containers.clerks import employ_clerks, take_over
 from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings, Vault
 from rosic.pipeline.containers.recording import Recorded
+from rosic.pipeline.containers.tidying import tidy
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -53,6 +54,7 @@ class Holding:
         self._access = access
         self._authority = authority
         self._clock = clock
+        self._holdings: Holdings | None = None
 
     def record(self, messengers: Sequence[Messenger], store: Store) -> tuple[Messenger, ...]:
         """Return messengers whose chats can be kept."""
@@ -91,6 +93,7 @@ class Holding:
             ),
             robots=frozenset(rooms.profiles),
         )
+        self._holdings = holdings
         self.erasing = Erasing(holdings, self._sides(pipeline))
         employ_clerks(pipeline.reception.office, holdings, self.erasing)
         take_over(memory.facts, holdings, self.erasing)
@@ -98,6 +101,15 @@ class Holding:
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
         await self.erasing.finish()
+
+    async def tidy(self) -> None:
+        """Forget what was kept as long as was said; meant for once a day.
+
+        Raises:
+            RecordUnavailable: Not all was forgotten; the rest is tried the next time.
+        """
+        if self._holdings is not None:
+            await tidy(self._holdings, self.erasing)
 
     def _usual(self, principal: PrincipalId) -> str:
         return self.preferences.of(principal).robot

@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING
 from rosic.errors import RosicError
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from rosic.app.access import Access
     from rosic.app.authority import Authority
     from rosic.contracts.clock import Clock
     from rosic.pipeline.people.admitting import Admitting
 
 EVERY_S = 60.0
+DAY_NS = 86_400_000_000_000
 # A right that ends ends what moves under it within a second.
 SOONEST_S = 0.2
 
@@ -24,8 +27,15 @@ class Minder:
     """One task for all of it."""
 
     def __init__(
-        self, access: Access, authority: Authority, admitting: Admitting, clock: Clock
+        self,
+        access: Access,
+        authority: Authority,
+        admitting: Admitting,
+        daily: Callable[[], Awaitable[None]],
+        clock: Clock,
     ) -> None:
+        self._daily = daily
+        self._day_ns = clock.monotonic_ns()
         self._access = access
         self._authority = authority
         self._admitting = admitting
@@ -67,3 +77,6 @@ class Minder:
                 )
             )
         await self._admitting.lapse()
+        if self._clock.monotonic_ns() >= self._day_ns:
+            await self._daily()
+            self._day_ns = self._clock.monotonic_ns() + DAY_NS

@@ -35,16 +35,19 @@ class Seed(msgspec.Struct, frozen=True):
 def remember(authoriser: Authoriser, memory: Memory) -> dict[PrincipalId, tuple[str, ...]]:
     """Make everybody of the record known. Return who has which roles, and a key still good."""
     for entry in memory.enrolled:
-        card = _decode_card(entry.letter.content)
-        authoriser.directory.enrol(
-            Principal(
-                id=entry.principal, name=card.name, roles=entry.roles, addresses=card.addresses
-            )
-        )
+        authoriser.directory.enrol(person_of(entry))
     for key in memory.keys:
         authoriser.directory.add_key(key)
     good = authoriser.directory.has_good_key
     return {entry.principal: entry.roles for entry in memory.enrolled if good(entry.principal)}
+
+
+def person_of(entry: Enrolled) -> Principal:
+    """Return who became known."""
+    card = _decode_card(entry.letter.content)
+    return Principal(
+        id=entry.principal, name=card.name, roles=entry.roles, addresses=card.addresses
+    )
 
 
 async def seed(

@@ -22,9 +22,13 @@ class Directory:
     """Everybody, by id, by address and by name.
 
     Each principal has one current key: the newest that is not revoked.
+
+    Attributes:
+        narrowed: Keys that reach less than their principal's rights do.
     """
 
     def __init__(self) -> None:
+        self.narrowed: set[KeyId] = set()
         self._people: dict[PrincipalId, Principal] = {}
         self._keys: dict[KeyId, AuthorisationKey] = {}
         self._current: dict[PrincipalId, AuthorisationKey] = {}
@@ -42,6 +46,8 @@ class Directory:
     def add_key(self, key: AuthorisationKey) -> None:
         """Add a key; it becomes its principal's current one unless it is revoked."""
         self._keys[key.id] = key
+        if key.scopes:
+            self.narrowed.add(key.id)
         current = self._current.get(key.principal)
         if current is None or current.revoked_ns is not None or key.revoked_ns is None:
             self._current[key.principal] = key

@@ -47,6 +47,7 @@ class Organiser:
     Attributes:
         rights: The present snapshot; replacing it is one assignment.
         locked: Who is locked; kept by the authoriser.
+        narrow: Keys that reach less than their principal's rights; kept by the authoriser.
         calendar: Whose time it is.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
     """
@@ -313,10 +314,6 @@ class Organiser:
             return never
         hindrance = self.calendar.why_not(principal, robot, self.wall_ns(), rule == "required")
         return None if hindrance is None else self.calendar.refusal(hindrance, principal)
-
-    def at_work(self, robot: RobotId) -> bool:
-        """Whether an order of its holder is under way."""
-        return bool(self._leases[robot].active)
 
     def release(self, robot: RobotId) -> None:
         """Take a robot from whoever has it; orders still under way become void."""

@@ -74,7 +74,7 @@ class Handover:
         others = [p for p in self._in_the_way(robot) if p != who]
         if not others:
             raise NotUnderstood(f"{shown} is free. Say what it should do.")
-        if not all(self._outranks(who, other, robot) for other in others):
+        if not all(self.outranks(who, other, robot) for other in others):
             names = " and ".join(map(self._rooms.organiser.name_of, others))
             raise NotPermitted(f"{shown} is {names}'s now, and not yours to take over.")
         name = asked.caller.name
@@ -130,7 +130,8 @@ class Handover:
         found = [organiser.holder(robot), slot.principal if slot is not None else None]
         return list(dict.fromkeys(p for p in found if p is not None))
 
-    def _outranks(self, who: PrincipalId, other: PrincipalId, robot: RobotId) -> bool:
+    def outranks(self, who: PrincipalId, other: PrincipalId, robot: RobotId) -> bool:
+        """Whether somebody may take a robot over from somebody else, by the rules of the place."""
         rights, now_ns = self._rooms.organiser.rights, self._clock.wall_ns()
         return rights.may_take_over(robot) and rights.priority(
             who, robot, now_ns

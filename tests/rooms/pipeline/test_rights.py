@@ -241,3 +241,27 @@ async def test_a_backlog_of_late_commands_is_no_misuse() -> None:
         for _ in range(40):
             await place.quiet()
         assert "Bo" in await place.say("/me", account=BO, chat=BO)
+
+
+async def test_a_key_that_is_narrowed_reaches_no_further() -> None:
+    async with lab(rules()) as place:
+        access = place.gateway.access
+        async with access.changes.turn() as turn:
+            _, records = access.keys.issue(who(place, "Bo"), "test", scopes=("omni:look",))
+            await turn.write(records)
+        told = await place.say("omni wave", account=BO, chat=BO)
+        assert "is outside what your key is for" in told
+        assert place.acted() == 0
+
+
+async def test_an_archive_forgets_when_it_said_it_would() -> None:
+    async with lab(rules()) as place:
+        await place.say("/archive on 1 days")
+        await place.say("omni wave")
+        kept = place.gateway.holding.archive
+        assert not kept.outdated()
+        place.clock.jump_wall(3 * 86_400)
+        assert kept.outdated()
+        await place.clock.advance(86_400 + 120)
+        await place.quiet()
+        assert not kept.outdated()
