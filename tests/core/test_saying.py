@@ -1,0 +1,64 @@
+"""A sentence is English and can be said otherwise."""
+
+from __future__ import annotations
+
+import gettext
+
+import pytest
+
+from rosic.core.saying import Sentence, in_language, joined, said, said_n
+
+GERMAN = {
+    "{robot} is free.": "{robot} ist frei.",
+    "{who} has {robot} for {left}.": "{robot} gehört noch {left} lang {who}.",
+    "an hour": "eine Stunde",
+}
+
+
+class German(gettext.NullTranslations):
+    def gettext(self, message: str) -> str:
+        return GERMAN.get(message, message)
+
+    def ngettext(self, msgid1: str, msgid2: str, n: int) -> str:
+        assert (msgid1, msgid2) == ("one message", "{n} messages")
+        return "eine Nachricht" if n == 1 else "{n} Nachrichten"
+
+
+def test_it_is_its_english_text() -> None:
+    sentence = said("{robot} is free.", robot="kuka1")
+    assert sentence == "kuka1 is free."
+    assert type(str(sentence)) is str
+
+
+def test_it_is_said_in_another_language_in_that_languages_order() -> None:
+    sentence = said("{who} has {robot} for {left}.", who="Ana", robot="kuka1", left=said("an hour"))
+    assert sentence == "Ana has kuka1 for an hour."
+    assert in_language(sentence, German()) == "kuka1 gehört noch eine Stunde lang Ana."
+
+
+@pytest.mark.parametrize(
+    ("n", "english", "german"),
+    [(0, "0 messages", "0 Nachrichten"), (1, "one message", "eine Nachricht"),
+     (2, "2 messages", "2 Nachrichten")],
+)  # fmt: skip
+def test_a_number_chooses_the_form(n: int, english: str, german: str) -> None:
+    sentence = said_n("one message", "{n} messages", n)
+    assert (sentence, in_language(sentence, German())) == (english, german)
+
+
+def test_a_row_keeps_each_sentence_and_leaves_names_alone() -> None:
+    row = joined("\n", [said("{robot} is free.", robot="omni"), "omni", said("an hour")])
+    assert row == "omni is free.\nomni\nan hour"
+    assert in_language(row, German()) == "omni ist frei.\nomni\neine Stunde"
+    assert in_language(joined(" ", [row]), German()) == in_language(row, German())
+
+
+def test_what_a_person_wrote_is_no_template() -> None:
+    sentence = said("{robot} is free.", robot="{left} {0}")
+    assert in_language(sentence, German()) == "{left} {0} ist frei."
+    assert in_language("an hour", German()) == "an hour"
+
+
+def test_without_a_catalogue_it_stays_english() -> None:
+    assert in_language(said("an hour"), None) == "an hour"
+    assert not isinstance(in_language(said("an hour"), None), Sentence)
