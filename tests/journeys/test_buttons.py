@@ -19,7 +19,7 @@ async def question(place: Lab, chat: int) -> int:
     """Go from the menu to the last question before a robot moves; return its message."""
     menu = await place.ask(place.bo, "/use ant", "Its name may be left out now.", chat=chat)
     await place.control.tap(place.bo, chat, menu["message_id"], "Hop")
-    asked = await place.reads(chat, "ant hop?")
+    asked = await place.reads(chat, "Ant: hop, 1.00 m?")
     assert place.acted() == 0
     return int(asked["message_id"])
 

@@ -50,12 +50,10 @@ async def test_buttons_alone_move_a_robot(
     async with lab(tmp_path, launcher, robots=OMNI) as place:
         await place.start()
 
-        menu = await place.ask(place.bo, "/start", "Which robot?")
+        menu = await place.ask(place.bo, "/start", "What should omni do?")
         under = menu["message_id"]
-        await press(place, under, "omni", "Its name may be left out now.")
-        await press(place, under, "Move in a straight line", "omni move?")
-        await press(place, under, "Do it", "needs a distance")
-        await place.control.tap(place.bo, place.bo, under, "omni move 0.5 m")
+        await press(place, under, "Move in a straight line", "needs a distance")
+        await place.control.tap(place.bo, place.bo, under, "0.50 m forward")
         card = await place.reads(place.bo, "done ")
 
         check_life(card)

@@ -105,12 +105,10 @@ async def test_buttons_alone_move_a_ros_2_robot(
             await is_there(place)
             before_m = looking.places[-1].x_m
 
-            menu = await place.ask(place.bo, "/start", "Which robot?")
+            menu = await place.ask(place.bo, "/start", "What should omni do?")
             under = menu["message_id"]
-            await press(place, under, "omni", "Its name may be left out now.")
-            await press(place, under, "Move in a straight line", "omni move?")
-            await press(place, under, "Do it", "needs a distance")
-            await place.control.tap(place.bo, place.bo, under, "omni move 0.5 m")
+            await press(place, under, "Move in a straight line", "needs a distance")
+            await place.control.tap(place.bo, place.bo, under, "0.50 m forward")
             card = await place.reads(place.bo, "done ")
 
             await check_moved(place, looking, before_m)

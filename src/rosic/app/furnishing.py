@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
-    from rosic.core.message import Chat
     from rosic.core.robot import RobotId
     from rosic.core.secret import Secret
     from rosic.errors import Refusal
@@ -162,8 +161,8 @@ class Furnishing:
         hire(self._pipeline.reception.office, clerks, self.consent)
         self._pipeline.reception.newcomer = joining.take
 
-    def _menu(self, principal: PrincipalId, chat: Chat) -> Reply:
-        return self._pipeline.menu(principal, chat)
+    def _menu(self, principal: PrincipalId) -> Reply:
+        return self._pipeline.menu(principal)
 
     def _names_robot(self, text: str) -> bool:
         return text.strip().casefold() in self._rooms.vocabulary.callees

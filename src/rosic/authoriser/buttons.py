@@ -21,6 +21,9 @@ LIFETIME_NS = 60_000_000_000
 # A stop must work from any button that was ever shown, so its button carries the word itself:
 # whoever taps it has typed it.
 STOP_PREFIX = "stop "
+# A menu moves nothing, so whoever reads before they tap may be late.
+MENU = ("?", "use ", "/use ")
+MENU_LIFETIME_NS = 600_000_000_000
 
 
 class _Bound(msgspec.Struct, frozen=True):
@@ -56,6 +59,8 @@ class Buttons:
         """
         if button.command == "stop" or button.command.startswith(STOP_PREFIX):
             return msgspec.structs.replace(button, nonce=button.command)
+        if button.command.startswith(MENU):
+            lifetime_ns = max(lifetime_ns, MENU_LIFETIME_NS)
         nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
         self._bound[nonce] = _Bound(
             principal, chat, button.command, self._clock.monotonic_ns(), self._clock.wall_ns(),

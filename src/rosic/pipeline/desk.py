@@ -9,17 +9,20 @@ import msgspec
 from rosic.core import words
 from rosic.core.language import Help, Line, Start, Status, Use
 from rosic.core.message import Button, Chat
+from rosic.core.saying import joined, said
 from rosic.pipeline.replies import ASK_FIRST
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
     from rosic.core.identity import Caller, PrincipalId
-    from rosic.core.robot import RobotId
+    from rosic.core.robot import Profile, RobotId
     from rosic.pipeline.office import Asked
     from rosic.pipeline.rooms import Rooms
 
 BUTTONS_A_ROW = 3
+# What a phone held upright shows of all the labels in one row; it cuts off the rest.
+LETTERS_A_ROW = 36
 EXAMPLES = 3
 WHICH = "Which robot?"
 
@@ -66,7 +69,8 @@ class Desk:
         organiser = self._organiser
         hindered = [organiser.not_now(caller.principal, robot) for robot in sorted(visible)]
         if visible and None in hindered:
-            return Reply(f"{words.MAY_COMMAND} {WHICH}", self._robots(visible))
+            menu = self.menu(caller.principal)
+            return Reply(joined(" ", (words.MAY_COMMAND, menu.text)), menu.buttons)
         why = next((str(refusal) for refusal in hindered if refusal is not None), "")
         text = f"{words.MAY_NOT_COMMAND} {why or words.NOTHING_VISIBLE}"
         return Reply(text, self._robots(visible))
@@ -78,17 +82,15 @@ class Desk:
             return Reply(words.NO_INFORMATION)
         return Reply("\n".join([words.INFORMATION, *map(self._status, sorted(visible))]))
 
-    def menu(
-        self,
-        principal: PrincipalId,
-        chat: Chat,
-        issue: Callable[[Button, PrincipalId, str], Button],
-    ) -> Reply:
-        """Return the robots somebody may use, as buttons bound to them."""
+    def menu(self, principal: PrincipalId) -> Reply:
+        """Return what somebody may begin with: robots; where there is only one, what it can do."""
         visible = self._organiser.visible(principal)
-        offered = self._robots(visible) if visible else ()
-        bound = tuple(tuple(issue(b, principal, chat.id) for b in row) for row in offered)
-        return Reply("", bound)
+        if len(visible) != 1:
+            return Reply(WHICH, self._robots(visible)) if visible else Reply("")
+        [robot] = visible
+        skills = self._skills(principal, self._profiles[robot])
+        what = said("What should {robot} do?", robot=self._profiles[robot].shown)
+        return Reply(what if len(skills) > 1 else self._status(robot), skills)
 
     def members(self, name: str) -> tuple[RobotId, ...]:
         """Return the robots that a choice means: one, a group's, or none."""
@@ -114,13 +116,16 @@ class Desk:
         profile = self._profiles.get(line.name)
         if profile is None:
             return Reply(f"{line.name}: chosen. Its name may be left out now.")
-        buttons = [Button(words.label(s), f"{ASK_FIRST}{line.name} {words.spoken(s)}")
-                   for s in profile.skills.values()
-                   if self._organiser.allows(caller.principal, profile.id, s.id)
-                   and not any(p.text for p in s.parameters.values())]  # fmt: skip
-        stop = Button("STOP", f"stop {line.name}")
         text = f"{self._status(profile.id)}\nIts name may be left out now."
-        return Reply(text, (*rows(buttons), (stop,)))
+        return Reply(text, self._skills(caller.principal, profile))
+
+    def _skills(self, principal: PrincipalId, profile: Profile) -> tuple[tuple[Button, ...], ...]:
+        """Return what somebody may let a robot do, a button each, and a stop."""
+        buttons = [Button(words.label(s), f"{ASK_FIRST}{profile.id} {words.spoken(s)}")
+                   for s in profile.skills.values()
+                   if self._organiser.allows(principal, profile.id, s.id)
+                   and not any(p.text for p in s.parameters.values())]  # fmt: skip
+        return (*rows(buttons), (Button("STOP", f"stop {profile.id}"),))
 
     def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:
         return rows([Button(self._profiles[r].shown, f"use {r}") for r in sorted(visible)])
@@ -142,7 +147,14 @@ class Desk:
 
 
 def rows(buttons: list[Button]) -> tuple[tuple[Button, ...], ...]:
-    """Lay buttons out, a few a row."""
-    return tuple(
-        tuple(buttons[i : i + BUTTONS_A_ROW]) for i in range(0, len(buttons), BUTTONS_A_ROW)
-    )
+    """Lay buttons out, as many a row as can be read."""
+    laid: list[tuple[Button, ...]] = []
+    row: tuple[Button, ...] = ()
+    for button in buttons:
+        wider = (*row, button)
+        widest = max(len(one.label) for one in wider)  # all in a row are as wide as each other
+        if row and (len(wider) > BUTTONS_A_ROW or widest * len(wider) > LETTERS_A_ROW):
+            laid.append(row)
+            wider = (button,)
+        row = wider
+    return (*laid, row) if row else tuple(laid)

@@ -75,13 +75,6 @@ class Replies:
         )
         self._teller.say(Note(messenger, outbound, None, inbound.under))
 
-    def ask_first(
-        self, messenger: Messenger, inbound: Inbound, caller: Caller, command: str
-    ) -> None:
-        """Ask once before a skill that was tapped moves anything."""
-        buttons = ((Button("Do it", f"{CONFIRMED}{command}"), Button("Leave it", LEAVE)),)
-        self.offer(messenger, inbound, caller, f"{command}?", buttons)
-
     async def refuse(
         self,
         messenger: Messenger,

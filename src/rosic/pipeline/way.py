@@ -38,6 +38,7 @@ from rosic.pipeline.reception import Reception
 from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_id
 from rosic.pipeline.resuming import Resuming
 from rosic.pipeline.said import Said
+from rosic.pipeline.trying import Trying
 from rosic.pipeline.turns import Turns
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.language import Line
     from rosic.core.life import Face
-    from rosic.core.message import Chat, Inbound
+    from rosic.core.message import Inbound
     from rosic.core.skill import Argument
     from rosic.pipeline.desk import Reply
     from rosic.pipeline.rooms import Rooms
@@ -88,6 +89,7 @@ class Pipeline:
         self._replies = Replies(rooms, teller, clock)
         self._resuming = Resuming(organiser, container, linker, rooms.board)
         self._desk = Desk(rooms)
+        self._trying = Trying(rooms, self._reader)
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience = Audience(organiser)
         self.reception = Reception()
@@ -151,7 +153,8 @@ class Pipeline:
         if command == LEAVE:
             self._replies.say(messenger, inbound, "Nothing was done.")
         elif command.startswith(ASK_FIRST):
-            self._replies.ask_first(messenger, inbound, caller, command[1:])
+            reply = self._trying.ask(caller.principal, command[1:])
+            self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
         else:
             if command.startswith(CONFIRMED):
                 said.confirmed = True
@@ -254,9 +257,9 @@ class Pipeline:
             or (bool(first) and first[0].lower() in self._vocabulary.callees)
         )
 
-    def menu(self, principal: PrincipalId, chat: Chat) -> Reply:
-        """Return what somebody who has just come in may begin with; buttons bound to them."""
-        return self._desk.menu(principal, chat, self._rooms.authoriser.buttons.issue)
+    def menu(self, principal: PrincipalId) -> Reply:
+        """Return what somebody who has just come in may begin with."""
+        return self._desk.menu(principal)
 
     def _question(self, said: Said, line: Line) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller

@@ -2,7 +2,23 @@
 
 from __future__ import annotations
 
+from rosic.core.message import Button
+from rosic.core.robot import Link, Profile
+from rosic.core.skill import Parameter, Skill
+from rosic.pipeline.desk import rows
 from tests.rooms.pipeline.place import ADA, BO, Place
+
+FIELD = Parameter(unit="m", min=-10, max=10)
+GOES = Profile(
+    id="rover",
+    link=Link(kind="memory"),
+    skills={
+        "goto": Skill(id="goto", parameters={"x": FIELD, "y": FIELD}),
+        "grasp": Skill(
+            id="grasp", parameters={"force": Parameter(unit="N", min=5, max=40, default=15)}
+        ),
+    },
+)
 
 
 async def test_from_the_robots_to_a_motion_by_taps_alone() -> None:
@@ -19,12 +35,61 @@ async def test_a_skill_that_lacks_a_value_offers_some() -> None:
     async with Place().open() as place:
         await place.say("use omni")
         await place.tap(*place.button("Move"))
-        await place.tap(*place.button("Do it"))
         assert place.acted() == 0
         _, shown = place.last()
-        assert shown.buttons, shown.text
-        await place.tap(shown.buttons[0][0], place.last()[0])
+        assert shown.text == (
+            "omni: move needs a distance, from 0.01 to 5 m. It moves as soon as you tap."
+        )
+        assert [[button.label for button in row] for row in shown.buttons] == [
+            ["0.50 m forward", "1.00 m forward"], ["2.00 m forward"], ["Leave it"],
+        ]  # fmt: skip
+        await place.tap(*place.button("0.50 m forward"))
         assert place.acted() == 1
+
+
+async def test_what_lacks_two_values_is_asked_for_one_after_the_other() -> None:
+    async with Place(fleet=(GOES,)).open() as place:
+        await place.say("use rover")
+        await place.tap(*place.button("Goto"))
+        await place.tap(*place.button("rover goto x=1 m"))
+        assert place.acted("rover") == 0
+        await place.tap(*place.button("x 1.00 m, y 2.00 m"))
+        assert place.acted("rover") == 1
+
+
+async def test_what_is_asked_says_the_values_that_were_not() -> None:
+    async with Place(fleet=(GOES,)).open() as place:
+        await place.say("/start")
+        assert await place.tap(*place.button("Grasp")) == "rover: grasp, 15 N?"
+
+
+async def test_who_has_one_robot_begins_with_what_it_can_do() -> None:
+    async with Place(fleet=(GOES,)).open() as place:
+        assert (await place.say("/start")).endswith("What should rover do?")
+        await place.tap(*place.button("Grasp"))
+        await place.tap(*place.button("Do it"))
+        assert place.acted("rover") == 1
+
+
+async def test_a_menu_may_be_tapped_late_because_it_only_asks() -> None:
+    async with Place().open() as place:
+        await place.say("use omni")
+        await place.clock.advance(500.0)
+        assert await place.tap(*place.button("Wave")) == "omni: wave?"
+        assert place.acted() == 0
+        await place.say("use omni")
+        await place.clock.advance(601.0)
+        await place.tap(*place.button("Wave"))
+        assert place.chat.answers[-1][1] == "This button is too old. Nothing was done."
+
+
+def test_a_row_holds_what_a_phone_can_show() -> None:
+    said = ["Home", "Grasp", "Release", "Wave", "Move in a straight line", "Turn on the spot", "A"]
+    laid = rows([Button(label, label) for label in said])
+    assert [[button.label for button in row] for row in laid] == [
+        ["Home", "Grasp", "Release"], ["Wave"], ["Move in a straight line"],
+        ["Turn on the spot", "A"],
+    ]  # fmt: skip
 
 
 async def test_a_button_works_once() -> None:

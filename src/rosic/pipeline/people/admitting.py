@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.authoriser import words_entry
 from rosic.authoriser.newcomers import PENDING_S
-from rosic.core.message import Button, Chat
+from rosic.core.message import Button
 from rosic.errors import Expired, NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.people import words
@@ -40,7 +40,7 @@ class Admitting:
         powers: Powers,
         doorstep: Doorstep,
         *,
-        menu: Callable[[PrincipalId, Chat], Reply] = lambda _who, _where: Reply(""),
+        menu: Callable[[PrincipalId], Reply] = lambda _who: Reply(""),
     ) -> None:
         self.menu = menu
         self._registry = registry
@@ -85,7 +85,7 @@ class Admitting:
                 may_admit=self._powers.may_admit(by, applicant.pending.given),
             )  # fmt: skip
             await turn.write(self.records(redeemed, by))
-        self._welcome(redeemed, applicant)
+        self._welcome(redeemed)
         name, what = applicant.name, applicant.pending.given.words
         self._tell_others(applicant, by, words.was_let_in(self._registry.name(by), name, what))
         return Reply(words.let_in(name, what))
@@ -158,9 +158,9 @@ class Admitting:
         ]
         return found[0] if len(found) == 1 else None
 
-    def _welcome(self, redeemed: Redeemed, applicant: Applicant) -> None:
+    def _welcome(self, redeemed: Redeemed) -> None:
         person = redeemed.person
-        menu = self.menu(person.id, Chat(applicant.address.platform, applicant.address.account))
+        menu = self.menu(person.id)
         text = "\n".join(filter(None, (redeemed.sentence, menu.text)))
         self._registry.reach.tell((person.id,), text, menu.buttons)
 

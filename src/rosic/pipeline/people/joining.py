@@ -206,7 +206,7 @@ class Joining:
     def _is_in(self, inbound: Inbound, answer: Redeemed, tapped: Tapped) -> Reply:
         person, offered = answer.person, tapped.offered
         self._registry.reach.tell((offered.issuer,), words.is_in(person.name, offered.what))
-        menu = self._admitting.menu(person.id, inbound.chat)
+        menu = self._admitting.menu(person.id)
         issue = self._registry.authoriser.buttons.issue
         bound = tuple(
             tuple(issue(button, person.id, inbound.chat.id) for button in row)

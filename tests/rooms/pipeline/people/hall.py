@@ -21,7 +21,7 @@ from rosic.authoriser.directory import Directory
 from rosic.container.container import Containers
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
 from rosic.core.language import Errand, Reader, Vocabulary
-from rosic.core.message import Button, Chat, ChatKind, Outbound
+from rosic.core.message import Button, ChatKind, Outbound
 from rosic.core.rate import RateLimit
 from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
 from rosic.core.roles import DEFAULT_ROLES, Grant, Role, Rulebook
@@ -172,7 +172,7 @@ class Hall:
         clerks = Clerks(about, self.admitting, custody, inviting, proving)
         hire(self.office, clerks, self.consent)
 
-    def menu(self, principal: str, _chat: Chat) -> Reply:
+    def menu(self, principal: str) -> Reply:
         robots = sorted(self.rights.visible(principal, self.clock.wall_ns()))
         row = tuple(Button(robot, f"use {robot}") for robot in robots[:2])
         return Reply("Which robot?", (row,))
