@@ -3,6 +3,7 @@
 #   make demo          six simulated robots in the terminal; no account, no ROS
 #   make test          every check and every test
 #   make check         the checks alone: style, types, imports
+#   make pictures      draw the chats in docs/pictures anew, from what is said today
 #   make campaign      the long runs; hours, not minutes
 #   make requirements  work out the pinned versions anew (UPGRADE=1: the newest that fit)
 #   make clean         remove the environment and whatever was built
@@ -28,7 +29,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DELETE_ON_ERROR:
 # Two pips at work in one environment would spoil it.
 .NOTPARALLEL:
-.PHONY: help demo test check campaign requirements clean
+.PHONY: help demo test check pictures campaign requirements clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -44,6 +45,9 @@ check: $(VENV)/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+pictures: $(VENV)/.dev
+	ROSIC_PICTURES=draw $(BIN)/python -m pytest $(PYTEST_ARGS) tests/journeys/test_first_time.py
 
 campaign: $(VENV)/.dev
 	$(call bounded,$(CAMPAIGN_SECONDS)) $(BIN)/python -m pytest -m campaign -o faulthandler_timeout=0 $(PYTEST_ARGS) $(TESTS)

@@ -112,9 +112,13 @@ class Hindrance(msgspec.Struct, frozen=True, kw_only=True):
         return words.moment(at_ns, self.now_ns, zone)
 
     def _offers(self, zone: Zone, useful_s: int) -> tuple[str, ...]:
-        """Return what would book the next free time, unless they have one coming anyway."""
+        """Return what would book the next free time, or wait for it.
+
+        Nothing for whoever has a time coming anyway.
+        """
         if self.own is not None:
             return ()
         if self.free_ns <= self.now_ns:
             return (f"book {self.robot} now {words.length(useful_s)}",)
-        return (words.bookable(self.robot, self.free_ns, useful_s, zone),)
+        book = words.bookable(self.robot, self.free_ns, useful_s, zone)
+        return (book,) if self.slot is None else (book, f"wait {self.robot}")

@@ -227,7 +227,7 @@ def test_somebody_elses_slot_keeps_others_out_and_free_time_is_everybodys() -> N
     refusal = calendar.refusal(hindrance, "ben")
     assert isinstance(refusal, SlotTaken)
     assert str(refusal) == "KUKA iiwa is taken by Ann until 11:00. You can have it then."
-    assert refusal.offers == ("book kuka1 2026-11-21 11:00 15 min",)
+    assert refusal.offers == ("book kuka1 2026-11-21 11:00 15 min", "wait kuka1")
     assert calendar.why_not("ann", "kuka1", NOW + MIN, required=False) is None
     assert calendar.why_not("ben", "kuka1", NOW + HOUR, required=False) is None
     assert calendar.why_not("ben", "omni", NOW, required=False) is None

@@ -24,7 +24,7 @@ async def test_the_examples_run(block: str) -> None:
 
 
 def test_there_are_examples() -> None:
-    assert len(BLOCKS) == 2
+    assert len(BLOCKS) == 3
 
 
 def test_every_verb_is_explained() -> None:

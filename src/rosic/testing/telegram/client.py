@@ -129,6 +129,11 @@ class Control:
         seen: list[JsonObject] = await self.call("messages", chat=chat, by_bot=by_bot)
         return seen
 
+    async def presses(self, chat: int) -> list[JsonObject]:
+        """See `FakeTelegram.presses`."""
+        found: list[JsonObject] = await self.call("presses", chat=chat)
+        return found
+
     async def calls(self) -> list[JsonObject]:
         """See `FakeTelegram.calls`."""
         found: list[JsonObject] = await self.call("calls")

@@ -25,7 +25,7 @@ VERBS = (
     "create_user", "say", "edit", "tap", "react", "delete", "backlog", "create_chat",
     "topics", "set_member", "block", "link", "migrate", "fail", "calm", "set_latency",
     "set_limits", "advance", "shift_dates", "duplicate", "reorder", "jump", "put_update",
-    "foreign_webhook", "message", "messages", "press", "pending", "changes", "wait",
+    "foreign_webhook", "message", "messages", "press", "presses", "pending", "changes", "wait",
     "clear_record", "save",
 )  # fmt: skip
 

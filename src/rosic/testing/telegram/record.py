@@ -10,7 +10,7 @@ from rosic.testing.telegram.refusals import ControlError
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from rosic.testing.telegram.state import Content, JsonObject, Message
+    from rosic.testing.telegram.state import Content, JsonObject, Message, Query
     from rosic.testing.telegram.world import World
 
 
@@ -48,7 +48,14 @@ class Record:
 
     def press(self, query_id: str) -> JsonObject:
         """Return one press of a button and every answer the bot gave."""
-        query = self.world.state.queries[query_id]
+        return self._pressed(self.world.state.queries[query_id])
+
+    def presses(self, chat: int) -> list[JsonObject]:
+        """Return every press of a button in a chat, oldest first."""
+        queries = self.world.state.queries.values()
+        return [self._pressed(query) for query in queries if query.chat_id == chat]
+
+    def _pressed(self, query: Query) -> JsonObject:
         return {
             "id": query.id,
             "user_id": query.user_id,

@@ -1,0 +1,69 @@
+"""The pictures of chats in the documentation: what they say must be what is said today."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from rosic.testing.telegram.picture import draw, in_picture
+
+if TYPE_CHECKING:
+    from rosic.testing.telegram.transcript import Transcript
+
+DOCS: Final = Path(__file__).parents[2] / "docs"
+FOLDER: Final = DOCS / "pictures"
+PAGE: Final = DOCS / "first-time.md"
+ASKED_TO_DRAW: Final = "ROSIC_PICTURES"
+STALE: Final = "docs/pictures/{name}.svg does not say this any more: look, then run make pictures"
+
+# What differs from run to run: when it was, how fast a stop was, how far a robot had come by then.
+_VARIES: Final = (
+    (re.compile(r"\b(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun) \d{1,2} [A-Z][a-z]{2}(?: \d{4})?"), "DAY"),
+    (re.compile(r"\b\d{4}-\d\d-\d\d\b|\b(?:today|tomorrow|DAY) (?=\d\d:\d\d)"), "DAY "),
+    (re.compile(r"\b\d\d:\d\d(?::\d\d)?\b"), "TIME"),
+    (re.compile(r"(?:DAY +)?TIME"), "TIME"),
+    (re.compile(r"\(\d+\.\d\d s\)|\bwithin \d+ s\b"), "(SO SOON)"),
+    (re.compile(r"\b\d+ %"), "SO MUCH"),
+    (re.compile(r"(stopped before it ended TIME).*"), r"\1"),
+)
+
+
+def lines_of(shown: Transcript) -> list[str]:
+    """Return what a conversation says, without what differs from run to run."""
+    return [_steady(line) for line in shown.lines()]
+
+
+def _steady(line: str) -> str:
+    for pattern, instead in _VARIES:
+        line = pattern.sub(instead, line)
+    return line
+
+
+def check_picture(name: str, shown: Transcript) -> None:
+    """See that a picture in the documentation shows this; draw it anew where that is asked for.
+
+    Raises:
+        AssertionError: It shows something else.
+    """
+    file = FOLDER / f"{name}.svg"
+    if os.environ.get(ASKED_TO_DRAW):
+        FOLDER.mkdir(exist_ok=True)
+        file.write_text(draw(shown))
+    assert lines_of(in_picture(file.read_text())) == lines_of(shown), STALE.format(name=name)
+
+
+def row(name: str, shown: Transcript) -> str:
+    """Return the line of the page that counts what somebody did and read."""
+    return f"| [{name}](pictures/{name}.svg) | {shown.taps} | {shown.typed} | {shown.read} |"
+
+
+def check_counts(name: str, shown: Transcript) -> None:
+    """See that the page says these counts.
+
+    Raises:
+        AssertionError: It says others.
+    """
+    said = row(name, shown)
+    assert said in PAGE.read_text(), f"docs/first-time.md should say: {said}"

@@ -1,0 +1,142 @@
+"""First times: joining, driving and stopping, booking, being refused. Taps are counted."""
+
+from __future__ import annotations
+
+import re
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.testing.telegram.picture import draw, in_picture
+from tests.journeys.lab import Lab, lab
+from tests.journeys.newcomer import Newcomer
+from tests.journeys.pictures import (
+    ASKED_TO_DRAW,
+    FOLDER,
+    PAGE,
+    check_counts,
+    check_picture,
+    lines_of,
+    row,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+    from pathlib import Path
+
+    from tests.journeys.running import Launcher
+
+OMNI = ('[[robot]]\nprofile = "omni"\nlink = "simulated"',)
+CODE = re.compile(r"start=([A-Za-z0-9_-]+)")
+TAPS_TO_A_MOTION = 4
+
+
+@asynccontextmanager
+async def one_robot(folder: Path, launcher: Launcher) -> AsyncIterator[Lab]:
+    """Run a gateway with one simulated robot, whose time is not soon over."""
+    async with lab(folder, launcher, robots=OMNI) as place:
+        await place.start()
+        yield place
+        assert await place.control.violations() == []
+
+
+async def finished(name: str, somebody: Newcomer, capsys: pytest.CaptureFixture[str]) -> None:
+    """Count, say so, and hold it against the documentation."""
+    await somebody.place.drained()
+    shown = await somebody.saw()
+    assert (shown.taps, shown.typed) == (somebody.taps, somebody.typed)
+    with capsys.disabled():
+        counts = f"{shown.taps} taps, {shown.typed} typed, {shown.read} to read"
+        print(f"\nfirst time, {name}: {counts}")  # noqa: T201 - the figures are the point
+    check_picture(name, shown)
+    check_counts(name, shown)
+
+
+async def test_from_start_to_a_first_motion_in_four_taps(
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with one_robot(tmp_path, launcher) as place:
+        said = await place.ask(place.ada, "/invite operator omni for 2h", "start=")
+        [code] = CODE.findall(said["text"])
+        cy = Newcomer(place, await place.control.create_user("Cy"))
+
+        await cy.start(code, "You are invited as operator on omni")
+        await cy.tap("Join", "What should omni do?")
+        await cy.tap("Move in a straight line", "needs a distance")
+        await cy.tap("0.50 m forward", "moved 0.50 m forward")
+
+        assert cy.taps <= TAPS_TO_A_MOTION
+        assert cy.typed == 0
+        await place.ask(place.ada, "status omni", "x 0.50 m")
+        await finished("join", cy, capsys)
+
+
+async def test_driving_and_stopping_with_buttons(
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with one_robot(tmp_path, launcher) as place:
+        bo = Newcomer(place, place.bo)
+
+        await bo.start("", "What should omni do?")
+        await bo.tap("Move in a straight line", "needs a distance")
+        await bo.tap("2.00 m forward", "driving")
+        await bo.tap("STOP", "STOP: omni at rest")
+        await bo.reads("stopped before it ended")
+        await bo.type("resume omni", "omni is ready again.")
+
+        await finished("drive", bo, capsys)
+
+
+async def test_booking_a_time(
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with one_robot(tmp_path, launcher) as place:
+        bo = Newcomer(place, place.bo)
+
+        await bo.type("book", "When, and for how long?")
+        await bo.tap("book omni tomorrow 14:00 1h", "omni is yours on")
+
+        await finished("book", bo, capsys)
+
+
+async def test_being_refused_and_asking_to_be_next(
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with one_robot(tmp_path, launcher) as place:
+        ada, bo = Newcomer(place, place.ada), Newcomer(place, place.bo)
+        await ada.type("book omni now 1h", "omni is yours")
+
+        await bo.start("", "You do not have permission")
+        await bo.type("omni move 0.5 m", "omni is taken by Ada until")
+        await bo.tap("wait omni", "You are number 1 in the queue for omni")
+        await ada.tap("Cancel it", "omni is given back")
+        await bo.reads("omni is free and it is your turn")
+        await bo.tap("Take it", "omni is yours now")
+        await bo.tap("omni", "Its name may be left out now.")
+
+        await finished("refused", bo, capsys)
+
+
+# ---- the pictures themselves ----
+
+
+def test_every_picture_is_drawn_as_one_is_drawn_today_and_is_on_the_page() -> None:
+    page = PAGE.read_text()
+    pictures = sorted(FOLDER.glob("*.svg"))
+    assert pictures
+    for file in pictures:
+        assert draw(in_picture(file.read_text())) == file.read_text(), f"{file.name}: make pictures"
+        assert f"(pictures/{file.name})" in page
+
+
+def test_a_picture_that_says_something_else_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(ASKED_TO_DRAW, raising=False)
+    shown = in_picture((FOLDER / "join.svg").read_text())
+    other = in_picture((FOLDER / "join.svg").read_text().replace("You are in, ", "You are here, "))
+    assert lines_of(other) != lines_of(shown)
+    with pytest.raises(AssertionError, match="make pictures"):
+        check_picture("join", other)
+    with pytest.raises(AssertionError, match="should say"):
+        check_counts("drive", shown)
+    assert row("join", shown) in PAGE.read_text()
