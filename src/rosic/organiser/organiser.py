@@ -288,6 +288,12 @@ class Organiser:
         """Return who has a robot now."""
         return self._leases[robot].holder_at(self._clock.monotonic_ns(), self._idle_ns)
 
+    def whose(self, robot: RobotId) -> PrincipalId | None:
+        """Return who has a robot now, or whose time with it is now."""
+        rule = self._slots.get(robot, "none")
+        slot = None if rule == "none" else self.calendar.present(robot, self.wall_ns())
+        return self.holder(robot) or (slot.principal if slot is not None else None)
+
     def free_in(self, robot: RobotId) -> tuple[str, float]:
         """Return how somebody is told when a robot that is taken may be free, and the seconds."""
         lease, now_ns = self._leases[robot], self._clock.monotonic_ns()

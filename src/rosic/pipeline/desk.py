@@ -97,7 +97,7 @@ class Desk:
         return (name,) if name in self._profiles else self._vocabulary.members(name)
 
     def _status(self, robot: RobotId) -> str:
-        holder = self._organiser.holder(robot)
+        holder = self._organiser.whose(robot)
         stopped = self._board[robot]
         name_of = self._organiser.name_of
         by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None

@@ -26,6 +26,13 @@ async def test_status_of_one_robot_and_of_one_that_is_away() -> None:
         )
 
 
+async def test_a_robot_is_not_called_free_in_somebodys_time() -> None:
+    async with Place().open() as place:
+        assert (await place.say("status omni")).endswith(" · free")
+        assert "omni is yours" in await place.say("/book omni now 1h", account=BO, chat=BO)
+        assert (await place.say("status omni")).endswith(" · taken by Bo")
+
+
 async def test_a_robot_that_is_away_is_sent_nothing() -> None:
     async with Place().open() as place:
         place.robot("omni").online = False

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rosic.testing.telegram.lettering import cut, width_of, wrapped
 from rosic.testing.telegram.picture import WIDTH, draw, in_picture
-from rosic.testing.telegram.transcript import Bubble, Key, Quote, Transcript
+from rosic.testing.telegram.transcript import App, Bubble, Key, Quote, Transcript
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -86,6 +86,13 @@ def test_markup_in_a_message_stays_text() -> None:
     svg = draw(Transcript(said, (Bubble(text=said, at="14:02", message=1, keys=((Key(said),),)),)))
     tags = {one.tag.removeprefix(SVG) for one in ET.fromstring(svg).iter()}  # noqa: S314
     assert tags == {"svg", "metadata", "rect", "path", "circle", "text"}
+
+
+def test_the_messengers_own_words_are_in_the_persons_language() -> None:
+    bubble = Bubble(text="/start", at="14:02", message=1, tap=1, edited=True)
+    svg = draw(Transcript("Roboter", (bubble,), app=App("STARTEN", "bearbeitet")))
+    assert ">STARTEN<" in svg
+    assert ">bearbeitet 14:02<" in svg
 
 
 def test_another_picture_holds_no_transcript() -> None:

@@ -9,7 +9,7 @@ from rosic.testing.telegram.transcript import View, transcript
 if TYPE_CHECKING:
     from rosic.testing.telegram import FakeTelegram
     from rosic.testing.telegram.transcript import Transcript
-    from tests.testing.telegram.asking import Api
+    from tests.testing.telegram.asking import Api, Wall
 
 
 def keyboard(*labels: str) -> dict[str, Any]:
@@ -53,6 +53,21 @@ async def test_the_form_that_was_tapped_is_shown_and_the_last_one(
     ]  # fmt: skip
     assert "bot> Really?" in seen(server, ada, ada, every_form=True).lines()
     assert "a-secret" not in str(shown)
+
+
+async def test_a_button_that_stays_is_marked_on_the_form_that_was_there_when_it_was_tapped(
+    server: FakeTelegram, api: Api, ada: int, wall: Wall
+) -> None:
+    message = await a_menu(api, ada)
+    for number in (1, 2):
+        wall.now_s += 1
+        if number > 1:
+            server.tap(ada, ada, message, "B")
+            wall.now_s += 1
+        await changes(api, ada, message, f"Form {number}", "A", "B")
+    assert seen(server, ada, ada).lines() == [
+        "bot> Form 1", "  [A] [B]*", "bot> Form 2", "  [A] [B]",
+    ]  # fmt: skip
 
 
 async def test_other_peoples_taps_do_not_count_and_everybody_has_a_name_in_a_group(

@@ -129,7 +129,7 @@ class _Drawing:
         for line in box.lines:
             y += LINE
             self._text(line, (box.left + PAD, y - 5), TEXT, ink)
-        foot = _foot(bubble)
+        foot = self._foot(bubble)
         where = (box.left + box.width - PAD - width_of(foot, SMALL), box.top + box.height - 7)
         self._text(foot, where, SMALL, FAINT)
         self._y = box.top + box.height + KEY_GAP
@@ -141,7 +141,7 @@ class _Drawing:
         """Return where a bubble stands: as wide as what is in it, and in reach of its edge."""
         inner = WIDEST - 2 * PAD
         lines = wrapped(bubble.text, TEXT, inner)
-        foot = width_of(_foot(bubble), SMALL)
+        foot = width_of(self._foot(bubble), SMALL)
         last = width_of(lines[-1], TEXT) + 10 + foot
         wide = max([width_of(line, TEXT) for line in lines] + [foot])
         high = len(lines) * LINE + 14
@@ -159,6 +159,9 @@ class _Drawing:
         width = min(wide, inner) + 2 * PAD
         left = WIDTH - EDGE - width if bubble.own else EDGE
         return _Box(bubble.past, left, self._y, width, high, lines)
+
+    def _foot(self, bubble: Bubble) -> str:
+        return f"{self._shown.app.edited} {bubble.at}" if bubble.edited else bubble.at
 
     def _quote(self, quoted: tuple[str, str], box: _Box, y: float) -> None:
         name, said = quoted
@@ -210,7 +213,7 @@ class _Drawing:
     def _start(self, tap: int) -> None:
         """Draw Telegram's own button at the foot of a chat that was never spoken in."""
         where = (EDGE, self._y, WIDTH - 2 * EDGE)
-        self._key(Key("START", tap), where, (ACCENT, "#fff"))
+        self._key(Key(self._shown.app.start, tap), where, (ACCENT, "#fff"))
         self._y += KEY_HIGH + GAP
 
     def _badge(self, number: int, x: float, y: float) -> None:
@@ -256,10 +259,6 @@ def _plain(text: str) -> str:
 def _in_json(text: str) -> str:
     """Return JSON in which those characters are written as JSON has it."""
     return _UNWRITABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
-
-
-def _foot(bubble: Bubble) -> str:
-    return f"edited {bubble.at}" if bubble.edited else bubble.at
 
 
 def _worth_quoting(bubble: Bubble, before: Bubble | None) -> tuple[str, str] | None:

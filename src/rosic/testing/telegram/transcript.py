@@ -66,17 +66,29 @@ class Bubble(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
     tap: int = 0
 
 
+class App(msgspec.Struct, frozen=True, omit_defaults=True):
+    """Words of the messenger's own."""
+
+    start: str = "START"
+    edited: str = "edited"
+
+
+ENGLISH = App()
+
+
 class Transcript(msgspec.Struct, frozen=True, omit_defaults=True):
     """A conversation.
 
     Attributes:
         title: Of the chat.
         below: What stands under the title: the kind of chat, or who is in it.
+        app: What the messenger itself says, in the person's language.
     """
 
     title: str
     bubbles: tuple[Bubble, ...]
     below: str = ""
+    app: App = ENGLISH
 
     @property
     def taps(self) -> int:
@@ -118,6 +130,7 @@ class View(msgspec.Struct, frozen=True, kw_only=True):
         below: What stands under the title.
         zone: Of the clock that is shown.
         every_form: Show each form of every message, not only those that were tapped.
+        app: What the messenger itself says.
     """
 
     title: str
@@ -125,6 +138,7 @@ class View(msgspec.Struct, frozen=True, kw_only=True):
     below: str = ""
     zone: tzinfo = UTC
     every_form: bool = False
+    app: App = ENGLISH
 
 
 def transcript(
@@ -143,7 +157,7 @@ def transcript(
             chat.tap(press)
     shown = [found for message in chat.messages for found in chat.forms(message)]
     shown.sort(key=lambda one: one[0])
-    return Transcript(view.title, tuple(bubble for _, bubble in shown), view.below)
+    return Transcript(view.title, tuple(bubble for _, bubble in shown), view.below, view.app)
 
 
 class _Chat:
