@@ -241,5 +241,7 @@ async def test_a_bot_that_hears_only_commands_in_groups_says_so(
         "use",
         "stop",
         "resume",
+        "book",
+        "me",
         "help",
     ]

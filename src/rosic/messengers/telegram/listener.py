@@ -40,6 +40,8 @@ COMMANDS = (
     BotCommand("use", "Choose a robot, so that its name may be left out"),
     BotCommand("stop", "Stop every robot you may see"),
     BotCommand("resume", "Let a stopped robot move again"),
+    BotCommand("book", "Have a robot for a time of your own"),
+    BotCommand("me", "What you may do, and until when"),
     BotCommand("help", "What you can say"),
 )
 

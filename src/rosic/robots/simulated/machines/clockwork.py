@@ -137,7 +137,7 @@ class SteppedMachine(abc.ABC):
 
     def halt(self, now_s: float) -> None:
         """Come to rest; see `Machine.halt`."""
-        self._give_up(now_s, "stopped")
+        self._give_up(now_s, "")  # who asked for it knows why
 
     def link_lost(self, now_s: float) -> None:
         """Hold; see `Machine.link_lost`."""
