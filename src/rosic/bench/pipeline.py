@@ -87,6 +87,7 @@ class BenchMessenger:
     name = "bench"
     assurance = "local"
     edits = True
+    file_bytes = 0
 
     def __init__(self) -> None:
         self.ended: dict[str, asyncio.Future[None]] = {}

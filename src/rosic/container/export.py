@@ -16,7 +16,7 @@ from rosic.core.language.cleaning import clean
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from rosic.core.record import Fact
 
@@ -77,6 +77,21 @@ def _row(fact: Fact) -> Row:
         n=n, time=time, way=entry.way, sender=OWN_ID if out else said.account,
         name=OWN_NAME if out else said.name, text=said.text, note=said.note,
     )  # fmt: skip
+
+
+ENDINGS: Final[Mapping[str, str]] = {"text": "txt", "jsonl": "jsonl", "xlsx": "xlsx"}
+"""The forms of an archive, and how their files end."""
+
+
+def archive_as(form: str, found: Sequence[Row]) -> str | bytes:
+    """Return an archive in one of the forms.
+
+    Raises:
+        ConfigurationError: No spreadsheet can be made on this computer.
+    """
+    if form == "xlsx":
+        return archive_as_xlsx(found)
+    return archive_as_text(found) if form == "text" else archive_as_jsonl(found)
 
 
 def archive_as_text(found: Sequence[Row]) -> str:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 KEEP = 10_000
 """How many of the newest messages, edits and answers are remembered."""
+FILE_BYTES = 1_000_000
 
 
 class Told(NamedTuple):
@@ -41,6 +42,7 @@ class MemoryMessenger:
 
     Args:
         edits: False makes it a messenger that cannot change a message once sent.
+        file_bytes: How large a file it takes; 0 makes it a messenger that sends none.
         keep: How much of the past is remembered; what waits to be received is bounded by it too.
 
     Attributes:
@@ -54,10 +56,17 @@ class MemoryMessenger:
     assurance = "local"
 
     def __init__(
-        self, name: str = "memory", *, clock: Clock, edits: bool = True, keep: int = KEEP
+        self,
+        name: str = "memory",
+        *,
+        clock: Clock,
+        edits: bool = True,
+        keep: int = KEEP,
+        file_bytes: int = FILE_BYTES,
     ) -> None:
         self.name = name
         self.edits = edits
+        self.file_bytes = file_bytes
         self.told: deque[Told] = deque(maxlen=keep)
         self.answers: deque[tuple[str, str]] = deque(maxlen=keep)
         self.down = False
@@ -176,9 +185,11 @@ class MemoryMessenger:
         """Show a message.
 
         Raises:
-            MessengerFault: `down` is set; nothing was shown.
+            MessengerFault: `down` is set, or the file is too large; nothing was shown.
         """
         self._check_up()
+        if outbound.attachment is not None and len(outbound.attachment.content) > self.file_bytes:
+            raise MessengerFault("The file is too large for this messenger. Nothing was sent.")
         message = self._next_id()
         self._show(Told(message, outbound, edited=False))
         return message

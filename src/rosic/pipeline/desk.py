@@ -8,7 +8,7 @@ import msgspec
 
 from rosic.core import words
 from rosic.core.language import Help, Line, Start, Status, Use
-from rosic.core.message import Button, Chat
+from rosic.core.message import Attachment, Button, Chat
 from rosic.core.saying import joined, said
 from rosic.pipeline.replies import ASK_FIRST
 
@@ -28,10 +28,15 @@ WHICH = "Which robot?"
 
 
 class Reply(msgspec.Struct, frozen=True):
-    """A text and its buttons, not bound to anybody yet."""
+    """A text and its buttons, not bound to anybody yet.
+
+    Attributes:
+        attachment: A file that goes with it, for a messenger that sends files of its size.
+    """
 
     text: str
     buttons: tuple[tuple[Button, ...], ...] = ()
+    attachment: Attachment | None = None
 
 
 class Desk:

@@ -63,6 +63,24 @@ class Replies:
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
         self._teller.say(Note(messenger, outbound, cid, inbound.under))
 
+    def hand_over(
+        self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
+    ) -> None:
+        """Answer with a clerk's reply: buttons as `offer` has them, and a file if there is one."""
+        if reply.attachment is None:
+            self.offer(messenger, inbound, caller, reply.text, reply.buttons)
+            return
+        issue, chat = self._authoriser.buttons.issue, inbound.chat.id
+        bound = tuple(tuple(issue(b, caller.principal, chat) for b in row) for row in reply.buttons)
+        outbound = Outbound(
+            chat=inbound.chat,
+            text=reply.text,
+            reply_to=reply_id(inbound),
+            buttons=bound,
+            attachment=reply.attachment,
+        )
+        self._teller.say(Note(messenger, outbound))  # no file comes into a message that is there
+
     def say_with(self, messenger: Messenger, inbound: Inbound, reply: Reply) -> None:
         """Answer somebody who is nobody yet; buttons carry their own nonces already.
 

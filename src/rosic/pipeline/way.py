@@ -213,9 +213,7 @@ class Pipeline:
         elif isinstance(line, Errand):
             asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid)
             reply = await self.reception.office.do(line, asked)
-            self._replies.offer(
-                said.messenger, said.inbound, said.caller, reply.text, reply.buttons
-            )
+            self._replies.hand_over(said.messenger, said.inbound, said.caller, reply)
         else:
             self._question(said, line)
 

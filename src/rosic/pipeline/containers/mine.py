@@ -8,7 +8,7 @@ from rosic.container import export
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, RecordUnavailable, StoreFault
 from rosic.pipeline.containers import words_containers as words
-from rosic.pipeline.containers.archiving import ROOM, newest
+from rosic.pipeline.containers.handing import handed_over
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.replies import LEAVE
@@ -24,6 +24,7 @@ EXPORT = "export"
 ME = frozenset({"me", "myself", "my data", "mydata"})
 CONFIRMED = "me confirmed"
 OPERATORS = "rosic container export"
+FILE = "my-data.jsonl"
 
 
 class Mine:
@@ -45,8 +46,7 @@ class Mine:
             raise NotUnderstood(words.HOW_TO_FORGET, offers=("/mydata", f"/mydata {EXPORT}"))
         found = await self._belongings(asked.caller.principal)
         if said == EXPORT:
-            lines = export.container_as_jsonl(found).splitlines()
-            return Reply(newest(lines, ROOM, OPERATORS) or words.NOTHING_KEPT)
+            return handed_over(asked, FILE, export.container_as_jsonl(found), OPERATORS)
         row = (Button(words.EXPORT, f"/mydata {EXPORT}"), Button(words.FORGET, "/forget me"))
         return Reply(words.my_data(export.summary(found)), (row,))
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.container.words_container import size
 from rosic.core.language.cleaning import quote
+from rosic.core.saying import said, said_n
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -82,10 +83,34 @@ def my_data(sums: Iterable[Sum]) -> str:
     return "\n".join(["What is kept about you:", *lines, SEALED, OPEN])
 
 
+NO_FILES_HERE: Final = said("I cannot send files here, so this is what fits into a message:")
+
+
+def handed_over(name: str, count: int) -> str:
+    """Return what a file is, and what to mind."""
+    return said(
+        "{name}, {size}. It is not sealed: whoever has it can read it.", name=name, size=size(count)
+    )
+
+
+def too_large_a_file(count: int, command: str) -> str:
+    """Return that a file is larger than this messenger takes."""
+    return said(
+        "The file would have {size}, which is more than I can send here. The operator can give it "
+        "to you: {command}",
+        size=size(count),
+        command=command,
+    )
+
+
 def rest_left_out(count: int, command: str) -> str:
     """Return that not everything fits into a message."""
-    lines = "line is" if count == 1 else "lines are"
-    return f"{count} more {lines} too much for a message. The operator can give you all: {command}"
+    return said_n(
+        "{n} more line is too much for a message. The operator can give you all: {command}",
+        "{n} more lines are too much for a message. The operator can give you all: {command}",
+        count,
+        command=command,
+    )
 
 
 # ---- being forgotten ----

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.authoriser.words_entry import DAY_S, given, listed
 from rosic.core.language.cleaning import quote
 from rosic.core.message import Button
+from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -288,6 +289,9 @@ HOW_TO_RESET: Final = "Whose phone shall be forgotten? Write: /authenticator res
 NO_PHONE: Final = "Authenticator: not set up. /authenticator begins."
 PHONE_SET_UP: Final = "Authenticator: set up. I ask for a code before dangerous things."
 PHONE_PROVEN: Final = "Authenticator: set up, and your code was given in this chat lately."
+
+
+SCAN = said("Or let the app on another device scan the picture.")
 
 
 def set_up(uri: str, key: str) -> str:

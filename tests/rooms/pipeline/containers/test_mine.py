@@ -52,12 +52,12 @@ async def test_my_data_says_what_there_is_and_only_of_me(tmp_path: Path) -> None
         assert "  your settings: 1 (" in reply.text
         assert lines[-2] == "It is sealed with a key of your own. /forget me erases that key."
         assert [b.command for row in reply.buttons for b in row] == ["/mydata export", "/forget me"]
-        text = await ward.said("mydata", "export", account=BO)
+        text = await ward.file("mydata", "export", account=BO)
         things = [json.loads(line) for line in text.splitlines()]
         assert {"card", "command", "shelf", "archived", "preference"} <= {t["kind"] for t in things}
         assert "hello from the left" in text
         assert "hello from the right" not in text
-        assert bo not in await ward.said("mydata", "export", account=VI)
+        assert bo not in await ward.file("mydata", "export", account=VI)
         private = "Ask me that in a private chat with me, please."
         assert await ward.said("mydata", account=BO, kind=ChatKind.GROUP) == private
         assert await ward.said("forget", "me", account=BO, kind=ChatKind.GROUP) == private
@@ -110,7 +110,7 @@ async def test_whoever_is_forgotten_is_a_stranger_and_nothing_of_theirs_can_be_r
         assert ward.gateway.rooms.organiser.calendar.of(bo) == ()
         acts = [(d.act, d.by, d.about) for d in await ward.kept.decisions(50)]
         assert ("erase", bo, bo) in acts
-        text = await ward.said("archive", "export", kind=ChatKind.GROUP)
+        text = await ward.file("archive", "export", kind=ChatKind.GROUP)
         assert "hello from the left" not in text
         assert "hello from the right" in text
         assert "Message: (erased)" in text
@@ -304,3 +304,22 @@ async def test_once_a_day_what_is_too_old_goes(tmp_path: Path) -> None:
         ward.clock.jump_wall(2 * 86_400)
         assert await tidy(ward.holdings, ward.erasing) >= 1
         assert await ward.said("archive", "export") == "No message of this chat is kept."
+
+
+async def test_all_of_it_comes_as_a_file_in_a_message_of_its_own() -> None:
+    async with a_ward() as ward:
+        ward.chat.say("/mydata", account=BO, chat=BO)
+        await ward.quiet()
+        asked = ward.chat.told[-1]
+        button = next(
+            b for row in asked.outbound.buttons for b in row if b.label.startswith("Show")
+        )
+        ward.chat.tap(button, under=asked.message, account=BO)
+        await ward.quiet()
+        told = ward.chat.told[-1]
+        assert told.message != asked.message
+        assert not told.edited
+        assert told.outbound.attachment is not None
+        assert told.outbound.attachment.name == "my-data.jsonl"
+        assert "It is not sealed: whoever has it can read it." in told.outbound.text
+        assert "Bo" not in repr(told.outbound.attachment)

@@ -191,6 +191,12 @@ class Ward(Place):
         except Refusal as refusal:
             return Reply(str(refusal))
 
+    async def file(self, verb: str, rest: str = "", **how: Any) -> str:  # noqa: ANN401 - as `ask`
+        """Return what is in the file that a reply brings."""
+        reply = await self.ask(verb, rest, **how)
+        assert reply.attachment is not None, reply.text
+        return reply.attachment.content.decode()
+
     async def said(self, verb: str, rest: str = "", **how: Any) -> str:  # noqa: ANN401 - as `ask`
         return (await self.ask(verb, rest, **how)).text
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rosic.authoriser.invitation import Given
+from rosic.authoriser.qr import qr_png
 from rosic.core.roles import Grant
 from rosic.errors import NotUnderstood
 from rosic.pipeline.office import ONLY_IN_PRIVATE
@@ -155,7 +156,15 @@ async def test_only_the_terminal_draws() -> None:
     async with a_hall(platform="terminal", assurance="local") as hall:
         assert "█" in await hall.say(ADA, "/invite viewer")
     async with a_hall() as hall:
-        assert "█" not in await hall.say(ADA, "/invite viewer")
+        said = await hall.say(ADA, "/invite viewer")
+        assert "█" not in said
+        picture = hall.last(ADA).attachment
+        assert picture is not None
+        (link,) = [line for line in said.splitlines() if line.startswith("https://")]
+        assert (picture.media_type, picture.content) == ("image/png", qr_png(link))
+        hall.chat.file_bytes = 0
+        await hall.say(ADA, "/invite viewer")
+        assert hall.last(ADA).attachment is None
 
 
 async def test_without_a_link_there_is_what_to_type() -> None:
