@@ -190,7 +190,7 @@ class Gateway:
         )
         if isinstance(parts.store, Vault):
             await self.holding.furnish(
-                self.pipeline, parts.store, memory, parts.units, parts.entropy
+                self.pipeline, self.furnishing.admitting, parts.store, memory, parts
             )
 
     async def _authority(self, authoriser: Authoriser, memory: Memory) -> Authority:
@@ -225,7 +225,7 @@ class Gateway:
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
         minder = Minder(
-            self.access, self.authority, self.furnishing.admitting, self.holding.tidy,
+            self.access, self.authority, self.furnishing.admitting, self.holding,
             self._parts.clock,
         )  # fmt: skip
         keeping = [

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rosic.container.archive import NOBODY, Archive, Author
 from rosic.container.preferences import KIND as PREFERENCE
@@ -34,10 +35,25 @@ if TYPE_CHECKING:
     from rosic.core.language import UnitTable
     from rosic.core.message import Chat
     from rosic.core.record import Fact, Memory, Record
+    from rosic.core.robot import RobotId
     from rosic.pipeline import Pipeline
+    from rosic.pipeline.people.admitting import Admitting
     from rosic.pipeline.rooms import Rooms
 
 LANGUAGES = {"en": ("english",)}
+PERSON = re.compile("p[0-9a-f]{16}")  # how ids of people look
+
+
+class Making(Protocol):
+    """What the books are made with."""
+
+    @property
+    def units(self) -> UnitTable:
+        """Return the units that people may say."""
+
+    @property
+    def entropy(self) -> Entropy:
+        """Return the source of chance."""
 
 
 class Holding:
@@ -63,9 +79,15 @@ class Holding:
         return tuple(Recorded(m, self.archive, store, author_of) for m in messengers)
 
     async def furnish(
-        self, pipeline: Pipeline, vault: Vault, memory: Memory, units: UnitTable, entropy: Entropy
+        self,
+        pipeline: Pipeline,
+        admitting: Admitting,
+        vault: Vault,
+        memory: Memory,
+        parts: Making,
     ) -> None:
         """Say who keeps what, take over what was, and finish what an erasure left."""
+        units, entropy = parts.units, parts.entropy
         rooms = self._rooms
         organiser, directory = rooms.organiser, rooms.authoriser.directory
         skills = {profile.id: skills_of(profile) for profile in rooms.profiles.values()}
@@ -100,7 +122,13 @@ class Holding:
         self._follow_settings()
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
+        admitting.forget = self.erasing.stranger
         await self.erasing.finish()
+
+    async def finish(self) -> None:
+        """Finish erasing whoever still had an order under way; meant for every minute or so."""
+        if self._holdings is not None and self.erasing.unfinished:
+            await self.erasing.finish()
 
     async def tidy(self) -> None:
         """Forget what was kept as long as was said; meant for once a day.
@@ -158,12 +186,23 @@ class Holding:
             person = directory.person(principal)
             return person is not None and Address(chat.platform, chat.id) in person.addresses
 
+        def in_use(robot: RobotId) -> str:
+            holder = rooms.organiser.holder(robot)
+            return directory.name(holder) if holder else rooms.linker.presence(robot).doing
+
+        def stray(container: str) -> bool:
+            asking = {a.pending.principal for a in access.enrolment.applicants.all()}
+            newcomer = PERSON.fullmatch(container) is not None and container not in asking
+            return newcomer and directory.person(container) is None
+
         return Sides(
             known=lambda who: directory.person(who) is not None,
             is_last_admin=access.is_only_admin,
             ends=ends,
             ended=ended,
-            busy=lambda _who: bool(len(pipeline.lives)),
+            busy=pipeline.lives.busy,
+            in_use=in_use,
+            stray=stray,
             forget=forget,
             theirs=theirs,
         )

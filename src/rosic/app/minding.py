@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 from rosic.errors import RosicError
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable
-
     from rosic.app.access import Access
     from rosic.app.authority import Authority
+    from rosic.app.holding import Holding
     from rosic.contracts.clock import Clock
     from rosic.pipeline.people.admitting import Admitting
 
@@ -31,10 +30,10 @@ class Minder:
         access: Access,
         authority: Authority,
         admitting: Admitting,
-        daily: Callable[[], Awaitable[None]],
+        holding: Holding,
         clock: Clock,
     ) -> None:
-        self._daily = daily
+        self._holding = holding
         self._day_ns = clock.monotonic_ns()
         self._access = access
         self._authority = authority
@@ -77,6 +76,7 @@ class Minder:
                 )
             )
         await self._admitting.lapse()
+        await self._holding.finish()
         if self._clock.monotonic_ns() >= self._day_ns:
-            await self._daily()
+            await self._holding.tidy()
             self._day_ns = self._clock.monotonic_ns() + DAY_NS

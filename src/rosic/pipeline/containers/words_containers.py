@@ -143,6 +143,15 @@ NOT_ERASED_YET: Final = (
 NOBODY: Final = "There is nobody of that id, or they were erased before."
 
 
+def in_use(shown: str, who: str) -> str:
+    """Return why a robot's container cannot be erased now."""
+    return said(
+        "{robot} is in use now, by {who}. Nothing was erased. Try again when it is free.",
+        robot=shown,
+        who=who,
+    )
+
+
 def last_admin(name: str) -> str:
     """Return why the operator cannot erase somebody."""
     return f"{name} is the only admin here. Nothing was erased. Make somebody else admin first."

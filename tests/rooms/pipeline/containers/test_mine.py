@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.message import ChatKind
-from rosic.errors import RecordUnavailable, Refusal, StoreFault
+from rosic.errors import RecordUnavailable, Refusal, RobotBusy, StoreFault
 from rosic.pipeline.containers import inspecting
 from rosic.pipeline.containers.tidying import tidy
 from rosic.stores.database import DatabaseStore
@@ -283,6 +283,7 @@ async def test_the_operator_erases_a_robot_s_a_chat_s_and_a_person_s(tmp_path: P
         bo = await used(ward)
         holdings, (key,) = ward.holdings, ward.archive.all()
         chat = f"chat-{key}"
+        await ward.clock.advance(120)
         done = await inspecting.erase_container(holdings, ward.erasing, "omni", OPERATOR)
         assert done.startswith("omni is erased.")
         assert ward.shelf.names(bo, "omni") == ()
@@ -323,3 +324,75 @@ async def test_all_of_it_comes_as_a_file_in_a_message_of_its_own() -> None:
         assert told.outbound.attachment.name == "my-data.jsonl"
         assert "It is not sealed: whoever has it can read it." in told.outbound.text
         assert "Bo" not in repr(told.outbound.attachment)
+
+
+async def test_somebody_else_s_order_holds_nobody_s_erasing_up() -> None:
+    async with a_ward() as ward:
+        ward.robot("omni").work_s = 30.0
+        await ward.say("omni wave", account=ADA, chat=ADA)
+        lives = ward.gateway.pipeline.lives
+        assert lives.busy(ward.id_of(ADA))
+        assert not lives.busy(ward.id_of(BO))
+        assert await ward.said("forget", "me confirmed", account=BO) == (
+            "You are forgotten here. Farewell."
+        )
+        assert len(lives) == 1
+        await ward.say("stop", account=ADA, chat=ADA)
+        await ward.quiet()
+        assert not lives.busy(ward.id_of(ADA))
+
+
+async def test_a_container_in_use_is_erased_when_the_work_is_over(tmp_path: Path) -> None:
+    async with a_ward(tmp_path) as ward:
+        await used(ward)
+        with pytest.raises(RobotBusy, match=r"omni is in use now, by Bo\. Nothing was erased\."):
+            await inspecting.erase_container(ward.holdings, ward.erasing, "omni", OPERATOR)
+        assert ward.shelf.names(ward.id_of(ADA), "omni")
+        await ward.clock.advance(120)
+        await inspecting.erase_container(ward.holdings, ward.erasing, "omni", OPERATOR)
+        assert not ward.shelf.names(ward.id_of(ADA), "omni")
+
+
+async def test_what_was_kept_of_somebody_not_let_in_is_shredded(tmp_path: Path) -> None:
+    clock = ManualClock()
+    async with a_ward(tmp_path, clock=clock) as ward:
+        before = set(await ward.kept.containers())
+        newcomer = await applies(ward, "77", "Zoltan")
+        assert await new_containers(ward, before) == {newcomer}
+        await ward.said("decline", "Zoltan")
+        assert not await new_containers(ward, before)
+        again = await applies(ward, "78", "Zora")
+
+        async def broken(container: str) -> None:
+            raise StoreFault(container)
+
+        shred, ward.kept.shred = ward.kept.shred, broken  # type: ignore[method-assign]
+        await ward.said("decline", "Zora")
+        ward.kept.shred = shred  # type: ignore[method-assign]
+        waits = await applies(ward, "79", "Zoe")
+        assert await new_containers(ward, before) == {again, waits}
+        await ward.gateway.holding.tidy()
+        assert await new_containers(ward, before) == {waits}
+
+
+async def new_containers(ward: Ward, before: set[str]) -> set[str]:
+    return set(await ward.kept.containers()) - before - {OPERATOR}
+
+
+async def applies(ward: Ward, account: str, name: str) -> str:
+    """Let a stranger bring a good code; return the id under which they would come in."""
+    code = next(
+        line.rpartition("join ")[2]
+        for line in (await ward.said("invite", f"senior as {name}")).splitlines()
+        if "join " in line
+    )
+    ward.chat.say(f"join {code}", account=account, chat=account)
+    await ward.quiet()
+    applicants = ward.gateway.access.enrolment.applicants.all()
+    if not applicants:
+        told = ward.chat.told[-1]
+        ward.chat.tap(told.outbound.buttons[0][0], under=told.message, account=account)
+        await ward.quiet()
+        applicants = ward.gateway.access.enrolment.applicants.all()
+    (found,) = [a for a in applicants if a.address.account == account]
+    return found.pending.principal

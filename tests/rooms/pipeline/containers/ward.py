@@ -154,7 +154,11 @@ class Ward(Place):
             is_last_admin=access.is_only_admin,
             ends=ends,
             ended=ended,
-            busy=lambda _: bool(len(gateway.pipeline.lives)),
+            busy=gateway.pipeline.lives.busy,
+            in_use=lambda robot: (
+                directory.name(who) if (who := rooms.organiser.holder(robot)) else ""
+            ),
+            stray=lambda name: name.startswith("p-") and directory.person(name) is None,
             forget=forget,
             theirs=theirs,
         )
