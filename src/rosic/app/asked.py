@@ -28,6 +28,11 @@ class Verb(enum.Enum):
     WHO = "who"
     TAKEN = "taken"
     BOOK = "book"
+    CONTAINERS = "containers"
+    CONTAINER = "container"
+    CONTENT = "container-content"
+    LIMIT = "limit-container"
+    ERASE = "erase-container"
 
 
 class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):

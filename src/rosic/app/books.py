@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from rosic.core.language import Vocabulary
     from rosic.core.robot import Profile, RobotId
     from rosic.organiser.organiser import Organiser
+    from rosic.pipeline.containers.erasing import Erasing
+    from rosic.pipeline.containers.parts import Holdings
 
 
 class Books(NamedTuple):
@@ -32,6 +34,8 @@ class Books(NamedTuple):
         zone: Of the place; times are told in it.
         assurances: What a conversation on each platform is worth.
         bots: Names of the accounts on Telegram, as far as they are known.
+        holdings: What is kept in containers; None: the record cannot look into them.
+        erasing: Erases somebody; None while no gateway runs.
     """
 
     access: Access
@@ -44,6 +48,8 @@ class Books(NamedTuple):
     zone: Zone
     assurances: Mapping[str, Assurance]
     bots: Sequence[str] = ()
+    holdings: Holdings | None = None
+    erasing: Erasing | None = None
 
     def name(self, principal: PrincipalId) -> str:
         """Return how somebody is shown."""
@@ -78,6 +84,7 @@ def books_of(
         access=gateway.access, authority=gateway.authority, authoriser=rooms.authoriser,
         organiser=rooms.organiser, vocabulary=rooms.vocabulary, profiles=rooms.profiles,
         clock=clock, zone=zone_or_universal(zone), bots=bots,
+        holdings=gateway.holding.holdings, erasing=gateway.holding.erasing,
         assurances={
             m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE)
             for m in messengers

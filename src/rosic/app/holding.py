@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.container.archive import NOBODY, Archive, Author
 from rosic.container.preferences import KIND as PREFERENCE
@@ -22,7 +22,7 @@ from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.containers.tidying import tidy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
@@ -35,7 +35,8 @@ if TYPE_CHECKING:
     from rosic.core.language import UnitTable
     from rosic.core.message import Chat
     from rosic.core.record import Fact, Memory, Record
-    from rosic.core.robot import RobotId
+    from rosic.core.robot import Profile, RobotId
+    from rosic.organiser.organiser import Organiser
     from rosic.pipeline import Pipeline
     from rosic.pipeline.people.admitting import Admitting
     from rosic.pipeline.rooms import Rooms
@@ -62,7 +63,8 @@ class Holding:
     Attributes:
         archive: Which chats are kept.
         preferences: What people set for themselves.
-        erasing: Erases somebody.
+        erasing: Erases somebody; None while the record cannot look into containers.
+        holdings: What is kept in containers; likewise.
     """
 
     def __init__(self, rooms: Rooms, access: Access, authority: Authority, clock: Clock) -> None:
@@ -70,7 +72,8 @@ class Holding:
         self._access = access
         self._authority = authority
         self._clock = clock
-        self._holdings: Holdings | None = None
+        self.holdings: Holdings | None = None
+        self.erasing: Erasing | None = None
 
     def record(self, messengers: Sequence[Messenger], store: Store) -> tuple[Messenger, ...]:
         """Return messengers whose chats can be kept."""
@@ -87,47 +90,24 @@ class Holding:
         parts: Making,
     ) -> None:
         """Say who keeps what, take over what was, and finish what an erasure left."""
-        units, entropy = parts.units, parts.entropy
         rooms = self._rooms
-        organiser, directory = rooms.organiser, rooms.authoriser.directory
-        skills = {profile.id: skills_of(profile) for profile in rooms.profiles.values()}
-        caps = Caps(skills, unit_converter(units))
-        self.preferences = PreferenceBook(self._clock, caps, LANGUAGES)
-        shelf = Shelf(self._clock, entropy)
-        shelf.is_robot = rooms.profiles.__contains__
-        shelf.sees = lambda who, robot: robot in organiser.visible(who)
-        shelf.works_with = lambda who, robot: organiser.holder(robot) == who
-        place = organiser.calendar.zone_of
-        holdings = Holdings(
-            preferences=self.preferences,
-            shelf=shelf,
-            archive=self.archive,
-            vault=vault,
-            changes=self._access.changes,
-            clock=self._clock,
-            name=directory.name,
-            shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
-            visible=organiser.visible,
-            choices=organiser.visible,
-            zone_of=lambda who: zone_named(self.preferences.of(who).zone or place(who)),
-            may_archive=lambda who: organiser.rights.holds(
-                who, FLEET, "archive", self._clock.wall_ns()
-            ),
-            robots=frozenset(rooms.profiles),
+        around = Around(
+            self._access, rooms.authoriser, rooms.organiser, rooms.profiles, self._clock
         )
-        self._holdings = holdings
-        self.erasing = Erasing(holdings, self._sides(pipeline))
-        employ_clerks(pipeline.reception.office, holdings, self.erasing)
-        take_over(memory.facts, holdings, self.erasing)
+        holdings = holdings_of(around, vault, self.archive, parts)
+        self.holdings, self.preferences = holdings, holdings.preferences
+        erasing = self.erasing = Erasing(holdings, self._sides(pipeline))
+        employ_clerks(pipeline.reception.office, holdings, erasing)
+        take_over(memory.facts, holdings, erasing)
         self._follow_settings()
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
-        admitting.forget = self.erasing.stranger
-        await self.erasing.finish()
+        admitting.forget = erasing.stranger
+        await erasing.finish()
 
     async def finish(self) -> None:
         """Finish erasing whoever still had an order under way; meant for every minute or so."""
-        if self._holdings is not None and self.erasing.unfinished:
+        if self.erasing is not None and self.erasing.unfinished:
             await self.erasing.finish()
 
     async def tidy(self) -> None:
@@ -136,8 +116,8 @@ class Holding:
         Raises:
             RecordUnavailable: Not all was forgotten; the rest is tried the next time.
         """
-        if self._holdings is not None:
-            await tidy(self._holdings, self.erasing)
+        if self.holdings is not None and self.erasing is not None:
+            await tidy(self.holdings, self.erasing)
 
     def _usual(self, principal: PrincipalId) -> str:
         return self.preferences.of(principal).robot
@@ -206,6 +186,43 @@ class Holding:
             forget=forget,
             theirs=theirs,
         )
+
+
+class Around(NamedTuple):
+    """What stands around the books of containers."""
+
+    access: Access
+    authoriser: Authoriser
+    organiser: Organiser
+    profiles: Mapping[RobotId, Profile]
+    clock: Clock
+
+
+def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -> Holdings:
+    """Return the books, empty still."""
+    organiser, clock, profiles = around.organiser, around.clock, around.profiles
+    skills = {profile.id: skills_of(profile) for profile in profiles.values()}
+    preferences = PreferenceBook(clock, Caps(skills, unit_converter(parts.units)), LANGUAGES)
+    shelf = Shelf(clock, parts.entropy)
+    shelf.is_robot = profiles.__contains__
+    shelf.sees = lambda who, robot: robot in organiser.visible(who)
+    shelf.works_with = lambda who, robot: organiser.holder(robot) == who
+    place = organiser.calendar.zone_of
+    return Holdings(
+        preferences=preferences,
+        shelf=shelf,
+        archive=archive,
+        vault=vault,
+        changes=around.access.changes,
+        clock=clock,
+        name=around.authoriser.directory.name,
+        shown=lambda robot: profiles[robot].shown if robot in profiles else robot,
+        visible=organiser.visible,
+        choices=organiser.visible,
+        zone_of=lambda who: zone_named(preferences.of(who).zone or place(who)),
+        may_archive=lambda who: organiser.rights.holds(who, FLEET, "archive", clock.wall_ns()),
+        robots=frozenset(profiles),
+    )
 
 
 def _author_of(authoriser: Authoriser, address: Address) -> Author:

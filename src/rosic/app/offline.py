@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import enum
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.access import Access
 from rosic.app.authority import Authority, key_of
 from rosic.app.books import Books, zone_or_universal
+from rosic.app.holding import Around, holdings_of
 from rosic.app.naming import people_lines
 from rosic.app.operator_desk import OperatorDesk
 from rosic.app.people import remember, seed
@@ -16,6 +17,7 @@ from rosic.app.profiles import known_units
 from rosic.app.start import STOPS
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
+from rosic.container.archive import Archive
 from rosic.core.language import Vocabulary, clean
 from rosic.core.rate import RateLimit
 from rosic.core.roles import DEFAULT_ROLES, Assurance, Rulebook
@@ -23,6 +25,8 @@ from rosic.core.stopboard import StopBoard
 from rosic.organiser.organiser import Organiser
 from rosic.organiser.roster import GRANT
 from rosic.organiser.zones import UNIVERSAL
+from rosic.pipeline.containers.clerks import books_kept
+from rosic.pipeline.containers.parts import Vault
 from rosic.stores.database import DatabaseStore
 from rosic.stores.folder import DATABASE
 from rosic.stores.latch import FileLatch
@@ -38,8 +42,10 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.store import Store
+    from rosic.core.language import UnitTable
     from rosic.core.record import Memory
     from rosic.core.robot import RobotId
+    from rosic.pipeline.containers.parts import Holdings
 
 LOCAL = {"terminal": Assurance.LOCAL}
 
@@ -50,6 +56,13 @@ class Seeding(enum.Enum):
     WRITTEN = "written"
     IMAGINED = "imagined"
     LEFT = "left"
+
+
+class Parts(NamedTuple):
+    """What the books of containers are made with."""
+
+    units: UnitTable
+    entropy: Entropy
 
 
 class Alone:
@@ -138,7 +151,21 @@ class Alone:
             vocabulary=Vocabulary.build(robots, known_units()), profiles=profiles, clock=clock,
             zone=zone_or_universal(UNIVERSAL if config is None else config.zone),
             assurances=LOCAL,
+            holdings=self._holdings(
+                Around(access, authoriser, organiser, profiles, clock), store, memory
+            ),
         )  # fmt: skip
+
+    def _holdings(self, around: Around, store: Store, memory: Memory) -> Holdings | None:
+        if not isinstance(store, Vault):
+            return None
+        parts = Parts(known_units(), self._entropy)
+        holdings = holdings_of(around, store, Archive(self._clock), parts)
+        for kind, apply in books_kept(holdings).items():
+            for fact in memory.facts.get(kind, ()):
+                apply(fact)
+            around.access.changes.keep(kind, apply)
+        return holdings
 
     async def _stops(
         self, memory: Memory, robots: Iterable[RobotId]

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import listed
+from rosic.core.saying import said_n
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -57,7 +58,12 @@ def too_long(what: str, most: int) -> str:
 
 def too_many_names(shown: str, most: int) -> str:
     """Return that there is no room for a further name."""
-    return f"{shown} keeps at most {most} names. Nothing was kept. Remove one first."
+    return said_n(
+        "{shown} keeps at most {n} name. Nothing was kept. Remove one first.",
+        "{shown} keeps at most {n} names. Nothing was kept. Remove one first.",
+        most,
+        shown=shown,
+    )
 
 
 def shelf_full(shown: str, most_bytes: int) -> str:

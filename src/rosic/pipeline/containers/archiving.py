@@ -104,9 +104,10 @@ class Archiving:
     async def _export(self, asked: Asked, form: str) -> Reply:
         if form not in export.ENDINGS:
             raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive export text",))
-        if form == "xlsx" and not asked.messenger.file_bytes:
-            return Reply(words.SPREADSHEET_LATER)
         chat = asked.inbound.chat
+        command = f"{words.TO_EXPORT} {archived.container_of(archived.chat_key(chat))}"
+        if form == "xlsx" and not asked.messenger.file_bytes:
+            return Reply(words.spreadsheet_later(command))
         try:
             found = await rows_of(self._holdings.vault, archived.chat_key(chat))
         except StoreFault as fault:
@@ -117,7 +118,7 @@ class Archiving:
             made = await asyncio.to_thread(export.archive_as, form, found)
         except ConfigurationError as missing:
             raise NotUnderstood(str(missing)) from missing
-        return handed_over(asked, f"messages.{export.ENDINGS[form]}", made, words.TO_EXPORT)
+        return handed_over(asked, f"messages.{export.ENDINGS[form]}", made, command)
 
 
 def _days(said: Sequence[str]) -> int:
@@ -140,4 +141,5 @@ async def rows_of(vault: Vault, key: ChatKey) -> list[export.Row]:
     Raises:
         StoreFault: They cannot be read now.
     """
-    return export.rows(await all_facts(vault, archived.ENTRY, f"{key}."))
+    found = await all_facts(vault, archived.ENTRY, f"{key}.")
+    return await asyncio.to_thread(export.rows, found)  # many of them: a stop does not wait

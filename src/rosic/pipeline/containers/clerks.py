@@ -32,7 +32,12 @@ def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> None:
 
 
 def keepers(holdings: Holdings, erasing: Erasing) -> Mapping[str, Callable[[Fact], object]]:
-    """Return who keeps which kind of fact. A switch comes before the entries of its chat."""
+    """Return who keeps which kind of fact."""
+    return {**books_kept(holdings), erasing_of.KIND: erasing.apply}
+
+
+def books_kept(holdings: Holdings) -> Mapping[str, Callable[[Fact], object]]:
+    """Return which book keeps which kind. A switch comes before the entries of its chat."""
     return {
         preferences.KIND: holdings.preferences.apply,
         shelf.KIND: holdings.shelf.apply,
@@ -40,7 +45,6 @@ def keepers(holdings: Holdings, erasing: Erasing) -> Mapping[str, Callable[[Fact
         shelf.QUOTA: holdings.shelf.apply,
         archived.SWITCH: holdings.archive.apply,
         archived.ENTRY: holdings.archive.apply,
-        erasing_of.KIND: erasing.apply,
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.container import export
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 EXPORT = "export"
 ME = frozenset({"me", "myself", "my data", "mydata"})
 CONFIRMED = "me confirmed"
-OPERATORS = "rosic container export"
 FILE = "my-data.jsonl"
 
 
@@ -46,7 +46,9 @@ class Mine:
             raise NotUnderstood(words.HOW_TO_FORGET, offers=("/mydata", f"/mydata {EXPORT}"))
         found = await self._belongings(asked.caller.principal)
         if said == EXPORT:
-            return handed_over(asked, FILE, export.container_as_jsonl(found), OPERATORS)
+            made = await asyncio.to_thread(export.container_as_jsonl, found)
+            command = f"{words.TO_EXPORT} {asked.caller.principal}"
+            return handed_over(asked, FILE, made, command)
         row = (Button(words.EXPORT, f"/mydata {EXPORT}"), Button(words.FORGET, "/forget me"))
         return Reply(words.my_data(export.summary(found)), (row,))
 

@@ -171,15 +171,20 @@ HOW_TO_ARCHIVE: Final = (
     "text, jsonl or xlsx."
 )
 NOT_YOURS: Final = "Only an admin decides whether messages are kept, and takes them out."
-SPREADSHEET_LATER: Final = (
-    "A spreadsheet cannot be sent in a message. The operator can make it: "
-    "rosic archive export --as xlsx"
-)
+
+
+def spreadsheet_later(command: str) -> str:
+    """Return who can make a spreadsheet where no file can be sent."""
+    return said(
+        "A spreadsheet cannot be sent in a message. The operator can make it: {command} --as xlsx",
+        command=command,
+    )
+
+
 NO_MESSAGES: Final = "No message of this chat is kept."
 ERASE_SURE: Final = "Shall every message of this chat that is kept be erased?"
 YES_ERASE: Final = "Erase them"
 ARCHIVE_ERASED: Final = "Every message of this chat that was kept is erased, and none is kept now."
-TO_EXPORT: Final = "rosic archive export"
 
 
 def begun(name: str, days: int) -> str:
@@ -228,30 +233,7 @@ HOW_TO_KEEP: Final = (
     "yourself, /data ROBOT NAME = VALUE to keep it with a robot you have now; an empty value "
     "removes it."
 )
+TO_EXPORT: Final = "rosic container export"
 DATA_STORED: Final = "Data stored."
 DATA_REMOVED: Final = "Data removed."
 YOU: Final = "Your container"
-
-
-# ---- for the operator ----
-
-
-def container_line(what: str, name: str, ident: str) -> str:
-    """Return one line of the list of containers."""
-    return f"{what:<8} {ident:<40} {name}".rstrip()
-
-
-def container_shown(title: str, sums: Iterable[Sum], used: str) -> str:
-    """Return what a container holds."""
-    lines = [f"  {s.kind}: {s.count} ({size(s.size)})" for s in sums]
-    return "\n".join([title, *(lines or ["  nothing"]), f"  {used}"])
-
-
-def used(names: int, names_most: int, kept: int, kept_most: int) -> str:
-    """Return how much of what a container may keep it keeps."""
-    return f"shared data: {names} of {names_most} names, {size(kept)} of {size(kept_most)}"
-
-
-def limit_set(name: str, names: int, most_bytes: int) -> str:
-    """Return what a container may keep from now on."""
-    return f"{name} may keep {names} names and {size(most_bytes)} from now on."

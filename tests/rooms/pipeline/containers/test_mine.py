@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.message import ChatKind
-from rosic.errors import RecordUnavailable, Refusal, RobotBusy, StoreFault
+from rosic.errors import RecordUnavailable, Refusal, StoreFault
 from rosic.pipeline.containers import inspecting
-from rosic.pipeline.containers.tidying import tidy
 from rosic.stores.database import DatabaseStore
 from rosic.testing.clock import ManualClock
-from tests.rooms.pipeline.containers.ward import Ward, a_ward
+from tests.rooms.pipeline.containers.ward import a_ward, used
 from tests.rooms.pipeline.place import ADA, BO, VI
 
 if TYPE_CHECKING:
@@ -23,21 +22,6 @@ if TYPE_CHECKING:
     from rosic.core.record import Fact
 
 OPERATOR = "operator"
-
-
-async def used(ward: Ward) -> str:
-    """Let Bo use everything; return his id."""
-    await ward.said("archive", "on", kind=ChatKind.GROUP)
-    await ward.say("omni wave", account=BO, chat=BO)
-    await ward.said("data", "omni offset = 0.3", account=BO)
-    await ward.said("data", "home = bay four", account=BO)
-    await ward.said("language", "de", account=BO)
-    await ward.say("omni fly", account=BO, chat=BO)
-    await ward.say("/book omni tomorrow 10:00 1h", account=BO, chat=BO)
-    ward.chat.say("hello from the left", account=BO, chat="g", kind=ChatKind.GROUP)
-    ward.chat.say("hello from the right", account=ADA, chat="g", kind=ChatKind.GROUP)
-    await ward.quiet()
-    return ward.id_of(BO)
 
 
 async def test_my_data_says_what_there_is_and_only_of_me(tmp_path: Path) -> None:
@@ -245,68 +229,6 @@ async def readable(folder: Path, who: str, clock: ManualClock) -> AsyncIterator[
         yield name, sum(fact.letter is not None for fact in found)
 
 
-# ---- for the operator ----
-
-
-async def test_the_operator_lists_shows_exports_limits_and_erases(tmp_path: Path) -> None:
-    async with a_ward(tmp_path) as ward:
-        bo = await used(ward)
-        holdings = ward.holdings
-        listed = await inspecting.list_containers(holdings)
-        assert listed.splitlines()[0].split() == ["robot", "cf1", "cf1"]
-        assert f"person   {bo:<40} Bo" in listed
-        (chat,) = [line.split()[1] for line in listed.splitlines() if line.startswith("chat ")]
-        shown = await inspecting.show_container(holdings, bo)
-        assert shown.splitlines()[0] == "Bo"
-        assert shown.splitlines()[-1] == "  shared data: 1 of 64 names, 12 bytes of 64 KiB"
-        assert "bay four" in await inspecting.export_container(holdings, bo)
-        assert "hello" not in await inspecting.export_container(holdings, chat)
-        assert "archived: " in await inspecting.show_container(holdings, chat)
-        for form, what in (("text", "Message: hello"), ("jsonl", '"text":"hello')):
-            found = await inspecting.export_archive(holdings, chat, form)
-            assert isinstance(found, str)
-            assert what in found
-        assert isinstance(await inspecting.export_archive(holdings, chat, "xlsx"), bytes)
-        limited = await inspecting.limit_container(holdings, bo, OPERATOR, names=1, most_bytes=2048)
-        assert limited == "Bo may keep 1 names and 2.0 KiB from now on."
-        assert "at most 1 names" in await ward.said("data", "two = 2", account=BO)
-        assert await ward.said("data", "two = 2", account=VI) == "Data stored."
-        for name in ("nobody", "chat-nothing"):
-            with pytest.raises(Refusal, match="There is no such container"):
-                await inspecting.show_container(holdings, name)
-        with pytest.raises(Refusal, match="There is no such container"):
-            await inspecting.export_archive(holdings, "chat-nothing", "text")
-
-
-async def test_the_operator_erases_a_robot_s_a_chat_s_and_a_person_s(tmp_path: Path) -> None:
-    async with a_ward(tmp_path) as ward:
-        bo = await used(ward)
-        holdings, (key,) = ward.holdings, ward.archive.all()
-        chat = f"chat-{key}"
-        await ward.clock.advance(120)
-        done = await inspecting.erase_container(holdings, ward.erasing, "omni", OPERATOR)
-        assert done.startswith("omni is erased.")
-        assert ward.shelf.names(bo, "omni") == ()
-        await inspecting.erase_container(holdings, ward.erasing, chat, OPERATOR)
-        assert not ward.archive.all()
-        done = await inspecting.erase_container(holdings, ward.erasing, bo, OPERATOR)
-        assert done == (
-            "Bo is erased. Copies of the record made before stay readable with their key."
-        )
-        with pytest.raises(Refusal):
-            await inspecting.erase_container(holdings, ward.erasing, "chat-nothing", OPERATOR)
-
-
-async def test_once_a_day_what_is_too_old_goes(tmp_path: Path) -> None:
-    async with a_ward(tmp_path) as ward:
-        await ward.said("archive", "on 1 day")
-        ward.chat.say("old", account=ADA, chat=ADA)
-        await ward.quiet()
-        ward.clock.jump_wall(2 * 86_400)
-        assert await tidy(ward.holdings, ward.erasing) >= 1
-        assert await ward.said("archive", "export") == "No message of this chat is kept."
-
-
 async def test_all_of_it_comes_as_a_file_in_a_message_of_its_own() -> None:
     async with a_ward() as ward:
         ward.chat.say("/mydata", account=BO, chat=BO)
@@ -340,59 +262,3 @@ async def test_somebody_else_s_order_holds_nobody_s_erasing_up() -> None:
         await ward.say("stop", account=ADA, chat=ADA)
         await ward.quiet()
         assert not lives.busy(ward.id_of(ADA))
-
-
-async def test_a_container_in_use_is_erased_when_the_work_is_over(tmp_path: Path) -> None:
-    async with a_ward(tmp_path) as ward:
-        await used(ward)
-        with pytest.raises(RobotBusy, match=r"omni is in use now, by Bo\. Nothing was erased\."):
-            await inspecting.erase_container(ward.holdings, ward.erasing, "omni", OPERATOR)
-        assert ward.shelf.names(ward.id_of(ADA), "omni")
-        await ward.clock.advance(120)
-        await inspecting.erase_container(ward.holdings, ward.erasing, "omni", OPERATOR)
-        assert not ward.shelf.names(ward.id_of(ADA), "omni")
-
-
-async def test_what_was_kept_of_somebody_not_let_in_is_shredded(tmp_path: Path) -> None:
-    clock = ManualClock()
-    async with a_ward(tmp_path, clock=clock) as ward:
-        before = set(await ward.kept.containers())
-        newcomer = await applies(ward, "77", "Zoltan")
-        assert await new_containers(ward, before) == {newcomer}
-        await ward.said("decline", "Zoltan")
-        assert not await new_containers(ward, before)
-        again = await applies(ward, "78", "Zora")
-
-        async def broken(container: str) -> None:
-            raise StoreFault(container)
-
-        shred, ward.kept.shred = ward.kept.shred, broken  # type: ignore[method-assign]
-        await ward.said("decline", "Zora")
-        ward.kept.shred = shred  # type: ignore[method-assign]
-        waits = await applies(ward, "79", "Zoe")
-        assert await new_containers(ward, before) == {again, waits}
-        await ward.gateway.holding.tidy()
-        assert await new_containers(ward, before) == {waits}
-
-
-async def new_containers(ward: Ward, before: set[str]) -> set[str]:
-    return set(await ward.kept.containers()) - before - {OPERATOR}
-
-
-async def applies(ward: Ward, account: str, name: str) -> str:
-    """Let a stranger bring a good code; return the id under which they would come in."""
-    code = next(
-        line.rpartition("join ")[2]
-        for line in (await ward.said("invite", f"senior as {name}")).splitlines()
-        if "join " in line
-    )
-    ward.chat.say(f"join {code}", account=account, chat=account)
-    await ward.quiet()
-    applicants = ward.gateway.access.enrolment.applicants.all()
-    if not applicants:
-        told = ward.chat.told[-1]
-        ward.chat.tap(told.outbound.buttons[0][0], under=told.message, account=account)
-        await ward.quiet()
-        applicants = ward.gateway.access.enrolment.applicants.all()
-    (found,) = [a for a in applicants if a.address.account == account]
-    return found.pending.principal

@@ -28,7 +28,7 @@ from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import FileLatch
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
-from tests.rooms.pipeline.place import Place
+from tests.rooms.pipeline.place import ADA, BO, Place
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable
@@ -203,6 +203,21 @@ class Ward(Place):
 
     async def said(self, verb: str, rest: str = "", **how: Any) -> str:  # noqa: ANN401 - as `ask`
         return (await self.ask(verb, rest, **how)).text
+
+
+async def used(ward: Ward) -> str:
+    """Let Bo use everything; return his id."""
+    await ward.said("archive", "on", kind=ChatKind.GROUP)
+    await ward.say("omni wave", account=BO, chat=BO)
+    await ward.said("data", "omni offset = 0.3", account=BO)
+    await ward.said("data", "home = bay four", account=BO)
+    await ward.said("language", "de", account=BO)
+    await ward.say("omni fly", account=BO, chat=BO)
+    await ward.say("/book omni tomorrow 10:00 1h", account=BO, chat=BO)
+    ward.chat.say("hello from the left", account=BO, chat="g", kind=ChatKind.GROUP)
+    ward.chat.say("hello from the right", account=ADA, chat="g", kind=ChatKind.GROUP)
+    await ward.quiet()
+    return ward.id_of(BO)
 
 
 @asynccontextmanager
