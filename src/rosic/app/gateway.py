@@ -189,9 +189,7 @@ class Gateway:
             authority, self._messengers, parts.clock, parts.entropy, settings.zone
         )
         if isinstance(parts.store, Vault):
-            await self.holding.furnish(
-                self.pipeline, self.furnishing.admitting, parts.store, memory, parts
-            )
+            await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
 
     async def _authority(self, authoriser: Authoriser, memory: Memory) -> Authority:
         """Make everybody known, of the record and of the configuration; return their rights."""

@@ -22,10 +22,11 @@ from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.containers.tidying import tidy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
+    from rosic.app.furnishing import Furnishing
     from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from rosic.core.robot import Profile, RobotId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline import Pipeline
-    from rosic.pipeline.people.admitting import Admitting
     from rosic.pipeline.rooms import Rooms
 
 LANGUAGES = {"en": ("english",)}
@@ -84,7 +84,7 @@ class Holding:
     async def furnish(
         self,
         pipeline: Pipeline,
-        admitting: Admitting,
+        furnishing: Furnishing,
         vault: Vault,
         memory: Memory,
         parts: Making,
@@ -92,8 +92,9 @@ class Holding:
         """Say who keeps what, take over what was, and finish what an erasure left."""
         rooms = self._rooms
         around = Around(
-            self._access, rooms.authoriser, rooms.organiser, rooms.profiles, self._clock
-        )
+            self._access, rooms.authoriser, rooms.organiser, rooms.profiles, self._clock,
+            furnishing.reach.tell,
+        )  # fmt: skip
         holdings = holdings_of(around, vault, self.archive, parts)
         self.holdings, self.preferences = holdings, holdings.preferences
         erasing = self.erasing = Erasing(holdings, self._sides(pipeline))
@@ -102,7 +103,7 @@ class Holding:
         self._follow_settings()
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
-        admitting.forget = erasing.stranger
+        furnishing.admitting.forget = erasing.stranger
         await erasing.finish()
 
     async def finish(self) -> None:
@@ -188,6 +189,10 @@ class Holding:
         )
 
 
+def _silence(_people: tuple[PrincipalId, ...], _text: str) -> None:
+    return None
+
+
 class Around(NamedTuple):
     """What stands around the books of containers."""
 
@@ -196,6 +201,7 @@ class Around(NamedTuple):
     organiser: Organiser
     profiles: Mapping[RobotId, Profile]
     clock: Clock
+    tell: Callable[[tuple[PrincipalId, ...], str], object] = _silence
 
 
 def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -> Holdings:
@@ -222,7 +228,17 @@ def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -
         zone_of=lambda who: zone_named(preferences.of(who).zone or place(who)),
         may_archive=lambda who: organiser.rights.holds(who, FLEET, "archive", clock.wall_ns()),
         robots=frozenset(profiles),
+        find=partial(_called, around.authoriser),
+        tell=around.tell,
     )
+
+
+def _called(authoriser: Authoriser, name: str) -> tuple[PrincipalId, ...]:
+    """Return everybody with a good key who is called so, or has that id."""
+    directory = authoriser.directory
+    by_id = directory.person(name)
+    found = (by_id,) if by_id is not None else directory.named(name)
+    return tuple(person.id for person in found if directory.has_good_key(person.id))
 
 
 def _author_of(authoriser: Authoriser, address: Address) -> Author:

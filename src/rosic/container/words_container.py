@@ -76,11 +76,6 @@ def nothing_kept(shown: str, name: str = "") -> str:
     return f"{shown} keeps nothing called {quote(name)}." if name else f"{shown} keeps nothing yet."
 
 
-def already_lent() -> str:
-    """Return that sharing has its bounds."""
-    return "You share your data with as many people as you can. Nothing has changed."
-
-
 # ---- archives ----
 
 ALREADY_ON: Final = "The messages of this chat are being kept already."

@@ -10,7 +10,7 @@ ERRANDS = frozenset(
     {
         "approve", "archive", "authenticator", "book", "cancel", "code", "data", "decline", "end",
         "forget", "grant", "information", "invite", "language", "lock", "me", "mydata", "people",
-        "revoke", "security", "settings", "slots", "take", "unlock", "wait",
+        "revoke", "security", "settings", "share", "shelf", "slots", "take", "unlock", "wait",
     }
 )  # fmt: skip
 

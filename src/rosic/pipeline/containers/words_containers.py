@@ -63,6 +63,7 @@ KINDS: Final[Mapping[str, str]] = {
     "pending": "your request to come in",
     "preference": "your settings",
     "shelf": "data you keep",
+    "shelf-loan": "data you share",
     "totp": "your authenticator",
 }
 NOTHING_KEPT: Final = "Nothing about you is kept."

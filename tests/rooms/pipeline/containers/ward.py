@@ -110,6 +110,8 @@ class Ward(Place):
             zone_of=lambda who: zone_named(self.book.of(who).zone or "UTC"),
             may_archive=lambda who: authority.rights.holds(who, FLEET, "archive", clock.wall_ns()),
             robots=frozenset(rooms.profiles),
+            find=lambda name: tuple(person.id for person in directory.named(name)),
+            tell=gateway.furnishing.reach.tell,
         )  # fmt: skip
         self.erasing = Erasing(self.holdings, self.sides())
         employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
