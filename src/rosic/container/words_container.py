@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
 KIB: Final = 1024
-A_DAY: Final = 1
 _FEW: Final = 10
 
 # ---- settings ----
