@@ -13,6 +13,7 @@ STOPPING = "tests/rooms/pipeline/test_stopping.py"
 BUTTONS = "tests/rooms/pipeline/test_buttons.py"
 EDGES = "tests/rooms/pipeline/test_edges.py"
 RIGHTS = "tests/rooms/pipeline/test_rights.py"
+ONE_LEASE = "tests/rooms/pipeline/test_one_lease.py"
 GATE = "tests/core/test_gate.py"
 
 
@@ -148,6 +149,20 @@ FAULTS = (
         guard="return holder is None or holder == caller.principal",
         without="return True",
         caught_by=(f"{WAY}::test_a_robot_has_one_holder_until_it_has_been_idle",),
+    ),
+    Fault(
+        name="I12 a robot that is asked for many times at once has many holders",
+        file="organiser/organiser.py",
+        guard="return holder is None or holder == caller.principal",
+        without="return True",
+        caught_by=(ONE_LEASE,),
+    ),
+    Fault(
+        name="I12 a lease in use counts as one that has idled",
+        file="core/lease.py",
+        guard="if self.holder is None or self.active:",
+        without="if self.holder is None:",
+        caught_by=(ONE_LEASE,),
     ),
     Fault(
         name="I13 numbers begin anew after a restart",
