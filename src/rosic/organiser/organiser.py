@@ -209,7 +209,8 @@ class Organiser:
         rule = self._slots.get(robot, "none")
         slot = None if rule == "none" else self.calendar.present(robot, wall_ns)
         free_ns: int | None = None
-        if rule != "none" and (slot is None or slot.principal != caller.principal):
+        # Told only by a refusal about slots, and looking for it is the dearest part of asking.
+        if rule == "required" if slot is None else slot.principal != caller.principal:
             free_ns = self.calendar.next_free(robot, wall_ns, 60)
         return State(
             rights=self.rights,
