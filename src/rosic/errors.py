@@ -50,10 +50,12 @@ class Refusal(RosicError):
     Attributes:
         offers: Commands, written as the person would type them, that would be accepted instead.
         silent: True when the right answer is none.
+        counted: True when it is in the security report already, as what it was.
     """
 
     code: ClassVar[str] = "refused"
     silent: bool = False
+    counted: bool = False
 
     def __init__(self, sentence: str, *, offers: tuple[str, ...] = ()) -> None:
         super().__init__(sentence)

@@ -14,6 +14,8 @@ BUTTONS = "tests/rooms/pipeline/test_buttons.py"
 EDGES = "tests/rooms/pipeline/test_edges.py"
 RIGHTS = "tests/rooms/pipeline/test_rights.py"
 ONE_LEASE = "tests/rooms/pipeline/test_one_lease.py"
+TURNED_AWAY = "tests/rooms/pipeline/test_turned_away.py"
+REDEEMERS = "tests/rooms/pipeline/test_redeemers.py"
 GATE = "tests/core/test_gate.py"
 
 
@@ -319,5 +321,33 @@ FAULTS = (
         guard="if right is None or not right.plain or not self._open(",
         without="if right is None or not self._open(",
         caught_by=(RIGHTS,),
+    ),
+    Fault(
+        name="nobody hears of a code that a group was shown",
+        file="authoriser/enrolment.py",
+        guard='return TurnedAway("code-in-group", words.IN_GROUP, alarm, records)',
+        without='return TurnedAway("code-in-group", words.IN_GROUP, None, records)',
+        caught_by=(TURNED_AWAY,),
+    ),
+    Fault(
+        name="a phone's code is good twice",
+        file="authoriser/stepup.py",
+        guard="[step for step in steps if step > self._last_step(principal)]",
+        without="list(steps)",
+        caught_by=(TURNED_AWAY,),
+    ),
+    Fault(
+        name="nobody counts taps on somebody else's button",
+        file="authoriser/buttons.py",
+        guard='            self._count("button-other")\n',
+        without="",
+        caught_by=(TURNED_AWAY,),
+    ),
+    Fault(
+        name="changes are made side by side, and two come in by one code",
+        file="pipeline/changes.py",
+        guard="        async with self._one:\n            yield",
+        without="        if True:\n            yield",
+        caught_by=(REDEEMERS,),
     ),
 )

@@ -58,6 +58,7 @@ class Access:
             authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
         )
         self.waiting = WaitingList(clock)
+        authoriser.count = self.tally.count
         self._authoriser = authoriser
         self._authority = authority
 
@@ -91,6 +92,7 @@ class Access:
         changes.watch(KeyRevoked, self._revoked)
         changes.after(authority.enforce)
         organiser.locked = self.locks.everybody()
+        organiser.locked_out = lambda _principal: self.tally.count("locked")
         organiser.narrow = self._authoriser.directory.narrowed
 
     def _locked(self, fact: Fact) -> None:

@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.authoriser.codes import telegram_link
-from rosic.authoriser.misuse import RULE, SUSPICIOUS
+from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
 from rosic.core.reach import FLEET
 from rosic.core.skill import SkillClass
@@ -135,7 +135,7 @@ class Furnishing:
             ended=ended,
         )
         powers = Powers(registry)
-        doorstep = Doorstep(self._teller, messengers, clock, entropy)
+        doorstep = Doorstep(self._teller, messengers, clock, entropy, count=access.tally.count)
         self.admitting = Admitting(registry, powers, doorstep, menu=self._menu)
         joining = Joining(
             registry,
@@ -234,6 +234,8 @@ class Furnishing:
         """Let the rules about misuse hear of refusals; what is only late is none."""
         if refusal.code not in SUSPICIOUS:
             return
+        if not refusal.counted:
+            self._access.tally.count(COUNTED_AS.get(refusal.code, refusal.code))
         said = self._access.misuse.attempted(caller.principal, SkillClass.MOTION, refusal.code)
         if said is not None:
             task = asyncio.create_task(self._invalidate(caller, said))

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.authoriser.buttons import Buttons
+from rosic.authoriser.buttons import Buttons, Count, uncounted
 from rosic.core.identity import AuthorisationKey, Caller, KeyId, Principal, PrincipalId
+from rosic.core.message import ChatKind
 from rosic.errors import Unrecognised
 
 if TYPE_CHECKING:
@@ -39,13 +40,13 @@ class Authoriser:
     Attributes:
         buttons: What taps stand for.
         directory: Who is known.
-        turned_away: How many messages came from strangers or under keys that have ended.
+        count: Hears of each message that was turned away, by kind.
     """
 
     def __init__(self, directory: Directory, clock: Clock, entropy: Entropy) -> None:
         self.directory = directory
-        self.buttons = Buttons(clock, entropy)
-        self.turned_away = 0
+        self.count: Count = uncounted
+        self.buttons = Buttons(clock, entropy, count=self._count_tap)
         self._clock = clock
         self._entropy = entropy
         self._sessions: OrderedDict[tuple[str, str, str], Session] = OrderedDict()
@@ -68,7 +69,7 @@ class Authoriser:
                 self._sessions.popitem(last=False)
         expires_ns = session.key.expires_ns
         if expires_ns is not None and self._clock.wall_ns() >= expires_ns:
-            self.turned_away += 1
+            self.count("key-expired")
             raise Unrecognised(ENDED)
         self._times_ns.append(self._clock.monotonic_ns() - started_ns)
         return session.caller
@@ -76,14 +77,18 @@ class Authoriser:
     def _authenticate(self, inbound: Inbound) -> Session:
         found = self.directory.at(inbound.sender)
         if found is None:
-            self.turned_away += 1
+            if _is_for_us(inbound):
+                self.count("stranger")
             raise Unrecognised(STRANGER)
         person, key = found
         if key.revoked_ns is not None:
-            self.turned_away += 1
+            self.count("key-revoked")
             raise Unrecognised(ENDED)
         caller = Caller(person.id, person.name, inbound.sender, key.id, self._session_key())
         return Session(caller, key)
+
+    def _count_tap(self, kind: str) -> None:
+        self.count(kind)
 
     def _session_key(self) -> str:
         """Return the id of a new session key: a hash, so that no list of them lets anybody in."""
@@ -121,3 +126,9 @@ class Authoriser:
     def times_to_authenticate_s(self) -> tuple[float, ...]:
         """Return the newest measured times in seconds, oldest first."""
         return tuple(ns / 1e9 for ns in self._times_ns)
+
+
+def _is_for_us(inbound: Inbound) -> bool:
+    """Whether somebody unknown tried something; people in groups talk to each other."""
+    private = inbound.chat.kind is ChatKind.PRIVATE
+    return private or inbound.nonce is not None or inbound.text.startswith("/")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from base64 import urlsafe_b64encode
 from collections import OrderedDict
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.core.message import Button, Inbound
+
+Count: TypeAlias = Callable[[str], None]
 
 NONCE_BYTES = 16
 LIFETIME_NS = 60_000_000_000
@@ -36,9 +39,22 @@ class _Bound(msgspec.Struct, frozen=True):
 
 
 class Buttons:
-    """Issues and redeems nonces. Bounded: the oldest buttons die first."""
+    """Issues and redeems nonces. Bounded: the oldest buttons die first.
 
-    def __init__(self, clock: Clock, entropy: Entropy, *, at_most: int = 20_000) -> None:
+    Args:
+        at_most: Buttons that are good at a time.
+        count: Hears of each tap that was refused, by kind.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        entropy: Entropy,
+        *,
+        at_most: int = 20_000,
+        count: Count | None = None,
+    ) -> None:
+        self._count = count or uncounted
         self._clock = clock
         self._entropy = entropy
         self._at_most = at_most
@@ -81,13 +97,20 @@ class Buttons:
         """
         bound = self._bound.get(nonce)
         if bound is None:
+            self._count("button-used")
             raise Expired("This button is no longer good. Nothing was done.")
         if bound.principal != principal or bound.chat != inbound.chat.id:
+            self._count("button-other")
             raise NotPermitted("This question was asked of somebody else.")
         del self._bound[nonce]
         age_ns = self._clock.monotonic_ns() - bound.issued_ns
         if age_ns > bound.lifetime_ns or bound.issued_wall_ns < inbound.listening_since_ns:
+            self._count("button-late")
             raise Expired(
                 "This button is too old. Nothing was done.", offers=(bound.command.lstrip("?"),)
             )
         return bound.command
+
+
+def uncounted(_kind: str) -> None:
+    """Nobody counts."""

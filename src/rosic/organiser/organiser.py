@@ -47,6 +47,7 @@ class Organiser:
     Attributes:
         rights: The present snapshot; replacing it is one assignment.
         locked: Who is locked; kept by the authoriser.
+        locked_out: Hears of whoever was turned away because of it.
         narrow: Keys that reach less than their principal's rights; kept by the authoriser.
         calendar: Whose time it is.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
@@ -65,6 +66,7 @@ class Organiser:
         self.rights = rights
         self.calendar = Calendar(clock)
         self.locked: Collection[PrincipalId] = frozenset()
+        self.locked_out: Callable[[PrincipalId], object] = _unheard
         self.lease_idle_s = lease_idle_s
         self.name_of: NameOf = str
         self.wall_ns = clock.wall_ns
@@ -262,6 +264,7 @@ class Organiser:
             NotPermitted: They are.
         """
         if caller.principal in self.locked:
+            self.locked_out(caller.principal)
             raise NotPermitted(LOCKED)
 
     def allows(self, principal: PrincipalId, robot: RobotId, skill: str) -> bool:
@@ -344,4 +347,8 @@ class Organiser:
 
 
 def _no_key(_key: KeyId) -> Key | None:
+    return None
+
+
+def _unheard(_principal: PrincipalId) -> None:
     return None

@@ -149,7 +149,7 @@ class Hall:
     def _employ(self, entropy: SeededEntropy) -> None:
         registry = self.registry
         self.powers = Powers(registry)
-        doorstep = Doorstep(self.teller, (self.chat,), self.clock, entropy)
+        doorstep = Doorstep(self.teller, (self.chat,), self.clock, entropy, count=self.tally.count)
         self.admitting = Admitting(registry, self.powers, doorstep, menu=self.menu)
         self.joining = Joining(
             registry,
