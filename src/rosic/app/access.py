@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.app.people import person_of
@@ -15,6 +16,7 @@ from rosic.authoriser.stepup import StepUp
 from rosic.authoriser.tally import Tally
 from rosic.core.record import Enrolled, KeyIssued, KeyRevoked
 from rosic.core.slot import SERIES, SLOT
+from rosic.errors import Refusal
 from rosic.organiser.roster import GRANT
 from rosic.organiser.waiting import WAITING, WaitingList
 from rosic.pipeline.changes import Changes
@@ -117,6 +119,12 @@ class Access:
             self.stepup.end(principal)
             if not self._authoriser.directory.has_good_key(principal):
                 self._authority.revoked(principal)
+
+    async def leave(self) -> None:
+        """Write down what was counted since the last time; at the end, and as far as it can be."""
+        with suppress(Refusal):
+            async with self.changes.turn() as turn:
+                await turn.write((*self.time.due(), *self.tally.due()))
 
     def is_only_admin(self, principal: PrincipalId) -> bool:
         """Whether nobody else with a good key, who is not locked, is admin."""

@@ -302,6 +302,10 @@ class Gateway:
         idle = self._idle()
         await asyncio.gather(ending, *map(self._part, idle))
         await asyncio.gather(*map(self._part, tuple(self._opened)))
+        if hasattr(self, "access"):
+            leaving = asyncio.ensure_future(self.access.leave())
+            await asyncio.wait((leaving,), timeout=HOLD_WITHIN_S)
+            leaving.cancel()
         await self._parts.store.close()
 
     async def _part(self, robot: Robot) -> None:

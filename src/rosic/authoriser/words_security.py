@@ -68,7 +68,7 @@ def locks(found: Sequence[tuple[str, str, float]]) -> list[str]:
     """Return who is locked: name, by whom, for how long."""
     if not found:
         return ["Locked: nobody."]
-    return ["Locked:", *(f"  {who}, by {by}, since {lasting(s)}" for who, by, s in found)]
+    return ["Locked:", *(f"  {who}, by {by}, for {lasting(s)} now" for who, by, s in found)]
 
 
 def endings(found: Sequence[tuple[str, str, float]]) -> list[str]:
@@ -83,7 +83,7 @@ def invitations(found: Sequence[tuple[str, str, str, float]]) -> list[str]:
     """Return which invitations are open: what, by whom, id, for how long."""
     if not found:
         return ["Open invitations: none."]
-    shown = [f"  {what}, by {by}, {made}, for {lasting(s)}" for what, by, made, s in found]
+    shown = [f"  {what}, by {by}, {made}, good for {lasting(s)}" for what, by, made, s in found]
     return ["Open invitations:", *shown]
 
 

@@ -281,3 +281,11 @@ async def test_it_is_refused_told_and_counted(
         assert f"Unauthorised attempts since the first start: {sum(counted.values())}" in lines
         for kind, count in counted.items():
             assert f"  {KINDS[kind]}: {count}" in lines
+
+
+async def test_what_was_counted_is_not_lost_by_ending() -> None:
+    async with Place().open() as place:
+        await a_stranger(place)
+        await a_person_without_the_right(place)
+    async with Place(place.store, clock=place.clock).open() as again:
+        assert again.gateway.access.tally.by_kind() == {"stranger": 1, "no-right": 1}
