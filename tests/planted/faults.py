@@ -16,6 +16,7 @@ RIGHTS = "tests/rooms/pipeline/test_rights.py"
 ONE_LEASE = "tests/rooms/pipeline/test_one_lease.py"
 TURNED_AWAY = "tests/rooms/pipeline/test_turned_away.py"
 REDEEMERS = "tests/rooms/pipeline/test_redeemers.py"
+WRONG = "tests/rooms/pipeline/test_wrong_rights_and_times.py"
 GATE = "tests/core/test_gate.py"
 
 
@@ -342,6 +343,16 @@ FAULTS = (
         guard='            self._count("button-other")\n',
         without="",
         caught_by=(TURNED_AWAY,),
+    ),
+    Fault(
+        name="a lock waits for the disk",
+        file="pipeline/changes.py",
+        guard="        records = tuple(records)\n        self._apply(records)\n",
+        without=(
+            "        records = tuple(records)\n        await self._store.write(*records)\n"
+            "        self._apply(records)\n"
+        ),
+        caught_by=(f"{WRONG}::test_a_full_disk_keeps_nobody_from_being_locked",),
     ),
     Fault(
         name="changes are made side by side, and two come in by one code",
