@@ -17,6 +17,7 @@ ONE_LEASE = "tests/rooms/pipeline/test_one_lease.py"
 TURNED_AWAY = "tests/rooms/pipeline/test_turned_away.py"
 REDEEMERS = "tests/rooms/pipeline/test_redeemers.py"
 WRONG = "tests/rooms/pipeline/test_wrong_rights_and_times.py"
+ISOLATION = "tests/rooms/pipeline/test_isolation.py"
 GATE = "tests/core/test_gate.py"
 
 
@@ -343,6 +344,20 @@ FAULTS = (
         guard='            self._count("button-other")\n',
         without="",
         caught_by=(TURNED_AWAY,),
+    ),
+    Fault(
+        name="I11 one person's settings count for others",
+        file="container/preferences.py",
+        guard="return self._set.get(principal, UNSET)",
+        without="return next(iter(self._set.values()), UNSET)",
+        caught_by=(ISOLATION,),
+    ),
+    Fault(
+        name="I11 what somebody keeps can be read without being let",
+        file="container/shelf.py",
+        guard="return reader == owner or reader in self._loans.get(owner, ())",
+        without="return True",
+        caught_by=(ISOLATION,),
     ),
     Fault(
         name="a lock waits for the disk",
