@@ -86,20 +86,22 @@ async def test_a_container_that_is_erased_changes_nothing_for_others() -> None:
 async def test_what_somebody_keeps_is_read_by_others_only_if_they_were_let() -> None:
     async with Place().open() as place:
         await place.say("/data plan = mine alone", account=BO, chat=BO)
-        holdings = place.gateway.holding._holdings
+        holdings = place.gateway.holding.holdings
         assert holdings is not None
         shelf = holdings.shelf
         directory = place.gateway.rooms.authoriser.directory
         bo, vi, ada = (directory.named(name)[0].id for name in ("Bo", "Vi", "Ada"))
         for reader in (vi, ada):
             with pytest.raises(NotPermitted):
-                shelf.names(reader, bo)
+                shelf.latest(reader, bo, "plan")
         async with place.gateway.access.changes.turn() as turn:
-            await turn.write(shelf.lend(bo, vi))
-        assert [kept.value for kept in shelf.names(vi, bo)] == ["mine alone"]
+            await turn.write(shelf.lending.lend(bo, vi, "plan"))
+        kept = shelf.latest(vi, bo, "plan")
+        assert kept is not None
+        assert kept.value == "mine alone"
         with pytest.raises(NotPermitted):
-            shelf.names(ada, bo)
+            shelf.latest(ada, bo, "plan")
         async with place.gateway.access.changes.turn() as turn:
-            await turn.write(shelf.take_back(bo, vi))
+            await turn.write(shelf.lending.take_back(bo, "plan", vi))
         with pytest.raises(NotPermitted):
-            shelf.names(vi, bo)
+            shelf.latest(vi, bo, "plan")
