@@ -244,7 +244,7 @@ FAULTS = (
     ),
     Fault(
         name="I5 what waited over a stop moves after the resume",
-        file="pipeline/way.py",
+        file="pipeline/requesting.py",
         guard=(
             "if inbound.received_ns <= stopped.at_ns and not stopped.latched "
             "and request.skill.actuates:"

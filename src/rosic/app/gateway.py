@@ -303,7 +303,7 @@ class Gateway:
         await asyncio.gather(ending, *map(self._part, idle))
         await asyncio.gather(*map(self._part, tuple(self._opened)))
         if hasattr(self, "access"):
-            leaving = asyncio.ensure_future(self.access.leave())
+            leaving = asyncio.ensure_future(self._write_down())
             await asyncio.wait((leaving,), timeout=HOLD_WITHIN_S)
             leaving.cancel()
         await self._parts.store.close()
@@ -324,6 +324,12 @@ class Gateway:
         if keeping:
             await asyncio.wait(keeping, timeout=HOLD_WITHIN_S)
         return all(k.done() and not k.cancelled() and k.exception() is None for k in keeping)
+
+    async def _write_down(self) -> None:
+        """Keep what was only counted so far."""
+        await self.access.leave()
+        if hasattr(self, "holding"):
+            await self.holding.leave()
 
     async def _end_lives(self, begun_ns: int) -> None:
         """End what is under way, and tell it in what is left of the time since ``begun_ns``."""

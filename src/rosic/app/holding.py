@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
@@ -14,6 +15,7 @@ from rosic.core.identity import Address, Principal
 from rosic.core.language import skills_of
 from rosic.core.limits import unit_converter
 from rosic.core.reach import FLEET
+from rosic.errors import Refusal
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.containers.clerks import employ_clerks, take_over
 from rosic.pipeline.containers.erasing import Erasing, Sides
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from rosic.app.authority import Authority
     from rosic.app.furnishing import Furnishing
     from rosic.authoriser.authoriser import Authoriser
+    from rosic.container.habits import Habits
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
@@ -93,7 +96,7 @@ class Holding:
         rooms = self._rooms
         around = Around(
             self._access, rooms.authoriser, rooms.organiser, rooms.profiles, self._clock,
-            furnishing.reach.tell,
+            furnishing.reach.tell, pipeline.habits,
         )  # fmt: skip
         holdings = holdings_of(around, vault, self.archive, parts)
         self.holdings, self.preferences = holdings, holdings.preferences
@@ -107,9 +110,23 @@ class Holding:
         await erasing.finish()
 
     async def finish(self) -> None:
-        """Finish erasing whoever still had an order under way; meant for every minute or so."""
+        """Finish erasing whoever still had an order under way, and keep what people often ask.
+
+        Meant for every minute or so, and for the end.
+
+        Raises:
+            RecordUnavailable: Not all could be written; the rest is tried the next time.
+        """
+        if self.holdings is not None and (habits := self.holdings.habits.unwritten()):
+            async with self.holdings.changes.turn() as turn:
+                await turn.write(habits)
         if self.erasing is not None and self.erasing.unfinished:
             await self.erasing.finish()
+
+    async def leave(self) -> None:
+        """Keep what people often ask; at the end, and as far as it can be."""
+        with suppress(Refusal):
+            await self.finish()
 
     async def tidy(self) -> None:
         """Forget what was kept as long as was said; meant for once a day.
@@ -159,6 +176,7 @@ class Holding:
             directory.enrol(Principal(id=principal, name="somebody"))
             rooms.authoriser.forget(principal)
             rooms.container.forget(principal)
+            pipeline.habits.forget(principal)
 
         async def ended(_principal: PrincipalId) -> None:
             authority.enforce()
@@ -189,10 +207,6 @@ class Holding:
         )
 
 
-def _silence(_people: tuple[PrincipalId, ...], _text: str) -> None:
-    return None
-
-
 class Around(NamedTuple):
     """What stands around the books of containers."""
 
@@ -201,7 +215,8 @@ class Around(NamedTuple):
     organiser: Organiser
     profiles: Mapping[RobotId, Profile]
     clock: Clock
-    tell: Callable[[tuple[PrincipalId, ...], str], object] = _silence
+    tell: Callable[[tuple[PrincipalId, ...], str], object]
+    habits: Habits
 
 
 def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -> Holdings:
@@ -217,6 +232,7 @@ def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -
     return Holdings(
         preferences=preferences,
         shelf=shelf,
+        habits=around.habits,
         archive=archive,
         vault=vault,
         changes=around.access.changes,

@@ -18,6 +18,7 @@ from rosic.app.start import STOPS
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.container.archive import Archive
+from rosic.container.habits import Habits
 from rosic.core.language import Vocabulary, clean
 from rosic.core.rate import RateLimit
 from rosic.core.roles import DEFAULT_ROLES, Assurance, Rulebook
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.store import Store
+    from rosic.core.identity import PrincipalId
     from rosic.core.language import UnitTable
     from rosic.core.record import Memory
     from rosic.core.robot import RobotId
@@ -146,14 +148,13 @@ class Alone:
         place = "rosic" if config is None else config.name
         access = Access(authoriser, authority, store, clock, entropy, place=place)
         access.restore(memory, organiser)
+        around = Around(access, authoriser, organiser, profiles, clock, _nobody_hears, Habits())
         return Books(
             access=access, authority=authority, authoriser=authoriser, organiser=organiser,
             vocabulary=Vocabulary.build(robots, known_units()), profiles=profiles, clock=clock,
             zone=zone_or_universal(UNIVERSAL if config is None else config.zone),
             assurances=LOCAL,
-            holdings=self._holdings(
-                Around(access, authoriser, organiser, profiles, clock), store, memory
-            ),
+            holdings=self._holdings(around, store, memory),
         )  # fmt: skip
 
     def _holdings(self, around: Around, store: Store, memory: Memory) -> Holdings | None:
@@ -190,3 +191,7 @@ async def _nowhere() -> MemoryStore:
     store = MemoryStore()
     await store.open()
     return store
+
+
+def _nobody_hears(_people: tuple[PrincipalId, ...], _text: str) -> None:
+    """Without a gateway nobody is reached."""

@@ -25,7 +25,7 @@ LIFETIME_NS = 60_000_000_000
 # whoever taps it has typed it.
 STOP_PREFIX = "stop "
 # A menu moves nothing, so whoever reads before they tap may be late.
-MENU = ("?", "use ", "/use ")
+MENU = ("?", "use ", "/use ", "robots")
 MENU_LIFETIME_NS = 600_000_000_000
 
 
@@ -73,10 +73,9 @@ class Buttons:
         Only a button that moves nothing may live longer than a minute: an admin's answer to
         whoever wants to come in.
         """
-        if button.command == "stop" or button.command.startswith(STOP_PREFIX):
+        if is_stop(button):
             return msgspec.structs.replace(button, nonce=button.command)
-        if button.command.startswith(MENU):
-            lifetime_ns = max(lifetime_ns, MENU_LIFETIME_NS)
+        lifetime_ns = max(lifetime_ns, lifetime_of(button))
         nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
         self._bound[nonce] = _Bound(
             principal, chat, button.command, self._clock.monotonic_ns(), self._clock.wall_ns(),
@@ -114,3 +113,13 @@ class Buttons:
 
 def uncounted(_kind: str) -> None:
     """Nobody counts."""
+
+
+def lifetime_of(button: Button) -> int:
+    """Return for how long a button is good at least, in nanoseconds."""
+    return MENU_LIFETIME_NS if button.command.startswith(MENU) else LIFETIME_NS
+
+
+def is_stop(button: Button) -> bool:
+    """Whether it stops, and so is good for ever and for everybody."""
+    return button.command == "stop" or button.command.startswith(STOP_PREFIX)

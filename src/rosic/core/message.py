@@ -59,6 +59,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
             sent earlier is backlog: motion in it is not carried out, buttons shown before are dead.
         tap: The platform's handle for answering a tap; empty for a text.
         under: Id of the message whose button was tapped; empty for a text.
+        answers: Id of the message in this chat that it replies to; empty for none.
         shown_as: How the platform shows the sender. For showing somebody new; never compared.
     """
 
@@ -73,6 +74,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     nonce: str | None = None
     tap: str = ""
     under: str = ""
+    answers: str = ""
     shown_as: str = ""
 
 

@@ -94,10 +94,11 @@ class MemoryMessenger:
         standing: Standing = Standing.FRESH,
         message: str | None = None,
         sent_ns: int | None = None,
+        answers: str = "",
     ) -> Inbound:
         """Write a message, now unless `sent_ns` says otherwise, and return what will be seen."""
         inbound = self._inbound(account, Chat(self.platform, chat, kind), message, sent_ns)
-        return self.deliver(replace(inbound, text=text, standing=standing))
+        return self.deliver(replace(inbound, text=text, standing=standing, answers=answers))
 
     def tap(self, button: Button, *, under: str = "", account: str = "1") -> Inbound:
         """Tap a button of the message `under`. It carries what the button carried, and no time."""
@@ -114,6 +115,10 @@ class MemoryMessenger:
             OverflowError: Nobody receives, and as many wait as are remembered.
         """
         return self._queue(inbound, stop=hears_stop(inbound.text) is not None)
+
+    def delete(self, message: str) -> None:
+        """Delete a message, as people do; it cannot be edited any more."""
+        del self._shown[message]
 
     def gap(self) -> None:
         """Pretend that listening was interrupted until now: what was sent earlier is backlog."""

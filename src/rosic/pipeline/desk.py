@@ -17,12 +17,15 @@ if TYPE_CHECKING:
 
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot import Profile, RobotId
+    from rosic.pipeline.choosing import Choosing
     from rosic.pipeline.office import Asked
     from rosic.pipeline.rooms import Rooms
 
 BUTTONS_A_ROW = 3
 # What a phone held upright shows of all the labels in one row; it cuts off the rest.
 LETTERS_A_ROW = 36
+# What stands between a robot and a skill in a link; Telegram allows no dot there.
+LINKED = "__"
 EXAMPLES = 3
 WHICH = "Which robot?"
 
@@ -42,19 +45,20 @@ class Reply(msgspec.Struct, frozen=True):
 class Desk:
     """Answers from memory; reads only what its asker may see (I11)."""
 
-    def __init__(self, rooms: Rooms) -> None:
+    def __init__(self, rooms: Rooms, choosing: Choosing) -> None:
         self._organiser = rooms.organiser
         self._container = rooms.container
         self._linker = rooms.linker
         self._vocabulary = rooms.vocabulary
         self._board = rooms.board
         self._profiles = rooms.profiles
+        self._choosing = choosing
 
     def answer(self, caller: Caller, chat: Chat, line: Line) -> Reply:
         """Answer a line that moves nothing."""
         visible = self._organiser.visible(caller.principal)
         if isinstance(line, Start):
-            return self._start(caller, visible)
+            return self._linked(caller, chat, line, visible) or self._start(caller, visible)
         return self._look(caller, chat, line, visible) if visible else Reply(words.NOTHING_VISIBLE)
 
     def _look(self, caller: Caller, chat: Chat, line: Line, visible: frozenset[RobotId]) -> Reply:
@@ -68,6 +72,20 @@ class Desk:
         if isinstance(line, Help):
             return Reply(words.help_for_all(self._examples(visible)), self._robots(visible))
         return Reply(WHICH, self._robots(visible))
+
+    def _linked(
+        self, caller: Caller, chat: Chat, line: Start, visible: frozenset[RobotId]
+    ) -> Reply | None:
+        """Follow a link to a robot or to one of its skills: ``?start=omni``, ``omni__wave``.
+
+        A link only asks; what it does not name well is no link.
+        """
+        robot, _, skill = line.payload.partition(LINKED)
+        if robot not in visible:
+            return None
+        if not skill:
+            return self._use(caller, chat, Use(robot))
+        return self._choosing.ask(f"{robot} {skill}", visible)
 
     def _start(self, caller: Caller, visible: frozenset[RobotId]) -> Reply:
         """Say whether somebody may command anything now, and with what they may begin."""
@@ -130,7 +148,12 @@ class Desk:
                    for s in profile.skills.values()
                    if self._organiser.allows(principal, profile.id, s.id)
                    and not any(p.text for p in s.parameters.values())]  # fmt: skip
-        return (*rows(buttons), (Button("STOP", f"stop {profile.id}"),))
+        visible = self._organiser.visible(principal)
+        often = self._choosing.favourites(principal, profile.id, visible)
+        last = [Button("STOP", f"stop {profile.id}")]
+        if len(visible) > 1:
+            last.append(Button("Another robot", "robots"))
+        return (*((button,) for button in often), *rows(buttons), tuple(last))
 
     def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:
         return rows([Button(self._profiles[r].shown, f"use {r}") for r in sorted(visible)])

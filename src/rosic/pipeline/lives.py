@@ -220,6 +220,17 @@ class Lives:
         life.card.ending = True
         self._container.conclude(life.order, outcome, life.words, life.concluded)
 
+    def shown_in(self, where: tuple[str, str], message: str) -> tuple[RobotId, ...]:
+        """Return the robots whose orders, under way or waiting, one message of a chat shows."""
+        return tuple(
+            robot
+            for robot in self._servers
+            for entry in self._linker.entries(robot)
+            if isinstance(entry, OrderLife)
+            and entry.card.message == message
+            and entry.card.where == where
+        )
+
     async def cut(self, robot: RobotId, reason: str) -> None:
         """End what a robot does for its holder, and what waits; on return it has come to rest.
 

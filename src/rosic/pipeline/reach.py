@@ -45,12 +45,13 @@ class Reach:
         Buttons are bound to each person and chat, good once.
         """
         places = 0
-        issue = partial(self._authoriser.buttons.issue, lifetime_ns=int(lifetime_s * 1e9))
+        lifetime_ns = int(lifetime_s * 1e9)
+        issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns)
         for principal in dict.fromkeys(people):
             for messenger, chat in self._chats(principal):
                 bound = tuple(tuple(issue(b, principal, chat.id) for b in row) for row in buttons)
                 outbound = Outbound(chat=chat, text=text, buttons=bound, urgent=urgent)
-                self._teller.say(Note(messenger, outbound))
+                self._teller.say(Note(messenger, outbound, good_for_ns=lifetime_ns))
                 places += 1
         return places
 

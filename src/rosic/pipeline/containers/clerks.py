@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.container import archived, lending, preferences, shelf
+from rosic.container import archived, habits, lending, preferences, shelf
 from rosic.pipeline.containers import erasing as erasing_of
 from rosic.pipeline.containers.archiving import Archiving
 from rosic.pipeline.containers.keeping import Keeping
@@ -44,6 +44,7 @@ def books_kept(holdings: Holdings) -> Mapping[str, Callable[[Fact], object]]:
     """Return which book keeps which kind. A switch comes before the entries of its chat."""
     return {
         preferences.KIND: holdings.preferences.apply,
+        habits.KIND: holdings.habits.apply,
         shelf.KIND: holdings.shelf.apply,
         lending.LOAN: holdings.shelf.apply,
         shelf.QUOTA: holdings.shelf.apply,

@@ -158,6 +158,7 @@ class Erasing:
             *self._sides.ends(principal, by),
             *holdings.preferences.unset(principal),
             *holdings.shelf.end_all(principal),
+            *holdings.habits.end_all(principal),
             *holdings.archive.end_private(lambda chat: self._sides.theirs(principal, chat)),
         )
 

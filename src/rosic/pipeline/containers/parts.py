@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import msgspec
 
 from rosic.container.archive import Archive
+from rosic.container.habits import Habits
 from rosic.container.preferences import PreferenceBook
 from rosic.container.shelf import Shelf
 from rosic.contracts.clock import Clock
@@ -71,6 +72,7 @@ class Holdings(msgspec.Struct, frozen=True, kw_only=True):
 
     preferences: PreferenceBook
     shelf: Shelf
+    habits: Habits
     archive: Archive
     vault: Vault
     changes: Changes

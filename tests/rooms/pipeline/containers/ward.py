@@ -103,7 +103,8 @@ class Ward(Place):
         self.shelf.sees = lambda who, robot: robot in organiser.visible(who)
         self.shelf.works_with = lambda who, robot: organiser.holder(robot) == who
         self.holdings = Holdings(
-            preferences=self.book, shelf=self.shelf, archive=self.archive, vault=self.kept,
+            preferences=self.book, shelf=self.shelf, habits=gateway.pipeline.habits,
+            archive=self.archive, vault=self.kept,
             changes=access.changes, clock=clock, name=directory.name,
             shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
             visible=organiser.visible, choices=organiser.visible,
