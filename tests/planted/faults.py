@@ -355,7 +355,7 @@ FAULTS = (
     Fault(
         name="I11 what somebody keeps can be read without being let",
         file="container/shelf.py",
-        guard="return reader == owner or reader in self._loans.get(owner, ())",
+        guard="return reader == owner or self._sees_robot(reader, owner)",
         without="return True",
         caught_by=(ISOLATION,),
     ),

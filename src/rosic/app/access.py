@@ -17,6 +17,7 @@ from rosic.authoriser.tally import Tally
 from rosic.core.record import Enrolled, KeyIssued, KeyRevoked
 from rosic.core.slot import SERIES, SLOT
 from rosic.errors import Refusal
+from rosic.organiser.petitions import PETITION, Petitions
 from rosic.organiser.roster import GRANT
 from rosic.organiser.waiting import WAITING, WaitingList
 from rosic.pipeline.changes import Changes
@@ -39,7 +40,8 @@ class Access:
 
     Attributes:
         changes: Through which every change goes.
-        enrolment, keys, locks, stepup, misuse, tally, time, security, waiting: The books.
+        enrolment, keys, locks, stepup, misuse, tally, time, security, waiting, petitions: The
+            books.
     """
 
     def __init__(
@@ -61,6 +63,7 @@ class Access:
         )
         self.waiting = WaitingList(clock)
         authoriser.count = self.tally.count
+        self.petitions = Petitions(self.time.wall_ns, entropy)
         self._authoriser = authoriser
         self._authority = authority
 
@@ -76,6 +79,7 @@ class Access:
             "pending": self.enrolment.apply,
             "totp": self.stepup.apply,
             WAITING: self.waiting.apply,
+            PETITION: self.petitions.apply,
         }
         for kind, apply in keepers.items():
             for fact in memory.facts.get(kind, ()):

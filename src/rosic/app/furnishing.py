@@ -16,17 +16,22 @@ from rosic.pipeline.consent import Consent
 from rosic.pipeline.handover import Handover
 from rosic.pipeline.people.about import About
 from rosic.pipeline.people.admitting import Admitting
+from rosic.pipeline.people.asking_line import Places
 from rosic.pipeline.people.custody import Custody
 from rosic.pipeline.people.doorstep import Doorstep
+from rosic.pipeline.people.granting import Granting
 from rosic.pipeline.people.hiring import Clerks, hire
 from rosic.pipeline.people.inviting import Inviting
 from rosic.pipeline.people.joining import Joining
+from rosic.pipeline.people.petitioning import Petitioning
 from rosic.pipeline.people.powers import Powers
 from rosic.pipeline.people.proving import Proving
 from rosic.pipeline.people.registry import Registry
+from rosic.pipeline.people.reminding import Reminding
 from rosic.pipeline.reach import Reach
 from rosic.pipeline.times.clerks import employ_clerks
 from rosic.pipeline.times.keeper import Keeper
+from rosic.pipeline.times.naming import Naming
 from rosic.pipeline.times.parts import Sides, Times
 
 if TYPE_CHECKING:
@@ -57,6 +62,8 @@ class Furnishing:
         handover: Ends somebody's time with a robot.
         consent: Asks for confirmations.
         admitting: Asks admins about newcomers.
+        petitioning: Asks admins for rights that somebody lacks.
+        granting: Gives rights for a while.
         keeper: Follows the calendar.
     """
 
@@ -100,8 +107,8 @@ class Furnishing:
         reception.consent = self.consent
         reception.stepped_up = self._access.stepup.fresh
         reception.refused = self._refused
-        self._furnish_people(authority, messengers, clock, entropy, zone)
         self._furnish_times(clock, zone)
+        self._furnish_people(authority, messengers, clock, entropy, zone)
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
 
@@ -145,21 +152,33 @@ class Furnishing:
             shown_as=lambda inbound: clean_name(inbound.shown_as),
             names_robot=self._names_robot,
         )
+        places = Places(
+            vocabulary=self._rooms.vocabulary,
+            naming=lambda asked, text: self._naming.robot(asked, "/ask", text),
+            shown=lambda robot: linker.profile(robot).shown,
+            zone_of=lambda _principal: zone_named(zone),
+        )
+        self.granting = Granting(registry, powers, entropy, places.zone_of)
+        self.petitioning = Petitioning(registry, powers, access.petitions, self.granting, places)
         about = About(
             registry,
             powers,
             self.admitting,
             slots=self._slots_of,
-            zone_of=lambda _principal: zone_named(zone),
-            shown=lambda robot: linker.profile(robot).shown,
+            zone_of=places.zone_of,
+            shown=places.shown,
         )
+        about.petitioning = self.petitioning
         clerks = Clerks(
             about, self.admitting, Custody(registry, powers),
             Inviting(registry, powers, link=_link),
-            Proving(registry, powers),
+            Proving(registry, powers), self.granting, self.petitioning,
         )  # fmt: skip
         hire(self._pipeline.reception.office, clerks, self.consent)
         self._pipeline.reception.newcomer = joining.take
+        self._pipeline.reception.outdated = Reminding(
+            self.reach, self.admitting, self.petitioning
+        ).remind
 
     def _menu(self, principal: PrincipalId) -> Reply:
         return self._pipeline.menu(principal)
@@ -200,6 +219,7 @@ class Furnishing:
             changes=access.changes, reach=self.reach, clock=clock, sides=sides,
             lease_idle_s=organiser.lease_idle_s,
         )  # fmt: skip
+        self._naming = Naming(times)
         self.keeper = Keeper(times)
         access.changes.after(self.keeper.look)
         access.changes.after(self._watch_ends)

@@ -223,8 +223,7 @@ class Gateway:
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
         minder = Minder(
-            self.access, self.authority, self.furnishing.admitting, self.holding,
-            self._parts.clock,
+            self.access, self.authority, self.furnishing, self.holding, self._parts.clock,
         )  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),

@@ -10,9 +10,9 @@ from rosic.errors import RosicError
 if TYPE_CHECKING:
     from rosic.app.access import Access
     from rosic.app.authority import Authority
+    from rosic.app.furnishing import Furnishing
     from rosic.app.holding import Holding
     from rosic.contracts.clock import Clock
-    from rosic.pipeline.people.admitting import Admitting
 
 EVERY_S = 60.0
 DAY_NS = 86_400_000_000_000
@@ -29,7 +29,7 @@ class Minder:
         self,
         access: Access,
         authority: Authority,
-        admitting: Admitting,
+        furnishing: Furnishing,
         holding: Holding,
         clock: Clock,
     ) -> None:
@@ -37,7 +37,7 @@ class Minder:
         self._day_ns = clock.monotonic_ns()
         self._access = access
         self._authority = authority
-        self._admitting = admitting
+        self._furnishing = furnishing
         self._clock = clock
 
     async def run(self) -> None:
@@ -67,15 +67,19 @@ class Minder:
         access, authority = self._access, self._authority
         authority.enforce()  # a grant ends by the clock, whether or not that can be written
         async with access.changes.turn() as turn:
+            now_ns = self._clock.wall_ns()
+            over = authority.roster.over(now_ns)
             await turn.write(
                 (
-                    *authority.roster.ended(self._clock.wall_ns()),
+                    *authority.roster.ended(now_ns),
                     *access.enrolment.invitations.stale(),
                     *access.time.due(),
                     *access.tally.due(),
                 )
             )
-        await self._admitting.lapse()
+        self._furnishing.granting.announce(over)
+        await self._furnishing.admitting.lapse()
+        await self._furnishing.petitioning.lapse()
         await self._holding.finish()
         if self._clock.monotonic_ns() >= self._day_ns:
             await self._holding.tidy()

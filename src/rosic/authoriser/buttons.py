@@ -36,6 +36,7 @@ class _Bound(msgspec.Struct, frozen=True):
     issued_ns: int
     issued_wall_ns: int
     lifetime_ns: int
+    still: bool
 
 
 class Buttons:
@@ -67,11 +68,18 @@ class Buttons:
         chat: str,
         *,
         lifetime_ns: int = LIFETIME_NS,
+        still: bool = False,
     ) -> Button:
         """Return the button with a nonce for this person in this chat.
 
-        Only a button that moves nothing may live longer than a minute: an admin's answer to
-        whoever wants to come in.
+        Args:
+            button: What it says.
+            principal: Who alone may tap it.
+            chat: Where.
+            lifetime_ns: Only a button that moves nothing may live longer than a minute: an
+                admin's answer to whoever wants to come in.
+            still: Nothing moves by it, and nothing will move because of it alone: it is good
+                after a gap in listening too, for as long as it lives, once.
         """
         if is_stop(button):
             return msgspec.structs.replace(button, nonce=button.command)
@@ -79,7 +87,7 @@ class Buttons:
         nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
         self._bound[nonce] = _Bound(
             principal, chat, button.command, self._clock.monotonic_ns(), self._clock.wall_ns(),
-            lifetime_ns,
+            lifetime_ns, still,
         )  # fmt: skip
         if len(self._bound) > self._at_most:
             self._bound.popitem(last=False)
@@ -103,7 +111,8 @@ class Buttons:
             raise NotPermitted("This question was asked of somebody else.")
         del self._bound[nonce]
         age_ns = self._clock.monotonic_ns() - bound.issued_ns
-        if age_ns > bound.lifetime_ns or bound.issued_wall_ns < inbound.listening_since_ns:
+        missed = bound.issued_wall_ns < inbound.listening_since_ns and not bound.still
+        if age_ns > bound.lifetime_ns or missed:
             self._count("button-late")
             raise Expired(
                 "This button is too old. Nothing was done.", offers=(bound.command.lstrip("?"),)

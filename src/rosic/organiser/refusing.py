@@ -73,7 +73,8 @@ class Refusing:
             return None
         who = organiser.rights.givers(robot, organiser.wall_ns(), besides=principal)
         return NotPermitted(
-            f"Moving {profile.shown} needs a right you do not have. {self._who_grants(who)}"
+            f"Moving {profile.shown} needs a right you do not have. {self._who_grants(who)}",
+            petition=f"/ask {robot}" if who else "",
         )
 
     def needs(self, allowed: Allowed, text: str) -> FirstNeeded:
@@ -114,14 +115,18 @@ class Refusing:
         role = f'the right "{denied.roles[0]}"' if denied.roles else "a right nobody has yet"
         what = _spoken(denied.ask.skill).capitalize()
         shown = self._shown(denied.ask.robot)
-        return NotPermitted(f"{what} needs {role} on {shown}. {self._who_grants(denied.who)}")
+        return NotPermitted(
+            f"{what} needs {role} on {shown}. {self._who_grants(denied.who)}",
+            petition=_petition(denied),
+        )
 
     def _right_ended(self, denied: Denied) -> Refusal:
         what = _spoken(denied.ask.skill).capitalize()
         when = self._organiser.moment(denied.ask.principal, denied.when_ns or 0)
         shown = self._shown(denied.ask.robot)
         return NotPermitted(
-            f"{what} on {shown}: your right ended {when}. {self._who_grants(denied.who)}"
+            f"{what} on {shown}: your right ended {when}. {self._who_grants(denied.who)}",
+            petition=_petition(denied),
         )
 
     def _too_narrow(self, denied: Denied) -> Refusal:
@@ -141,7 +146,8 @@ class Refusing:
         what, shown = _spoken(denied.ask.skill), self._shown(denied.ask.robot)
         return OutOfBounds(
             f"{shown}: for you, {what} is allowed with {said}. Nothing was done. "
-            + self._who_grants(denied.who).replace("give it", "allow more")
+            + self._who_grants(denied.who).replace("give it", "allow more"),
+            petition=_petition(denied),
         )
 
     def _stopped(self, denied: Denied) -> Refusal:
@@ -171,6 +177,11 @@ class Refusing:
             f"{when} {max(1, round(wait_s))} s.",
             offers=(f"wait {robot}",),
         )
+
+
+def _petition(denied: Denied) -> str:
+    """Return how to ask for what is missing; nothing when there is nobody to ask."""
+    return f"/ask {denied.ask.robot} {_spoken(denied.ask.skill)}" if denied.who else ""
 
 
 def _spoken(skill: str) -> str:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 SteppedUp: TypeAlias = Callable[[PrincipalId, Chat], bool]
 Newcomer: TypeAlias = "Callable[[Messenger, Inbound, str], Awaitable[Reply | None]]"
 Refused: TypeAlias = Callable[[Caller, Refusal], None]
+Outdated: TypeAlias = Callable[[PrincipalId], None]
 
 
 class Reception:
@@ -33,6 +34,7 @@ class Reception:
         stepped_up: Whether somebody has shown a second factor lately, in a chat.
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         refused: Hears of every refusal, for rules about misuse.
+        outdated: Hears, in private, of a tap on a button that is no good any more.
     """
 
     def __init__(self) -> None:
@@ -41,6 +43,7 @@ class Reception:
         self.stepped_up: SteppedUp = _never
         self.newcomer: Newcomer | None = None
         self.refused: Refused = _ignore
+        self.outdated: Outdated = _nothing
 
     def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
         """Return what a button that confirms says, and who has agreed to it.
@@ -55,6 +58,10 @@ class Reception:
 
 def _never(_principal: PrincipalId, _chat: Chat) -> bool:
     return False
+
+
+def _nothing(_principal: PrincipalId) -> None:
+    return None
 
 
 def _ignore(_caller: Caller, _refusal: Refusal) -> None:

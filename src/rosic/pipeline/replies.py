@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.container.letters import Answer
 from rosic.core.message import Button, ChatKind, Outbound
 from rosic.core.rate import Bucket, RateLimit
+from rosic.core.saying import said
 from rosic.errors import Refusal, Repeated
 from rosic.pipeline.telling import Note, Teller
 
@@ -110,6 +111,8 @@ class Replies:
         except Repeated:
             return  # the same message was settled before
         buttons = tuple((Button(offer, offer),) for offer in refusal.offers)
+        if refusal.petition:
+            buttons = (*buttons, (Button(ask_for_it(), refusal.petition),))
         self.offer(messenger, inbound, caller, str(refusal), buttons, cid=cid)
 
     def turn_away(self, messenger: Messenger, inbound: Inbound, sentence: str) -> None:
@@ -132,6 +135,11 @@ class Replies:
             raise Repeated(str(refusal)) from refusal
         await messenger.answer_tap(inbound, "")
         return command
+
+
+def ask_for_it() -> str:
+    """Return the label of the button that asks for the right that is missing."""
+    return said("Ask for it")
 
 
 def reply_id(inbound: Inbound) -> str:

@@ -22,9 +22,11 @@ from rosic.core.language import (
 )
 from rosic.core.message import Button, ChatKind, Standing
 from rosic.errors import (
+    Expired,
     FirstNeeded,
     NotUnderstood,
     Refusal,
+    Repeated,
     Unrecognised,
 )
 from rosic.pipeline.audience import Audience
@@ -163,7 +165,11 @@ class Pipeline:
 
     async def _tapped(self, said: Said) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller
-        command = await self._replies.redeem(messenger, inbound, caller)
+        try:
+            command = await self._replies.redeem(messenger, inbound, caller)
+        except Repeated as void:
+            self._outdated(said, void)
+            raise
         if command == LEAVE:
             self._replies.say(messenger, inbound, "Nothing was done.")
         elif command.startswith(ASK_FIRST):
@@ -175,6 +181,12 @@ class Pipeline:
                 said.confirmed = True
                 command, said.second = self.reception.redeem(command[1:], caller)
             await self._lines(said, command)
+
+    def _outdated(self, said: Said, void: Repeated) -> None:
+        """Show again what still waits for an answer, if that may have been the question."""
+        if isinstance(void.__cause__, Expired) and said.inbound.chat.kind is ChatKind.PRIVATE:
+            self._rooms.organiser.charge(said.caller)
+            self.reception.outdated(said.caller.principal)
 
     async def _lines(self, said: Said, text: str) -> None:
         caller, inbound = said.caller, said.inbound

@@ -8,7 +8,7 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 # name.
 ERRANDS = frozenset(
     {
-        "again", "approve", "archive", "authenticator", "book", "cancel", "code", "data",
+        "again", "approve", "archive", "ask", "authenticator", "book", "cancel", "code", "data",
         "decline", "end", "forget", "grant", "information", "invite", "language", "lock", "me",
         "mydata", "people", "revoke", "security", "settings", "share", "shelf", "slots", "take",
         "unlock", "wait",

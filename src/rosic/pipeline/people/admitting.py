@@ -68,7 +68,7 @@ class Admitting:
         asked = self._powers.admitters(applicant.pending.given)
         row = buttons_for(applicant)
         return self._registry.reach.tell(
-            asked, applicant.question, (row,), urgent=True, lifetime_s=PENDING_S
+            asked, applicant.question, (row,), urgent=True, lifetime_s=PENDING_S, still=True
         )
 
     def knows(self, said: str) -> bool:

@@ -161,7 +161,8 @@ def how_to_invite(roles: Sequence[str], robots: Mapping[str, object]) -> str:
     return (
         f"Say as what, where, and for how long: /invite {role}{robot} for 2h\n"
         "Without a robot it is good everywhere, without a time until it is taken back. "
-        "Also: code 30 min (how long the code is good), as NAME (how they are shown).\n"
+        "Also: with speed <= 0.2 m/s (a limit), code 30 min (how long the code is good), as NAME "
+        "(how they are shown), confirm (an admin has to let them in).\n"
         f"Roles here: {listed(roles)}."
     )
 

@@ -53,12 +53,37 @@ RIGHTS = Hall().rights
         ("viewer as Cy  Young", Given(roles=("viewer",)), 600, "Cy Young"),
         ("viewer as Cy for 2h code 1h", Given(roles=("viewer",), lasts_s=7200.0), 3600, "Cy"),
         ("viewer as Code for Good", Given(roles=("viewer",)), 600, "Code for Good"),
+        (
+            "operator kuka1 with distance <= 1 m for 2h",
+            Given(roles=("operator",), robots=("kuka1",), limits=("distance <= 1 m",),
+                  lasts_s=7200.0),
+            600,
+            "",
+        ),
+        (
+            "operator with distance<=50 cm and distance >= 10 cm on kuka1 code 1h as Cy",
+            Given(roles=("operator",), robots=("kuka1",),
+                  limits=("distance<=50 cm", "distance >= 10 cm")),
+            3600,
+            "Cy",
+        ),
+        (
+            "operator limit distance = 1 m, kuka1",
+            Given(roles=("operator",), robots=("kuka1",), limits=("distance = 1 m",)),
+            600,
+            "",
+        ),
         ("viewer for half an hour", Given(roles=("viewer",), lasts_s=1800.0), 600, ""),
     ],
 )  # fmt: skip
 def test_what_is_understood(line: str, given: Given, code_s: float, name: str) -> None:
     wanted = read_invitation(line, RIGHTS)
     assert (wanted.given, wanted.code_ttl_s, wanted.name) == (given, code_s, name)
+
+
+def test_an_admin_may_be_asked_for_a_tap() -> None:
+    assert read_invitation("viewer confirm for 2h", RIGHTS).needs_confirmation
+    assert read_invitation("viewer for 2h", RIGHTS).needs_confirmation is None
 
 
 @pytest.mark.parametrize(
@@ -110,6 +135,27 @@ def test_what_is_understood(line: str, given: Given, code_s: float, name: str) -
                 'I cannot read "kuka1" as a length of time. Write code 2h, code 30 min or '
                 "code 3 days. Nothing was done."
             ),
+            (),
+        ),
+        (
+            "operator kuka1 with force <= 20 N",
+            (
+                "No skill given here has a parameter 'force', so 'force <= 20 N' limits nothing. "
+                "Known here: direction, distance. Nothing was done."
+            ),
+            (),
+        ),
+        (
+            "operator kuka1 with distance <= 20 kg",
+            (
+                "On kuka1, 'distance <= 20 kg' does not fit distance of move: 'kg' does not fit, "
+                "it is given in m. Nothing was done."
+            ),
+            (),
+        ),
+        (
+            "operator kuka1 with distance <",
+            ("'distance <' is not a limit: write for example speed <= 0.2 m/s. Nothing was done."),
             (),
         ),
         ("operator for 2h for 3h", 'That says "for" twice. Nothing was done.', ()),
