@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.authoriser.codes import telegram_link
@@ -10,6 +11,7 @@ from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
 from rosic.core.reach import FLEET
 from rosic.core.skill import SkillClass
+from rosic.errors import NotPermitted
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.consent import Consent
@@ -106,6 +108,7 @@ class Furnishing:
         self._say_times_in(zone)
         reception.consent = self.consent
         reception.stepped_up = self._access.stepup.fresh
+        reception.proof_used = self._proof_used
         reception.refused = self._refused
         self._furnish_times(clock, zone)
         self._furnish_people(authority, messengers, clock, entropy, zone)
@@ -249,6 +252,11 @@ class Furnishing:
         organiser.moment = lambda _who, at_ns: moment(at_ns, organiser.wall_ns(), zone_named(zone))
 
     # ---- misuse ----
+
+    def _proof_used(self, principal: PrincipalId, chat: Chat) -> None:
+        """Begin the idle hour of a second factor anew; what has let pass has let pass."""
+        with suppress(NotPermitted):  # the hour may have ended since it was asked
+            self._access.stepup.use(principal, chat)
 
     def _refused(self, caller: Caller, refusal: Refusal) -> None:
         """Let the rules about misuse hear of refusals; what is only late is none."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from typing import TYPE_CHECKING
 
@@ -39,17 +40,30 @@ class Minder:
         self._authority = authority
         self._furnishing = furnishing
         self._clock = clock
+        self._woken = asyncio.Event()
+        authority.when_granted = self._woken.set
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""
         while True:
+            self._woken.clear()
             try:
                 await self.look()
             except RosicError as fault:
                 log.warning("not everything could be minded: %s", fault)
             except Exception:
                 log.exception("not everything could be minded")
-            await self._clock.sleep(self._pause_s())
+            await self._sleep(self._pause_s())
+
+    async def _sleep(self, seconds: float) -> None:
+        """Sleep, but not past a grant that was given meanwhile: it may end sooner."""
+        timer = asyncio.create_task(self._clock.sleep(seconds))
+        woken = asyncio.create_task(self._woken.wait())
+        try:
+            await asyncio.wait((timer, woken), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            timer.cancel()
+            woken.cancel()
 
     def _pause_s(self) -> float:
         now_ns = self._clock.wall_ns()

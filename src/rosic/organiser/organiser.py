@@ -18,6 +18,7 @@ from rosic.core.lease import Lease
 from rosic.core.order import Order, Permit, Request
 from rosic.core.rate import Bucket, RateLimit
 from rosic.core.robot import Slots
+from rosic.core.roles import Need
 from rosic.core.skill import Argument
 from rosic.errors import NotPermitted, TooManyRequests
 from rosic.organiser.calendar import Calendar
@@ -270,6 +271,10 @@ class Organiser:
     def allows(self, principal: PrincipalId, robot: RobotId, skill: str) -> bool:
         """Whether somebody has a right at all now, under whatever limits; for menus."""
         return self.rights.holds(principal, robot, skill, self._clock.wall_ns())
+
+    def wants_proof(self, request: Request) -> bool:
+        """Whether a request is let pass only after a second factor was shown."""
+        return Need.STEP_UP in self.rights.caution(request.robot, request.skill.id).needs
 
     def settle(self, permit: Permit) -> None:
         """One order has ended; when it was the last, the lease begins to idle."""

@@ -304,6 +304,8 @@ class Pipeline:
         now_ns = self._clock.monotonic_ns()
         requests = self._requesting.requests(said, line, cid, now_ns)
         permits = organiser.admit(said.caller, requests, self._arguments_of, said.grounds)
+        if said.proven and any(organiser.wants_proof(request) for request in requests):
+            self.reception.proof_used(said.caller.principal, inbound.chat)
         start_ns = now_ns + TOGETHER_NS if len(requests) > 1 else None
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
         origin = ReplyTo(said.messenger.name, inbound.chat, reply_id(inbound), title)

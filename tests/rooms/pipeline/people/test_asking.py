@@ -343,6 +343,21 @@ async def test_an_admin_gives_a_role_for_a_while_and_takes_it_back() -> None:
         assert place.acted() == 0
 
 
+async def test_what_ends_soon_ends_what_moves_under_it_though_it_was_given_just_now() -> None:
+    async with house() as place:
+        place.robot("omni").work_s = 60.0
+        await place.line(ADA, "/grant Vi operator omni for 10 s")
+        await place.line(VI, "omni move 1 m")
+        before = len(place.chat.told)
+        await place.pass_s(9.5)
+        assert not place.told(VI, before)
+        await place.pass_s(1.0)
+        assert "Your right has ended: operator on omni." in place.told(VI, before)
+        assert place.gateway.rooms.organiser.holder("omni") is None
+        [life] = [t for t in place.chat.told if "omni: move" in t.outbound.text][-1:]
+        assert "stopped before it ended" in place.chat.shown(life.message).text
+
+
 async def test_what_is_given_for_good_is_confirmed_first() -> None:
     async with house() as place:
         told = await place.line(ADA, "/grant Vi operator omni")
