@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.asking import Code
 from rosic.core.robot import Slots
 from rosic.core.roles import Assurance, Need
+from rosic.core.saying import said
 from rosic.errors import (
     FirstNeeded,
     NotPermitted,
@@ -108,8 +109,14 @@ class Refusing:
     def _who_grants(self, who: tuple[PrincipalId, ...]) -> str:
         names = [self._organiser.name_of(principal) for principal in who]
         if not names:
-            return "The operator of this place can give it."
-        return f"{' or '.join(names)} can give it."
+            return said("The operator of this place can give it.")
+        return said("{names} can give it. It counts at once.", names=" or ".join(names))
+
+    def _who_allows_more(self, who: tuple[PrincipalId, ...]) -> str:
+        names = [self._organiser.name_of(principal) for principal in who]
+        if not names:
+            return said("The operator of this place can allow more.")
+        return said("{names} can allow more. It counts at once.", names=" or ".join(names))
 
     def _not_granted(self, denied: Denied) -> Refusal:
         role = f'the right "{denied.roles[0]}"' if denied.roles else "a right nobody has yet"
@@ -132,21 +139,34 @@ class Refusing:
     def _too_narrow(self, denied: Denied) -> Refusal:
         what, shown = _spoken(denied.ask.skill).capitalize(), self._shown(denied.ask.robot)
         return NotPermitted(
-            f"{what} on {shown} is outside what your key is for. {self._who_grants(denied.who)}"
+            said(
+                "{what} on {robot} is outside what your key is for. The operator of this place "
+                "can give you another one, and it counts at once.",
+                what=what,
+                robot=shown,
+            )
         )
 
     def _too_weak(self, denied: Denied) -> Refusal:
         what, shown = _spoken(denied.ask.skill).capitalize(), self._shown(denied.ask.robot)
         wanted = ANY_CHANNEL.get(denied.channel or Assurance.LOCAL, "a better protected chat")
-        return NotPermitted(f"{what} on {shown} needs {wanted}. This chat is not enough.")
+        return NotPermitted(
+            said(
+                "{what} on {robot} needs {wanted}. This chat is not enough. Say it there, and you "
+                "may.",
+                what=what,
+                robot=shown,
+                wanted=wanted,
+            )
+        )
 
     def _over_limit(self, denied: Denied) -> Refusal:
         limit = denied.limit
-        said = limit.said if limit is not None else "a limit"
+        within = limit.said if limit is not None else "a limit"
         what, shown = _spoken(denied.ask.skill), self._shown(denied.ask.robot)
         return OutOfBounds(
-            f"{shown}: for you, {what} is allowed with {said}. Nothing was done. "
-            + self._who_grants(denied.who).replace("give it", "allow more"),
+            f"{shown}: for you, {what} is allowed with {within}. Nothing was done. "
+            + self._who_allows_more(denied.who),
             petition=_petition(denied),
         )
 

@@ -201,7 +201,10 @@ async def test_a_session_is_ended_by_whoever_has_it_and_by_nobody_else() -> None
         place.robot("omni").work_s = 60.0
         await place.say("omni move 1 m", account=BO, chat=BO)
         told = await place.say("/end omni", account="3", chat="3")
-        assert told == "omni is Bo's now. Only they can end that."
+        assert told == (
+            "omni is Bo's now. They can end that, or an admin. Wait for it, and I tell you when it "
+            "is free."
+        )
         told = await place.say("/end omni", account=BO, chat=BO)
         assert "Session ended. omni is at rest, and free." in told
         assert "Bo ended the session" in told

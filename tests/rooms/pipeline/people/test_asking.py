@@ -105,7 +105,8 @@ async def house(**roles: str) -> AsyncIterator[House]:
 async def test_a_right_is_asked_for_by_a_tap_given_by_another_and_ends() -> None:
     async with house() as place:
         told = await place.line(VI, "omni wave")
-        assert told == 'Wave needs the right "operator" on omni. Ada or Eve can give it.'
+        why = 'Wave needs the right "operator" on omni.'
+        assert told == f"{why} Ada or Eve can give it. It counts at once."
         told = await place.press(VI, "Ask for it")
         assert told == (
             "I have asked Ada or Eve: wave on omni, for 1 h. You hear from me within 1 h."
@@ -267,13 +268,34 @@ async def test_what_nobody_answers_expires_with_a_sentence() -> None:
         assert place.acted() == 0
 
 
-async def test_robots_that_somebody_does_not_see_are_not_there() -> None:
+LINES = (
+    "/ask {} wave for 1h", "/ask {}", "/book {} now 1h", "/slots {}", "/wait {}", "/take over {}",
+    "/end {}", "/use {}", "/help {}", "/status {}", "/resume {}", "{} wave", "{} move 1 m", "{}",
+    "/wait take {}", "/wait keep {}", "/wait none {}",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("line", LINES)
+async def test_robots_that_somebody_does_not_see_are_not_there(line: str) -> None:
+    """Whatever is asked, a robot that is not theirs to see and one that is not are the same."""
     async with house(Vi="tutor") as place:
-        there = await place.line(VI, "/ask omni wave")
-        not_there = await place.line(VI, "/ask umbi wave")
-        assert there.startswith("I have no robot") or "omni" in there
-        assert there.replace("omni", "umbi") == not_there
+        there = await place.line(VI, line.format("omni"))
+        labels = place.labels(VI)
+        not_there = await place.line(VI, line.format("uxyz"))
+        assert there
+        assert there.replace("omni", "uxyz") == not_there
+        assert [label.replace("omni", "uxyz") for label in labels] == place.labels(VI)
         assert not place.told(ADA)
+        assert "cf1" not in there
+
+
+@pytest.mark.parametrize("line", LINES)
+async def test_a_stranger_learns_no_robots_name(line: str) -> None:
+    async with house() as place:
+        said = await place.line("99", line.format("omni"))
+        assert said == await place.line("99", line.format("uxyz"))
+        assert "I do not know you yet" in said or not said
+        assert not any(robot in said for robot in ("omni", "kuka1", "cf1", "cf2", "swarm"))
 
 
 async def test_who_was_locked_meanwhile_gets_nothing() -> None:
