@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.message import Chat
     from rosic.core.robot import RobotId
     from rosic.core.secret import Secret
     from rosic.errors import Refusal

@@ -1,105 +1,15 @@
-"""`/ask`, its answers and `/grant`: a right for a while, by somebody else who may give it."""
+"""`/ask` and its answers: a right for a while, by somebody else who may give it."""
 
 from __future__ import annotations
 
-from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
-
 import pytest
-from msgspec.structs import replace
 
-from rosic.app.people import Seed
-from rosic.core.identity import Address
-from rosic.core.roles import DEFAULT_ROLES, Role, Rulebook
 from rosic.organiser.petitions import MOST_AN_HOUR, MOST_OPEN
 from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import ADA, BO, VI, Place
+from tests.rooms.pipeline.people.house import ADA, BO, EVE, TIM, VI, House, house
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Mapping
-
-    from rosic.core.message import Button, Outbound
-    from rosic.testing.clock import ManualClock
-
-EVE, TIM = "4", "5"
 HOUR_S = 3_600.0
-TUTOR = Role(scopes=("kuka1:*", "kuka1:grant"), priority=15)
-JUNIOR = Role(scopes=("*:move",), limits=("distance <= 1 m",), priority=5)
 QUESTION = "Vi asks for wave on omni, for 1 h. Do you allow it?"
-
-
-class House(Place):
-    """A place with a second admin, Eve, and Tim, who gives rights on kuka1 alone."""
-
-    def __init__(
-        self,
-        store: MemoryStore | None = None,
-        clock: ManualClock | None = None,
-        roles: Mapping[str, str] | None = None,
-    ) -> None:
-        super().__init__(store, clock=clock)
-        more = (
-            Seed("Eve", (Address("memory", EVE),), ("admin",)),
-            Seed("Tim", (Address("memory", TIM),), ("tutor",)),
-        )
-        people = tuple(
-            replace(seed, roles=((roles or {}).get(seed.name, seed.roles[0]),))
-            for seed in (*self._settings.people, *more)
-        )
-        rulebook = Rulebook(
-            roles={
-                **DEFAULT_ROLES,
-                "tutor": TUTOR,
-                "junior": JUNIOR,
-                "registrar": Role(scopes=("fleet:grant",)),
-            }
-        )
-        self.gateway._settings = replace(self._settings, people=people, rulebook=rulebook)
-
-    async def line(self, account: str, text: str) -> str:
-        """Say something in private; return what was told in that chat because of it."""
-        before = len(self.chat.told)
-        await self.say(text, account=account, chat=account)
-        return self.told(account, before)
-
-    def told(self, chat: str, before: int = 0) -> str:
-        news = list(self.chat.told)[before:]
-        return "\n".join(t.outbound.text for t in news if t.outbound.chat.id == chat)
-
-    def newest(self, chat: str) -> Outbound:
-        return next(t.outbound for t in reversed(self.chat.told) if t.outbound.chat.id == chat)
-
-    def labels(self, chat: str) -> list[str]:
-        return [button.label for row in self.newest(chat).buttons for button in row]
-
-    def shown(self, chat: str, label: str) -> tuple[Button, str]:
-        for told in reversed(self.chat.told):
-            if told.outbound.chat.id == chat:
-                for button in (b for row in told.outbound.buttons for b in row):
-                    if button.label == label:
-                        return button, told.message
-        raise AssertionError(f"no button {label!r} in the chat {chat}")
-
-    async def press(self, account: str, label: str) -> str:
-        """Tap the newest button of a label in somebody's chat; return what was told there."""
-        button, under = self.shown(account, label)
-        return await self.press_again(account, button, under)
-
-    async def press_again(self, account: str, button: Button, under: str) -> str:
-        before = len(self.chat.told)
-        await self.tap(button, under, account)
-        return self.told(account, before)
-
-    async def pass_s(self, seconds: float) -> None:
-        await self.clock.advance(seconds)
-        await self.quiet()
-
-
-@asynccontextmanager
-async def house(**roles: str) -> AsyncIterator[House]:
-    place = House(roles=roles)
-    async with place.open():
-        yield place
 
 
 async def test_a_right_is_asked_for_by_a_tap_given_by_another_and_ends() -> None:
@@ -340,80 +250,3 @@ async def test_a_gap_in_listening_voids_what_moves_but_not_an_answer_to_a_questi
         assert (await place.press(ADA, "Allow 1 h")).startswith("Vi may now")
         told = await place.press(EVE, "No")
         assert told == "Ada allowed that already. Nothing was done."
-
-
-# ---- /grant ----
-
-
-async def test_an_admin_gives_a_role_for_a_while_and_takes_it_back() -> None:
-    async with house() as place:
-        told = await place.line(ADA, "/grant Vi operator kuka1 with distance <= 1 m for 2h")
-        what = "operator on kuka1, with distance <= 1 m, until tomorrow 00:13"
-        assert told == f"Vi has been told: {what}."
-        assert place.newest(VI).text == f"Ada gave you: {what}."
-        assert place.newest(EVE).text == f"Ada gave Vi: {what}."
-        assert what in await place.line(VI, "/me")
-        assert what in await place.line(ADA, "/people")
-        await place.line(VI, "kuka1 move 2 m")
-        assert place.acted("kuka1") == 0
-        await place.line(VI, "kuka1 move 1 m")
-        assert place.acted("kuka1") == 1
-        told = await place.line(ADA, "/grant Vi operator omni for 2h")
-        await place.press(ADA, "Take it back")
-        assert place.newest(VI).text == "Ada took back: operator on omni, until tomorrow 00:13."
-        await place.line(VI, "omni wave")
-        assert place.acted() == 0
-
-
-async def test_what_ends_soon_ends_what_moves_under_it_though_it_was_given_just_now() -> None:
-    async with house() as place:
-        place.robot("omni").work_s = 60.0
-        await place.line(ADA, "/grant Vi operator omni for 10 s")
-        await place.line(VI, "omni move 1 m")
-        before = len(place.chat.told)
-        await place.pass_s(9.5)
-        assert not place.told(VI, before)
-        await place.pass_s(1.0)
-        assert "Your right has ended: operator on omni." in place.told(VI, before)
-        assert place.gateway.rooms.organiser.holder("omni") is None
-        [life] = [t for t in place.chat.told if "omni: move" in t.outbound.text][-1:]
-        assert "stopped before it ended" in place.chat.shown(life.message).text
-
-
-async def test_what_is_given_for_good_is_confirmed_first() -> None:
-    async with house() as place:
-        told = await place.line(ADA, "/grant Vi operator omni")
-        assert told == "Give Vi for good: operator on omni?"
-        await place.line(VI, "omni wave")
-        assert place.acted() == 0
-        assert await place.press(ADA, "Give it") == "Vi has been told: operator on omni."
-        await place.line(VI, "omni wave")
-        assert place.acted() == 1
-
-
-@pytest.mark.parametrize(
-    ("line", "said"),
-    [
-        ("/grant", "Whom, what, where and for how long?"),
-        ("/grant Xaver operator omni", 'I know nobody called "Xaver". Nothing was done.'),
-        ("/grant Vi", "As what? The roles here are"),
-        ("/grant Vi operator omni for ever", 'I cannot read "ever" as a length of time.'),
-        ("/grant Vi operator omni with force <= 5 N", "No skill given here has a parameter"),
-        ("/grant Vi operatr omni", 'I know no role and no robot called "operatr".'),
-    ],
-)
-async def test_a_gift_that_makes_no_sense_gives_nothing(line: str, said: str) -> None:
-    async with house() as place:
-        assert (await place.line(ADA, line)).startswith(said)
-        assert not place.gateway.authority.roster.next_end_ns(0)
-
-
-async def test_who_gives_no_rights_learns_nobodys_name() -> None:
-    async with house() as place:
-        for line in ("/grant Vi operator omni for 1h", "/grant Xaver operator omni", "/grant"):
-            told = await place.line(BO, line)
-            assert told == "That is not yours to give. Ada or Eve can. Nothing was done."
-        told = await place.line(TIM, "/grant Vi operator omni for 1h")
-        assert told.startswith("You cannot give operator on omni")
-        assert (await place.line(TIM, "/grant Vi operator kuka1 for 1h")).startswith("Vi has been")
-        assert (await place.line(TIM, "/grant Vi senior kuka1 for 1h")).startswith("You cannot")
