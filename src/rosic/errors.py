@@ -13,6 +13,7 @@ RosicError
 |   |-- RobotBusy          linker: the robot is doing something else
 |   |-- RobotStopped       linker: stopped, until somebody who may resumes it
 |   |-- RobotOffline       linker: the robot is not there
+|   |-- NothingToSee       robot or painter: there is no picture of this, or not now
 |   |-- Expired            anywhere: too old to act on
 |   |-- Inert              pipeline: edited, forwarded or not from a person; nothing is said
 |   |-- Repeated           store: this very message was settled before; nothing is said
@@ -161,6 +162,12 @@ class RobotOffline(Refusal):
     """The robot is not there; nothing was sent to it."""
 
     code = "robot-offline"
+
+
+class NothingToSee(Refusal):
+    """There is no picture of this, none came in time, or it cannot be drawn."""
+
+    code = "nothing-to-see"
 
 
 class Expired(Refusal):

@@ -5,7 +5,17 @@ from __future__ import annotations
 from typing import Final
 
 from rosic.app.shape import Bounds, Field, Form
-from rosic.core.robot import AtRest, Camera, Link, Profile, StopBinding, Telemetry
+from rosic.core.robot import (
+    AtRest,
+    Camera,
+    Link,
+    MapSource,
+    PathSource,
+    PoseSource,
+    Profile,
+    StopBinding,
+    Telemetry,
+)
 from rosic.core.skill import (
     ActionBinding,
     Parameter,
@@ -40,6 +50,19 @@ _GRAPH = Form(_GRAPH_NAME, "a ROS name", "Write it from the root, for example /o
 _GRAPH_OR_NONE = _GRAPH._replace(empty=True)
 _MESSAGE = _ros_type("msg", "geometry_msgs/msg/Twist")
 _SERVICE = _ros_type("srv", "std_srvs/srv/Trigger")
+_FRAMES = Form(
+    r"sensor_msgs/msg/(Compressed)?Image",
+    "a type of camera frames",
+    "Write sensor_msgs/msg/CompressedImage or sensor_msgs/msg/Image.",
+)
+_GRIDS = Form(r"nav_msgs/msg/OccupancyGrid", "a type of maps", "Write nav_msgs/msg/OccupancyGrid.")
+_POSES = Form(
+    r"nav_msgs/msg/Odometry|geometry_msgs/msg/Pose(WithCovariance)?Stamped",
+    "a type that says where a robot is",
+    "Write nav_msgs/msg/Odometry, geometry_msgs/msg/PoseStamped or "
+    "geometry_msgs/msg/PoseWithCovarianceStamped.",
+)
+_WAYS = Form(r"nav_msgs/msg/Path", "a type of planned paths", "Write nav_msgs/msg/Path.")
 _ACTION = _ros_type("action", "rosic_interfaces/action/Move")
 _PATH = Form(
     _FIELD_PATH, "a field of a message", "Join fields by dots, as in twist.twist.linear.x."
@@ -69,7 +92,13 @@ FORMS: Final[dict[Field, Form]] = {
     (Telemetry, "type"): _MESSAGE._replace(empty=True),
     (Telemetry, "field"): _PATH_OR_NONE,
     (Camera, "topic"): _GRAPH,
-    (Camera, "type"): _MESSAGE,
+    (Camera, "type"): _FRAMES,
+    (MapSource, "topic"): _GRAPH,
+    (MapSource, "type"): _GRIDS,
+    (PoseSource, "topic"): _GRAPH,
+    (PoseSource, "type"): _POSES,
+    (PathSource, "topic"): _GRAPH,
+    (PathSource, "type"): _WAYS,
     (TopicBinding, "name"): _GRAPH,
     (TopicBinding, "type"): _MESSAGE,
     (TopicBinding, "message"): _PATH,

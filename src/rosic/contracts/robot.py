@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import AsyncGenerator, Callable
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from rosic.core.order import Order, Outcome, Report, Rest, Stop
@@ -10,6 +10,7 @@ from rosic.core.order import Order, Outcome, Report, Rest, Stop
 if TYPE_CHECKING:
     from rosic.core.gate import Gate
     from rosic.core.robot import Presence, Profile
+    from rosic.core.view import Sight, View
 
 Tell: TypeAlias = Callable[[Report], None]
 Say: TypeAlias = Callable[[str], None]
@@ -81,4 +82,16 @@ class Robot(Protocol):
 
     def presence(self) -> Presence:
         """Return what its side last said; no I/O."""
+        ...
+
+    def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+        """Yield what can be seen, each time newer than before, as fast as it is asked for.
+
+        Looking moves nothing and hinders nobody. What it needs from the robot's side is taken up
+        with the first step and given back when the generator is closed.
+
+        Raises:
+            NothingToSee: With any step: the profile does not offer it, or nothing came within
+                some seconds.
+        """
         ...

@@ -9,6 +9,7 @@ from typing import TypeAlias
 import msgspec
 
 from rosic.core.skill import Skill
+from rosic.core.view import Pose, Sight
 
 RobotId: TypeAlias = str
 
@@ -106,10 +107,31 @@ class Telemetry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class Camera(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where pictures come from."""
+    """Where pictures come from; whoever may read the robot may then ask for them."""
 
     topic: str
-    type: str
+    type: str = "sensor_msgs/msg/CompressedImage"
+
+
+class MapSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where the map comes from."""
+
+    topic: str
+    type: str = "nav_msgs/msg/OccupancyGrid"
+
+
+class PoseSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What says where the robot is: on the map, and on its way."""
+
+    topic: str
+    type: str = "nav_msgs/msg/Odometry"
+
+
+class PathSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What says where the robot means to go."""
+
+    topic: str
+    type: str = "nav_msgs/msg/Path"
 
 
 class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -139,6 +161,9 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     skills: dict[str, Skill] = {}
     telemetry: dict[str, Telemetry] = {}
     camera: Camera | None = None
+    map: MapSource | None = None
+    pose: PoseSource | None = None
+    path: PathSource | None = None
 
     def __post_init__(self) -> None:
         for name in (self.id, *self.groups):
@@ -161,6 +186,10 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         """What people read."""
         return self.title or self.id
 
+    def offers(self, sight: Sight) -> bool:
+        """Whether people may look at the robot in this way: opt-in, robot by robot."""
+        return (self.camera if sight is Sight.PICTURE else self.map) is not None
+
 
 class Presence(msgspec.Struct, frozen=True, kw_only=True):
     """What the robot side last said of itself.
@@ -171,6 +200,7 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
         doing: Skill it is carrying out; empty when none.
         at_rest: None when not measured.
         values: Newest telemetry in the profile's units.
+        pose: Where it is; None unless the profile names a ``pose`` and it is fresh.
     """
 
     online: bool | None = None
@@ -178,3 +208,4 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
     doing: str = ""
     at_rest: bool | None = None
     values: dict[str, float | str] = {}
+    pose: Pose | None = None

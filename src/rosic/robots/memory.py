@@ -9,18 +9,22 @@ from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
 from rosic.core.robot import Presence, Profile
-from rosic.errors import RobotOffline
+from rosic.core.saying import said
+from rosic.core.view import View
+from rosic.errors import NothingToSee, RobotOffline
 
 if TYPE_CHECKING:
-    from collections.abc import Generator
+    from collections.abc import AsyncGenerator, Generator
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
     from rosic.core.gate import Gate
+    from rosic.core.view import Content, Pose, Sight
 
 SENT = Report(Stage.SENT)
 RECEIVED = Report(Stage.RECEIVED)
 DONE = Outcome(Ending.DONE)
+LOOK_EVERY_S = 0.05
 CANCELLED = Outcome(Ending.CANCELLED)
 
 
@@ -31,6 +35,10 @@ class MemoryRobot:
         acted: The newest order numbers that acted, in order, bounded.
         work_s: How long an order takes; 0 takes one turn of the event loop.
         online: False makes it absent.
+        shows: What it shows to whoever looks.
+        looked: How many look now.
+        pose: Where it says that it is.
+        values: What it reports.
     """
 
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
@@ -39,6 +47,10 @@ class MemoryRobot:
         self.acted: deque[int] = deque(maxlen=100_000)
         self.work_s = 0.0
         self.online = True
+        self.shows: dict[Sight, Content] = {}
+        self.looked = 0
+        self.pose: Pose | None = None
+        self.values: dict[str, float | str] = {}
         self._clock = clock
         self._doing: Order | None = None
         self._end: asyncio.Future[None] | None = None
@@ -87,7 +99,26 @@ class MemoryRobot:
     def presence(self) -> Presence:
         """Always at hand, unless made absent."""
         doing = self._doing.skill.id if self._doing else ""
-        return Presence(online=self.online, age_s=0.0, doing=doing, at_rest=self._doing is None)
+        return Presence(
+            online=self.online,
+            age_s=0.0,
+            doing=doing,
+            at_rest=self._doing is None,
+            values=self.values,
+            pose=self.pose,
+        )
+
+    async def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+        """Show what it was given to show."""
+        if sight not in self.shows or not self.profile.offers(sight):
+            raise NothingToSee(said("{robot} shows nothing now.", robot=self.profile.shown))
+        self.looked += 1
+        try:
+            while True:
+                yield View(self.shows[sight], self._clock.monotonic_ns())
+                await self._clock.sleep(LOOK_EVERY_S)
+        finally:
+            self.looked -= 1
 
 
 @coroutine

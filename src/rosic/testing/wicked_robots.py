@@ -11,10 +11,13 @@ from rosic.core.order import Outcome, Report, Rest, Stage
 from rosic.errors import OrderVoid
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncGenerator
+
     from rosic.contracts.robot import Robot, Say, Tell
     from rosic.core.gate import Gate
     from rosic.core.order import Order, Stop
     from rosic.core.robot import Presence, Profile
+    from rosic.core.view import Sight, View
 
 FAR_NS = 10**18
 
@@ -58,6 +61,10 @@ class Wicked:
     def presence(self) -> Presence:
         """Return what the honest one says."""
         return self.honest.presence()
+
+    def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+        """Show what the honest one shows."""
+        return self.honest.look(sight)
 
 
 class ActsTwice(Wicked):

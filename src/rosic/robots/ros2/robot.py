@@ -22,15 +22,17 @@ from rosic.robots.ros2.measuring import Measurements
 from rosic.robots.ros2.meeting import Meetings
 from rosic.robots.ros2.names import check_graph_name
 from rosic.robots.ros2.rest import Brakes, Resting
+from rosic.robots.ros2.sights import Sights
 from rosic.robots.ros2.station import others_under, station_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import AsyncGenerator, Callable, Iterator
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
     from rosic.core.gate import Gate
     from rosic.core.skill import Skill
+    from rosic.core.view import Sight, View
     from rosic.robots.ros2.graph import Snapshot
 
 _log = logging.getLogger(__name__)
@@ -67,6 +69,7 @@ class Ros2Robot:
         self._measured = Measurements(profile)
         self._brakes = Brakes(profile, self._measured, clock)
         self._heartbeat = Heartbeat(self._namespace, clock)
+        self._sights = Sights(profile, clock)
         self._meetings = Meetings(profile.id)
         self._dialogue = self._text_link()
         self._carriers = {name: self._carrier(name, s) for name, s in profile.skills.items()}
@@ -135,7 +138,7 @@ class Ros2Robot:
             except Exception:  # noqa: BLE001 - a contract: it never raises
                 _log.exception("%s was not closed cleanly", self.profile.id)
 
-    def _parts(self) -> Iterator[Measurements | Brakes | Heartbeat | Carrier]:
+    def _parts(self) -> Iterator[Measurements | Brakes | Heartbeat | Carrier | Sights]:
         """Yield everything to be opened: first what stops the robot, last what moves it."""
         yield self._measured
         yield self._brakes
@@ -145,6 +148,7 @@ class Ros2Robot:
         for carrier in self._carriers.values():
             if carrier is not self._dialogue:
                 yield carrier
+        yield self._sights
 
     # ---- orders ----
 
@@ -222,14 +226,19 @@ class Ros2Robot:
 
     def presence(self) -> Presence:
         """Return what was last heard."""
-        errand = self._errand
+        errand, online = self._errand, self._online()
         return Presence(
-            online=self._online(),
+            online=online,
             age_s=self._age_s(),
             doing=errand.order.skill.id if errand is not None else "",
             at_rest=self._at_rest(),
             values=self._measured.values(),
+            pose=self._sights.pose() if online is not False else None,
         )
+
+    def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+        """Yield what can be seen."""
+        return self._sights.look(sight)
 
     def _age_s(self) -> float | None:
         ages = (self._measured.age_s(), None if self._dialogue is None else self._dialogue.age_s())

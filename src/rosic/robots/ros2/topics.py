@@ -168,6 +168,12 @@ class Latest(Subscription):
         newest = self._newest
         return None if newest is None else newest[0]
 
+    @property
+    def size_bytes(self) -> int:
+        """How large the newest message is, before anybody decodes it; 0 without one."""
+        newest = self._newest
+        return 0 if newest is None else len(newest[1])
+
     def message(self) -> RosObject | None:
         """Return the newest message; None when none has come. Decoded once, when first asked for.
 

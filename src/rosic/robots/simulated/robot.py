@@ -7,22 +7,29 @@ from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
 from rosic.core.robot import Presence, Profile
-from rosic.errors import ConfigurationError
+from rosic.core.saying import said
+from rosic.core.view import Pose, Sight, View
+from rosic.errors import ConfigurationError, NothingToSee
 from rosic.robots.simulated.goals import goal_of, machine_arguments
 from rosic.robots.simulated.machines.activity import Activity, CannotDo, State
+from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.omni import Omni
+from rosic.robots.simulated.scenery.plan import plan_of, pose_of
+from rosic.robots.simulated.scenery.scene import robot_scene
 from rosic.robots.simulated.theatre import theatre_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import AsyncGenerator, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
     from rosic.core.gate import Gate
+    from rosic.core.view import Content
 
 REST_EVERY_S = 0.02
 WAITING = "waiting"  # what a machine says until its first step; news only for a common start
 SETPOINT_EVERY_S = 0.1
+LOOK_EVERY_S = 0.05
 ENDING = {
     State.DONE: Ending.DONE,
     State.FAILED: Ending.FAILED,
@@ -178,7 +185,34 @@ class SimulatedRobot:
             doing=self._doing,
             at_rest=machine.at_rest(),
             values=_described(machine.telemetry(), self.profile),
+            pose=self._pose() if self.profile.pose is not None else None,
         )
+
+    def _pose(self) -> Pose | None:
+        """Return where a machine is that goes somewhere."""
+        machine = self._machine
+        if isinstance(machine, Omni):
+            return pose_of(machine)
+        if isinstance(machine, Crazyflie):
+            flight = machine.flight
+            return Pose(flight.x_m, flight.y_m, flight.height.position, frame="map")
+        return None
+
+    async def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+        """Show the machine as it stands, or the room it drives in."""
+        while True:
+            if not self._machine.moving:
+                self._machine.step(self._theatre.now_s())
+            content = self._shown(sight) if self.profile.offers(sight) else None
+            if content is None:
+                raise NothingToSee(said("{robot} shows no such thing.", robot=self.profile.shown))
+            yield View(content, self._clock.monotonic_ns())
+            await self._clock.sleep(LOOK_EVERY_S)
+
+    def _shown(self, sight: Sight) -> Content | None:
+        if sight is Sight.PICTURE:
+            return robot_scene(self._theatre.world, self.profile.id)
+        return plan_of(self._machine) if isinstance(self._machine, Omni) else None
 
 
 def _described(measured: Mapping[str, float | str], profile: Profile) -> dict[str, float | str]:

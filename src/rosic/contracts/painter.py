@@ -1,0 +1,27 @@
+"""What whoever draws owes to ROSIC."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from rosic.core.view import Drawing, Subject
+
+
+class Painter(Protocol):
+    """Makes pictures out of what was seen. Called on a thread of its own: it may take a second."""
+
+    def __call__(self, subject: Subject, *, low: bool = False) -> Drawing:
+        """Draw.
+
+        Args:
+            subject: What; from a robot, so anything may be wrong with it.
+            low: Smaller and coarser, for a bad network.
+
+        Returns:
+            At most 4 MB, at most 1,280 pixels a side.
+
+        Raises:
+            NothingToSee: It is too large, or no picture at all; the sentence says which.
+        """
+        ...

@@ -1,0 +1,61 @@
+"""The one way in: a subject becomes a picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.saying import said
+from rosic.core.view import Clip, Curve, Encoded, Grid, Raster, Scene, Way
+from rosic.errors import NothingToSee
+from rosic.pictures.charts import chart
+from rosic.pictures.encoding import animation, exact, graphic, photograph, shrunk
+from rosic.pictures.frames import decoded, raster
+from rosic.pictures.maps import grid_map
+from rosic.pictures.scenes import scene_image
+from rosic.pictures.ways import way
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+    from rosic.core.view import Content, Drawing, Subject
+
+WITHIN, LOW_WITHIN = 1280, 360
+CLIP_WITHIN, LOW_CLIP_WITHIN = 480, 240
+MOST_FRAMES = 24
+TALL = 0.625  # a scene's height for its width
+
+
+def draw(subject: Subject, *, low: bool = False) -> Drawing:
+    """Draw; `rosic.contracts.painter.Painter` says what is promised."""
+    if isinstance(subject, Curve):
+        return graphic(chart(subject, low=low), low=low)
+    if isinstance(subject, Way):
+        return graphic(way(subject, low=low), low=low)
+    if isinstance(subject, Grid):
+        return graphic(grid_map(subject, low=low), low=low)
+    if isinstance(subject, Clip):
+        return _clip(subject, low=low)
+    return photograph(_still(subject, LOW_WITHIN if low else WITHIN), low=low)
+
+
+def _clip(clip: Clip, *, low: bool) -> Drawing:
+    if not clip.frames:
+        raise NothingToSee(said("There is nothing to draw yet."))
+    within = LOW_CLIP_WITHIN if low else CLIP_WITHIN
+    images = [_still(frame, within) for frame in clip.frames[:MOST_FRAMES]]
+    return animation(images, clip.every_s, low=low)
+
+
+def _still(content: Content, within: int) -> Image.Image:
+    if isinstance(content, Encoded):
+        return shrunk(decoded(content, within), within)
+    if isinstance(content, Raster):
+        return shrunk(raster(content), within)
+    if isinstance(content, Scene):
+        return scene_image(content, within, round(within * TALL))
+    return grid_map(content, low=within <= LOW_CLIP_WITHIN)
+
+
+def portrait(scene: Scene, width: int, height: int) -> Drawing:
+    """Draw a scene for a page, of any shape."""
+    return exact(scene_image(scene, width, height))
