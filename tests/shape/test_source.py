@@ -16,8 +16,8 @@ PUBLISHED = ("src/", "docs/", "examples/", "robots/")
 
 
 @cache
-def texts() -> dict[str, str]:
-    """Every text file that git tracks or would track, by its path from the root."""
+def files() -> tuple[str, ...]:
+    """Every file that git tracks or would track, by its path from the root."""
     listing = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],  # noqa: S607
         cwd=ROOT,
@@ -26,12 +26,19 @@ def texts() -> dict[str, str]:
     )
     if listing.returncode:
         pytest.skip("The shape is checked in a git checkout; this folder is none.")
-    found = {}
-    for name in filter(None, listing.stdout.decode().split("\0")):
-        path = ROOT / name
-        if path.is_file() and b"\0" not in (content := path.read_bytes()):
-            found[name] = content.decode(errors="replace")
-    return found
+    names = filter(None, listing.stdout.decode().split("\0"))
+    return tuple(name for name in names if (ROOT / name).is_file())
+
+
+@cache
+def texts() -> dict[str, str]:
+    """Every one of them that is a text."""
+    contents = {name: (ROOT / name).read_bytes() for name in files()}
+    return {
+        name: content.decode(errors="replace")
+        for name, content in contents.items()
+        if b"\0" not in content
+    }
 
 
 def modules(*folders: str) -> dict[str, str]:
@@ -73,7 +80,7 @@ def test_the_spelling_is_british() -> None:
 def test_every_link_between_pages_leads_somewhere() -> None:
     pages = {path: text for path, text in texts().items() if path.endswith(".md")}
 
-    assert rules.broken_links(pages, texts()) == []
+    assert rules.broken_links(pages, files()) == []
 
 
 def test_every_package_says_what_it_is_for() -> None:

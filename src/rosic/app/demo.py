@@ -12,6 +12,7 @@ from rosic.app.closing import close_in_time
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.operating import Operating
+from rosic.app.painting import painter
 from rosic.app.people import Seed
 from rosic.app.profiles import known_units, read_profile, shipped_profiles
 from rosic.app.quiet import until_quiet
@@ -99,6 +100,7 @@ def gateway_of(
         entropy=entropy,
         units=known_units(),
         face=face_of(),
+        painter=painter(),
     )
     return Gateway(Settings(profiles=tuple(profiles), people=(you,)), parts)
 

@@ -15,6 +15,7 @@ from rosic.app.authority import Authority, key_of
 from rosic.app.furnishing import Furnishing
 from rosic.app.holding import Holding
 from rosic.app.minding import Minder
+from rosic.app.painting import furnish_seeing
 from rosic.app.people import Seed, remember, seed
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
@@ -23,6 +24,7 @@ from rosic.contracts.adapter import RobotFactory
 from rosic.contracts.clock import Clock
 from rosic.contracts.entropy import Entropy
 from rosic.contracts.messenger import Messenger
+from rosic.contracts.painter import Painter
 from rosic.contracts.store import Latch, Store
 from rosic.core.gate import Gate
 from rosic.core.language import UnitTable, Vocabulary, clean
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot
     from rosic.core.identity import PrincipalId
     from rosic.core.record import Memory
+    from rosic.pipeline.seeing.parts import Seeing
 
 log = logging.getLogger("rosic.gateway")
 
@@ -78,7 +81,11 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Parts(msgspec.Struct, frozen=True, kw_only=True):
-    """The adapters of a gateway; a test owns each of them."""
+    """The adapters of a gateway; a test owns each of them.
+
+    Attributes:
+        painter: Draws what is seen; None: people are told that nobody here can.
+    """
 
     messengers: tuple[Messenger, ...]
     robot_factory: Callable[[str], RobotFactory]
@@ -88,6 +95,7 @@ class Parts(msgspec.Struct, frozen=True, kw_only=True):
     entropy: Entropy
     units: UnitTable
     face: Face
+    painter: Painter | None = None
 
 
 class Gateway:
@@ -95,7 +103,7 @@ class Gateway:
 
     Attributes:
         pipeline, rooms, stop_lane, robots: Made by ``open``.
-        authority, access, furnishing, holding: Likewise.
+        authority, access, furnishing, holding, seeing: Likewise.
     """
 
     pipeline: Pipeline
@@ -106,6 +114,7 @@ class Gateway:
     access: Access
     furnishing: Furnishing
     holding: Holding
+    seeing: Seeing
 
     def __init__(self, settings: Settings, parts: Parts) -> None:
         self._settings = settings
@@ -188,6 +197,9 @@ class Gateway:
         self.furnishing.furnish(
             authority, self._messengers, parts.clock, parts.entropy, settings.zone
         )
+        self.seeing = furnish_seeing(
+            self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
+        )
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
 
@@ -227,6 +239,7 @@ class Gateway:
         )  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
+            asyncio.create_task(self.seeing.sampler.run()),
         ]  # fmt: skip
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
@@ -276,7 +289,8 @@ class Gateway:
     def quiet(self) -> bool:
         """Whether no order is under way, no stop is being measured and nothing is left to say."""
         told = self._teller is None or self._teller.quiet
-        return told and self.stop_lane.quiet and not len(self.pipeline.lives)
+        seen = not hasattr(self, "seeing") or self.seeing.studio.quiet
+        return told and seen and self.stop_lane.quiet and not len(self.pipeline.lives)
 
     def _robot_says(self, profile: Profile, text: str) -> None:
         """Bring a robot's own words to everybody who chose it, as inert text (Algorithm 8)."""
@@ -296,6 +310,8 @@ class Gateway:
         """
         begun_ns = self._parts.clock.monotonic_ns()
         await self._fall_deaf()
+        if hasattr(self, "seeing"):
+            await self.seeing.studio.close()
         ending = asyncio.create_task(self._end_lives(begun_ns))
         await asyncio.sleep(0)  # from here on no order begins
         idle = self._idle()
@@ -334,6 +350,8 @@ class Gateway:
         """End what is under way, and tell it in what is left of the time since ``begun_ns``."""
         if hasattr(self, "pipeline"):
             await asyncio.gather(self.pipeline.close(), self.stop_lane.close())
+        if hasattr(self, "seeing"):
+            self.seeing.sampler.close()
         if self._teller is not None:
             past_s = (self._parts.clock.monotonic_ns() - begun_ns) / 1e9
             await self._teller.flush(min(FLUSH_S, max(FLUSH_AT_LEAST_S, TOLD_BY_S - past_s)))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from rosic.app.adapters import messenger_factory, robot_factory
 from rosic.app.face import face_of
 from rosic.app.gateway import Parts, Settings
+from rosic.app.painting import painter
 from rosic.app.profiles import known_units
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
@@ -72,6 +73,7 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
         entropy=entropy,
         units=known_units(),
         face=face_of(),
+        painter=painter(),
     )
 
 

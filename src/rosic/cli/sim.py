@@ -6,6 +6,7 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from rosic.app.painting import jpeg_drawer
 from rosic.robots.ros2.ros import load_ros
 
 if TYPE_CHECKING:
@@ -27,5 +28,5 @@ def run(arguments: Sequence[str]) -> int:
     parser.add_argument("--ros2", action="store_true", help="as ROS 2 nodes; the only way so far")
     options = parser.parse_args(arguments)
     load_ros()
-    status = import_module(NODES).main(list(options.robots))
+    status = import_module(NODES).main(list(options.robots), jpeg_drawer())
     return status if isinstance(status, int) else 0

@@ -11,13 +11,14 @@ from rosic.errors import RosicError, StoreFault
 from rosic.linker.mailbox import Mailbox, Waiting
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import AsyncGenerator, Iterable, Iterator, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot, Tell
     from rosic.contracts.store import Latch
     from rosic.core.identity import PrincipalId
     from rosic.core.stopboard import StopBoard
+    from rosic.core.view import Sight, View
 
 
 CLEARED_WITHIN_S = 0.5
@@ -204,6 +205,10 @@ class Linker:
         """Return the order whose turn it is at a robot; None while it is free."""
         entry = self._mailboxes[robot_id].current
         return None if entry is None else entry.order
+
+    def look(self, robot: RobotId, sight: Sight) -> AsyncGenerator[View, None]:
+        """Yield what can be seen of a robot; see ``contracts.robot.Robot``."""
+        return self._robots[robot].look(sight)
 
     def presence(self, robot: RobotId) -> Presence:
         """Return what the robot's side last said."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rosic.core.robot import Profile, RobotId
     from rosic.pipeline.choosing import Choosing
     from rosic.pipeline.office import Asked
+    from rosic.pipeline.reception import Reception
     from rosic.pipeline.rooms import Rooms
 
 BUTTONS_A_ROW = 3
@@ -45,7 +46,8 @@ class Reply(msgspec.Struct, frozen=True):
 class Desk:
     """Answers from memory; reads only what its asker may see (I11)."""
 
-    def __init__(self, rooms: Rooms, choosing: Choosing) -> None:
+    def __init__(self, rooms: Rooms, choosing: Choosing, reception: Reception) -> None:
+        self._reception = reception
         self._organiser = rooms.organiser
         self._container = rooms.container
         self._linker = rooms.linker
@@ -150,10 +152,11 @@ class Desk:
                    and not any(p.text for p in s.parameters.values())]  # fmt: skip
         visible = self._organiser.visible(principal)
         often = self._choosing.favourites(principal, profile.id, visible)
+        seen = self._reception.sights(profile.id)
         last = [Button("STOP", f"stop {profile.id}")]
         if len(visible) > 1:
             last.append(Button("Another robot", "robots"))
-        return (*((button,) for button in often), *rows(buttons), tuple(last))
+        return (*((button,) for button in often), *rows(buttons), *rows(seen), tuple(last))
 
     def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:
         return rows([Button(self._profiles[r].shown, f"use {r}") for r in sorted(visible)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import msgspec
 
@@ -32,6 +32,16 @@ FULL = Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code
 SHUT_DOWN = "ROSIC was shut down"
 
 log = logging.getLogger("rosic.pipeline")
+
+
+class Watcher(Protocol):
+    """Whoever follows what robots do. Neither method raises anything."""
+
+    def began(self, order: Order) -> None:
+        """Hear that an order is handed to its robot now."""
+
+    def ended(self, order: Order) -> None:
+        """Hear that it is over."""
 
 
 class OrderLife:
@@ -100,6 +110,7 @@ class Lives:
 
     Attributes:
         after: Called with the robot when an order has ended.
+        watch: Hears when a robot begins an order and when it has ended.
     """
 
     def __init__(
@@ -111,6 +122,7 @@ class Lives:
         clock: Clock,
     ) -> None:
         self.after: Callable[[RobotId], None] | None = None
+        self.watch: Watcher | None = None
         self.teller = teller
         self.wall_ns = clock.wall_ns
         self._organiser = organiser
@@ -163,6 +175,8 @@ class Lives:
                 return
             life.begun = True
             server.relaying = True
+            if self.watch is not None:
+                self.watch.began(life.order)
             outcome = await self._relay(server)
             server.relaying = False
             if server.rested is not None:
@@ -216,6 +230,8 @@ class Lives:
         self._organiser.settle(life.order.permit)
         if self.after is not None:
             self.after(life.order.robot)
+        if self.watch is not None and life.begun:
+            self.watch.ended(life.order)
         life.words = life.shown.wording(outcome, self.wall_ns())
         life.card.ending = True
         self._container.conclude(life.order, outcome, life.words, life.concluded)

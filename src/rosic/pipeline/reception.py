@@ -9,7 +9,8 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.identity import Caller, PrincipalId
-from rosic.core.message import Chat
+from rosic.core.message import Button, Chat
+from rosic.core.robot import RobotId
 from rosic.errors import Refusal
 from rosic.pipeline.office import Office
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 SteppedUp: TypeAlias = Callable[[PrincipalId, Chat], bool]
 ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
 Newcomer: TypeAlias = "Callable[[Messenger, Inbound, str], Awaitable[Reply | None]]"
+Sights: TypeAlias = Callable[[RobotId], list[Button]]
 Refused: TypeAlias = Callable[[Caller, Refusal], None]
 Outdated: TypeAlias = Callable[[PrincipalId], None]
 
@@ -37,6 +39,7 @@ class Reception:
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         refused: Hears of every refusal, for rules about misuse.
         outdated: Hears, in private, of a tap on a button that is no good any more.
+        sights: Buttons for what can be seen of a robot, for its menu.
     """
 
     def __init__(self) -> None:
@@ -47,6 +50,7 @@ class Reception:
         self.newcomer: Newcomer | None = None
         self.refused: Refused = _ignore
         self.outdated: Outdated = _nothing
+        self.sights: Sights = _unseen
 
     def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
         """Return what a button that confirms says, and who has agreed to it.
@@ -69,6 +73,10 @@ def _unused(_principal: PrincipalId, _chat: Chat) -> None:
 
 def _nothing(_principal: PrincipalId) -> None:
     return None
+
+
+def _unseen(_robot: RobotId) -> list[Button]:
+    return []
 
 
 def _ignore(_caller: Caller, _refusal: Refusal) -> None:

@@ -67,7 +67,12 @@ class Replies:
     def hand_over(
         self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
     ) -> None:
-        """Answer with a clerk's reply: buttons as `offer` has them, and a file if there is one."""
+        """Answer with a clerk's reply: buttons as `offer` has them, and a file if there is one.
+
+        An empty text says nothing: the clerk answers later.
+        """
+        if not reply.text and reply.attachment is None:
+            return
         if reply.attachment is None:
             self.offer(messenger, inbound, caller, reply.text, reply.buttons)
             return

@@ -96,10 +96,10 @@ class Pipeline:
         self._resuming = Resuming(organiser, container, linker, rooms.board)
         self.habits = Habits()
         self._choosing = Choosing(self._reader, self.habits)
-        self._desk = Desk(rooms, self._choosing)
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience = Audience(organiser)
         self.reception = Reception()
+        self._desk = Desk(rooms, self._choosing, self.reception)
         self.reception.office.employ("information", self._desk.information)
         self.reception.office.employ("again", self._again)
 

@@ -7,12 +7,14 @@ each is caught.
 from __future__ import annotations
 
 import asyncio
+from contextlib import aclosing
 from typing import TYPE_CHECKING, ClassVar
 
 import pytest
 
 from rosic.core.order import Ending, Outcome, Report, Stage, Stop
-from rosic.errors import OrderVoid
+from rosic.core.view import Sight
+from rosic.errors import NothingToSee, OrderVoid
 from rosic.testing.orders import OrderBook
 
 if TYPE_CHECKING:
@@ -175,6 +177,19 @@ class RobotConformance:
                 await asyncio.wait_for(running, BOUND_S)
             assert robot.presence().at_rest is not False
             assert not robot.presence().doing
+
+    async def test_what_its_profile_does_not_offer_cannot_be_seen(
+        self, make_robot: MakeRobot, clock: Clock
+    ) -> None:
+        async with make_robot() as robot:
+            for sight in Sight:
+                async with aclosing(robot.look(sight)) as views:
+                    try:
+                        view = await asyncio.wait_for(anext(views), BOUND_S)
+                    except NothingToSee:
+                        continue
+                    assert robot.profile.offers(sight)
+                    assert view.taken_ns <= clock.monotonic_ns()
 
     # ------------------------------------------------------------------------------------------
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.core.order import Outcome, Report, Rest, Stage
+from rosic.core.view import Encoded, View
 from rosic.errors import OrderVoid
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.core.gate import Gate
     from rosic.core.order import Order, Stop
     from rosic.core.robot import Presence, Profile
-    from rosic.core.view import Sight, View
+    from rosic.core.view import Sight
 
 FAR_NS = 10**18
 
@@ -172,6 +173,14 @@ class GoesOnWhenCancelled(Wicked):
             return Outcome(ending=None)  # type: ignore[arg-type]
 
 
+class ShowsEverything(Wicked):
+    """Shows what nobody has opened to people."""
+
+    async def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+        """Show something, whatever it is."""
+        yield View(Encoded(sight.value.encode()), 0)
+
+
 SINNERS: dict[str, type[Wicked]] = {
     "test_an_order_acts_once_and_ends_done": ActsTwice,
     "test_received_is_said_after_sent_and_before_running": SaysReceivedTooEarly,
@@ -185,4 +194,5 @@ SINNERS: dict[str, type[Wicked]] = {
     "test_a_stopped_robot_moves_again_only_after_its_resume": ResumesAnything,
     "test_an_order_from_before_a_stop_never_acts": ForgetsStops,
     "test_cancelling_brings_the_robot_to_rest": GoesOnWhenCancelled,
+    "test_what_its_profile_does_not_offer_cannot_be_seen": ShowsEverything,
 }

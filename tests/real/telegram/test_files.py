@@ -9,8 +9,10 @@ from msgspec.structs import replace
 
 from rosic.authoriser.qr import qr_png
 from rosic.core.message import Attachment, Button
+from rosic.core.view import Clip, Raster
 from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.telegram.files import FILE_BYTES
+from rosic.pictures.draw import draw
 from tests.real.telegram.gateway import Gateway, to
 
 if TYPE_CHECKING:
@@ -55,6 +57,31 @@ async def test_what_telegram_takes_for_no_picture_goes_as_it_is(
     await gateway.messenger.send(replace(to(ada, "Look."), attachment=attachment))
     held = one(server, ada)["document"]
     assert server.file(held["file_id"]) == content
+
+
+@pytest.mark.parametrize(("name", "method"), [("jpeg", "photo"), ("gif", "animation")])
+async def test_what_was_drawn_is_shown_as_a_picture_or_as_an_animation(
+    server: FakeTelegram, gateway: Gateway, ada: int, name: str, method: str
+) -> None:
+    frame = Raster(64, 48, "mono8", 64, bytes(range(64)) * 48)
+    drawing = draw(Clip((frame, frame), 0.2) if name == "gif" else frame)
+    attachment = Attachment(f"omni.{name}", drawing.media_type, drawing.content)
+    await gateway.messenger.send(replace(to(ada, "omni, 0.4 s ago"), attachment=attachment))
+    seen = one(server, ada)
+    held = seen[method][-1] if method == "photo" else seen[method]
+    assert server.file(held["file_id"]) == drawing.content
+    assert seen["text"] == "omni, 0.4 s ago"
+
+
+@pytest.mark.parametrize("sides", [(2_000, 40), (1, 30)])
+async def test_a_picture_of_an_odd_shape_goes_as_it_is(
+    server: FakeTelegram, gateway: Gateway, ada: int, sides: tuple[int, int]
+) -> None:
+    width, height = sides
+    drawing = draw(Raster(width, height, "mono8", width, bytes(width * height)))
+    attachment = Attachment("odd.jpg", drawing.media_type, drawing.content)
+    await gateway.messenger.send(replace(to(ada, "Look."), attachment=attachment))
+    assert one(server, ada)["document"]["file_name"] == "odd.jpg"
 
 
 async def test_a_file_goes_once_when_its_text_is_long(

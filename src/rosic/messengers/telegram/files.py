@@ -14,7 +14,9 @@ from telegram import InputFile
 from rosic.errors import MessengerFault
 
 if TYPE_CHECKING:
-    from telegram import Bot, InlineKeyboardMarkup, ReplyParameters
+    from collections.abc import Awaitable, Callable, Mapping
+
+    from telegram import Bot, InlineKeyboardMarkup, Message, ReplyParameters
 
     from rosic.core.message import Attachment
 
@@ -24,6 +26,10 @@ PHOTO_SIDES: Final = 10_000
 PHOTO_RATIO: Final = 20
 FILE_S: Final = 120.0
 """How long a file may take on its way."""
+JPEG: Final = "image/jpeg"
+_JPEG: Final = b"\xff\xd8\xff"
+_JPEG_SIZES: Final = frozenset({0xC0, 0xC1, 0xC2, 0xC3})
+GIF: Final = "image/gif"
 _PNG: Final = b"\x89PNG\r\n\x1a\n"
 
 
@@ -45,7 +51,11 @@ class Sendable:
         """Send it and return the message's id."""
         attachment = self._attachment
         file = InputFile(attachment.content, filename=attachment.name)
-        how = bot.send_photo if self.is_picture else bot.send_document
+        how: Callable[..., Awaitable[Message]] = bot.send_document
+        if self.is_picture:
+            how = bot.send_photo
+        elif attachment.media_type == GIF:
+            how = bot.send_animation
         message = await how(
             chat,
             file,
@@ -71,9 +81,34 @@ def prepared(attachment: Attachment) -> Sendable:
 
 def _is_picture(attachment: Attachment) -> bool:
     content = attachment.content
-    if attachment.media_type != "image/png" or len(content) > PHOTO_BYTES:
+    if len(content) > PHOTO_BYTES:
         return False
-    if not content.startswith(_PNG) or len(content) < 24:  # noqa: PLR2004 - up to its two sides
-        return False
-    sides: list[int] = sorted(struct.unpack(">II", content[16:24]))
+    sides = sorted(_SIDES.get(attachment.media_type, _unknown)(content))
     return bool(sides[0]) and sum(sides) <= PHOTO_SIDES and sides[1] <= PHOTO_RATIO * sides[0]
+
+
+def _png_sides(content: bytes) -> tuple[int, int]:
+    if not content.startswith(_PNG) or len(content) < 24:  # noqa: PLR2004 - up to its two sides
+        return 0, 0
+    width, height = struct.unpack(">II", content[16:24])
+    return width, height
+
+
+def _jpeg_sides(content: bytes) -> tuple[int, int]:
+    at = 2
+    while content.startswith(_JPEG) and at + 9 < len(content) and content[at] == 0xFF:  # noqa: PLR2004
+        if content[at + 1] in _JPEG_SIZES:
+            height, width = struct.unpack(">HH", content[at + 5 : at + 9])
+            return width, height
+        at += 2 + int(struct.unpack(">H", content[at + 2 : at + 4])[0])
+    return 0, 0
+
+
+def _unknown(_content: bytes) -> tuple[int, int]:
+    return 0, 0
+
+
+_SIDES: Final[Mapping[str, Callable[[bytes], tuple[int, int]]]] = {
+    "image/png": _png_sides,
+    JPEG: _jpeg_sides,
+}

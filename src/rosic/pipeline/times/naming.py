@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rosic.core import words as core_words
 from rosic.core.language.compiled import fold
@@ -12,11 +12,39 @@ from rosic.errors import NotPermitted, NotUnderstood
 from rosic.pipeline.times import words_times as words
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.core.identity import PrincipalId
+    from rosic.core.language import Vocabulary
+    from rosic.core.message import Chat
     from rosic.core.robot import RobotId
     from rosic.pipeline.office import Asked
-    from rosic.pipeline.times.parts import Times
 
 MOST_WORDS = 64
+
+
+class Sides(Protocol):
+    """What other rooms say of who asks: the robots they may see, and the one they chose."""
+
+    @property
+    def visible(self) -> Callable[[PrincipalId], frozenset[RobotId]]:
+        """Return the robots that somebody may see."""
+
+    @property
+    def selected(self) -> Callable[[PrincipalId, Chat], str]:
+        """Return the robot or group that somebody chose in a chat; empty for none."""
+
+
+class Parts(Protocol):
+    """What names are found with."""
+
+    @property
+    def vocabulary(self) -> Vocabulary:
+        """Return who is called what."""
+
+    @property
+    def sides(self) -> Sides:
+        """Return what other rooms say."""
 
 
 class Naming:
@@ -25,9 +53,9 @@ class Naming:
     Robots that the person may not see are as unknown as those that do not exist.
     """
 
-    def __init__(self, times: Times) -> None:
-        self._vocabulary = times.vocabulary
-        self._sides = times.sides
+    def __init__(self, parts: Parts) -> None:
+        self._vocabulary = parts.vocabulary
+        self._sides = parts.sides
 
     def robot(
         self, asked: Asked, verb: str, text: str, *, nameless: bool = False

@@ -28,16 +28,18 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import FrameType
 
+    from rosic.robots.ros2.nodes.views import DrawJpeg
     from rosic.robots.ros2.ros import RosObject
 
 LONGEST_TURN_S = 0.1
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -> int:
     """Run robots until SIGTERM or Ctrl-C; says ``ready`` and their names once all are up.
 
     Args:
         arguments: Names of robots, all by default, and ``--actuations FILE``.
+        draw: Makes the frames of their cameras; None: they have none.
 
     Raises:
         ConfigurationError: ROS 2 is not here, or there is no such robot.
@@ -65,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         ) from error
     stopping = _Stopping()
     try:
-        _run(robots, log, stopping)
+        _run(robots, log, stopping, draw)
     finally:
         log.close()
     return 0
@@ -83,7 +85,9 @@ class _Stopping:
         self.asked = True
 
 
-def _run(robots: Sequence[str], log: Actuations, stopping: _Stopping) -> None:
+def _run(
+    robots: Sequence[str], log: Actuations, stopping: _Stopping, draw: DrawJpeg | None
+) -> None:
     ros = load_ros()
     context = ros.rclpy.Context()
     ros.rclpy.init(context=context, signal_handler_options=ros.signals.SignalHandlerOptions.NO)
@@ -95,6 +99,8 @@ def _run(robots: Sequence[str], log: Actuations, stopping: _Stopping) -> None:
             ros_node = _node(ros, context, robot)
             executor.add_node(ros_node)
             nodes.append(MachineNode(ros_node, robot, world, clock, log))
+            if draw is not None:
+                nodes[-1].show(world, draw)
         sys.stdout.write(f"ready {' '.join(robots)}\n")
         sys.stdout.flush()
         while not stopping.asked:
@@ -106,7 +112,7 @@ def _run(robots: Sequence[str], log: Actuations, stopping: _Stopping) -> None:
     finally:
         executor.shutdown()
         for node in nodes:
-            node.node.destroy_node()
+            node.close()
         context.try_shutdown()
 
 

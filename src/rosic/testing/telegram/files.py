@@ -43,6 +43,13 @@ def store_document(world: World, upload: Upload) -> StoredFile:
     return _store(world, upload, "document", show)
 
 
+def store_animation(world: World, upload: Upload) -> StoredFile:
+    """Keep a GIF; how long it lasts is not looked into."""
+    width, height = struct.unpack("<HH", upload.content[6:10])
+    show = {"width": width, "height": height, "duration": 1, "mime_type": "image/gif"}
+    return _store(world, upload, "animation", show)
+
+
 def store_photo(world: World, upload: Upload, size: tuple[int, int]) -> StoredFile:
     """Keep a photo of this width and height."""
     return _store(world, upload, "photo", {"width": size[0], "height": size[1]})

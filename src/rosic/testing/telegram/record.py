@@ -123,6 +123,7 @@ def _version(content: Content) -> JsonObject:
         "entities": content.entities or content.caption_entities,
         "photo": shown.get("photo"),
         "document": shown.get("document"),
+        "animation": shown.get("animation"),
         "buttons": [
             [dict(button) for button in row]
             for row in (content.reply_markup or {}).get("inline_keyboard", [])

@@ -11,8 +11,10 @@ from rosic.robots.ros2.nodes.goals import Goals
 from rosic.robots.ros2.nodes.offers import MODELS
 from rosic.robots.ros2.nodes.reports import Reports
 from rosic.robots.ros2.nodes.swarm_topic import SwarmTopic
+from rosic.robots.ros2.nodes.views import DrawJpeg, SceneCamera, publish_map
 from rosic.robots.ros2.nodes.waiting_clock import NS, WaitingClock
 from rosic.robots.ros2.nodes.watch import LinkWatch
+from rosic.robots.ros2.ros import load_ros
 from rosic.robots.simulated.machines.activity import CannotDo
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.omni import Omni
@@ -60,9 +62,22 @@ class MachineNode:
         ros_node.create_service(self._trigger, "stop", self._stop)
         header = import_module("std_msgs.msg").Header
         subscribe(ros_node, header, "link", self._heard)
+        self._map: RosObject = None
+        self._camera: SceneCamera | None = None
         if isinstance(self.machine, Omni):
+            self._map = publish_map(ros_node, self.machine, load_ros().qos)
             twist = import_module("geometry_msgs.msg").Twist
             subscribe(ros_node, twist, "cmd_vel", self._velocity)
+
+    def show(self, world: World, draw: DrawJpeg) -> None:
+        """Let others look at it from now on."""
+        self._camera = SceneCamera(self.node, self.id, world, draw)
+
+    def close(self) -> None:
+        """Leave the graph."""
+        if self._camera is not None:
+            self._camera.close()
+        self.node.destroy_node()
 
     # ---- time ----
 
@@ -101,6 +116,8 @@ class MachineNode:
             self._swarm.turn(now_s, stamp)
         if self._reports.due(now_s):
             self._reports.publish(now_s, stamp)
+        if self._camera is not None:
+            self._camera.turn(now_s, stamp)
 
     def began(self, skill: str, goal: str) -> None:
         """Take down that the machine begins to act."""

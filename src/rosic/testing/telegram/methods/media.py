@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 MAX_PHOTO = 10 * 1024 * 1024
 MAX_PHOTO_SIDES = 10_000
 MAX_PHOTO_RATIO = 20
+GIF_HEAD = 13
 
 
 def send_photo(world: World, call: Call) -> JsonObject:
@@ -46,6 +47,19 @@ def send_document(world: World, call: Call) -> JsonObject:
     if isinstance(upload, Upload):
         upload = files.store_document(world, upload)
     return _send(world, call, {"document": upload.show})
+
+
+def send_animation(world: World, call: Call) -> JsonObject:
+    """https://core.telegram.org/bots/api#sendanimation: GIF or silent H.264, 50 MB.
+
+    "For backward compatibility, when this field is set, the document field will also be set."
+    """
+    upload = _upload(world, call, "animation")
+    if isinstance(upload, Upload):
+        if not upload.content.startswith((b"GIF87a", b"GIF89a")) or len(upload.content) < GIF_HEAD:
+            raise unsupported(world, call, "animations other than GIF")
+        upload = files.store_animation(world, upload)
+    return _send(world, call, {"animation": upload.show, "document": upload.show})
 
 
 def _upload(world: World, call: Call, field: str) -> Upload | StoredFile:
@@ -100,6 +114,19 @@ METHODS = {
             "disable_content_type_detection": Kind.FLAG,
         },
         send_document,
+    ),
+    "sendAnimation": Method(
+        {
+            **SENDING,
+            **CAPTIONED,
+            "animation": Kind.FILE,
+            "duration": Kind.INTEGER,
+            "width": Kind.INTEGER,
+            "height": Kind.INTEGER,
+            "thumbnail": Kind.FILE,
+            "has_spoiler": Kind.FLAG,
+        },
+        send_animation,
     ),
     "getFile": Method({"file_id": Kind.TEXT}, get_file),
 }

@@ -1,0 +1,182 @@
+"""``/picture``, ``/clip`` and ``/map``: what the robot's side shows now."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import aclosing
+from functools import partial
+from typing import TYPE_CHECKING
+
+from rosic.core.language.compiled import fold
+from rosic.core.message import Button
+from rosic.core.saying import said
+from rosic.core.view import Clip, Encoded, Raster, Sight, View
+from rosic.errors import NothingToSee, NotUnderstood
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.seeing import words_seeing as words
+from rosic.pipeline.seeing.studio import Shot
+from rosic.pipeline.times.naming import Naming
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.seeing.parts import Seeing
+
+LOW = "low"
+PICTURE_COST, CLIP_COST = 1.0, 4.0
+WITHIN_S = 15.0
+CLIP_FRAMES = 14
+CLIP_EVERY_S = 0.2
+CLIP_S = 5.0
+CLIP_BYTES = 64_000_000
+SEVERAL = 2
+ANSWERED_LATER = Reply("")
+_ENDS = ".,;:!?"
+
+
+class Looking:
+    """The clerk who looks at robots."""
+
+    def __init__(self, seeing: Seeing) -> None:
+        self._seeing = seeing
+        self._naming = Naming(seeing)
+
+    async def picture(self, asked: Asked) -> Reply:
+        """Show a frame.
+
+        Raises:
+            Refusal: No such robot, no camera, not now.
+        """
+        robot, low = self._asked(asked, "picture", Sight.PICTURE)
+        self._begin(asked, robot, PICTURE_COST, partial(self._picture, robot, low=low))
+        return ANSWERED_LATER
+
+    async def clip(self, asked: Asked) -> Reply:
+        """Show some seconds. Raises as `picture` does."""
+        robot, low = self._asked(asked, "clip", Sight.PICTURE)
+        self._begin(asked, robot, CLIP_COST, partial(self._clip, robot, low=low))
+        return ANSWERED_LATER
+
+    async def map(self, asked: Asked) -> Reply:
+        """Show the map. Raises as `picture` does."""
+        robot, low = self._asked(asked, "map", Sight.MAP)
+        self._begin(asked, robot, PICTURE_COST, partial(self._map, robot, low=low))
+        return ANSWERED_LATER
+
+    def _asked(self, asked: Asked, verb: str, sight: Sight) -> tuple[RobotId, bool]:
+        """Return which robot is meant, and whether it may be coarse."""
+        text = asked.rest.strip().rstrip(_ENDS)
+        alone = fold(text) == LOW and not self._naming.calls(asked, text)
+        robot, rest = self._naming.robot(asked, verb, text, nameless=alone)
+        profile = self._seeing.profiles[robot]
+        if not profile.offers(sight):
+            why = words.no_camera if sight is Sight.PICTURE else words.no_map
+            raise NothingToSee(why(profile.shown))
+        if rest and fold(rest) != LOW:
+            raise NotUnderstood(words.too_much(verb), offers=(f"{verb} {robot}",))
+        return robot, bool(rest)
+
+    def _begin(
+        self, asked: Asked, robot: RobotId, cost: float, take: Callable[[], Awaitable[Shot]]
+    ) -> None:
+        self._seeing.studio.begin(asked, robot, cost, take)
+
+    async def _picture(self, robot: RobotId, *, low: bool) -> Shot:
+        view = await self._first(robot, Sight.PICTURE)
+        again = Button(said("Again"), _command("picture", robot, low=low))
+        moving = Button(said("Clip"), _command("clip", robot, low=low))
+        buttons = (again, moving, *_coarser("picture", robot, low=low))
+        return self._shot(robot, view, words.camera(), buttons, low=low)
+
+    async def _map(self, robot: RobotId, *, low: bool) -> Shot:
+        view = await self._first(robot, Sight.MAP)
+        again = Button(said("Again"), _command("map", robot, low=low))
+        buttons = (again, *_coarser("map", robot, low=low))
+        return self._shot(robot, view, words.plan(), buttons, low=low)
+
+    def _shot(
+        self, robot: RobotId, view: View, what: str, buttons: tuple[Button, ...], *, low: bool
+    ) -> Shot:
+        shown = self._seeing.profiles[robot].shown
+        return Shot(
+            view.content,
+            lambda: words.caption(
+                shown, what, self._seeing.age_s(view.taken_ns), foreign=view.foreign, low=low
+            ),
+            robot,
+            low,
+            (buttons,),
+        )
+
+    async def _first(self, robot: RobotId, sight: Sight) -> View:
+        shown = self._seeing.profiles[robot].shown
+        try:
+            async with (
+                asyncio.timeout(WITHIN_S),
+                aclosing(self._seeing.linker.look(robot, sight)) as views,
+            ):
+                async for view in views:
+                    return view
+        except TimeoutError:
+            pass
+        raise NothingToSee(said("{robot} has shown nothing.", robot=shown))
+
+    async def _clip(self, robot: RobotId, *, low: bool) -> Shot:
+        shown = self._seeing.profiles[robot].shown
+        views = await self._several(robot)
+        if len(views) < SEVERAL:
+            raise NothingToSee(said("{robot} shows pictures too seldom for a clip.", robot=shown))
+        last = views[-1]
+        seconds = max(0.1, (last.taken_ns - views[0].taken_ns) / 1e9)
+        clip = Clip(tuple(view.content for view in views), seconds / (len(views) - 1))
+        again = Button(said("Again"), _command("clip", robot, low=low))
+        still = Button(said("Picture"), _command("picture", robot, low=low))
+        return Shot(
+            clip,
+            lambda: words.caption(
+                shown, words.clip(seconds), self._seeing.age_s(last.taken_ns),
+                foreign=last.foreign, low=low,
+            ),
+            robot,
+            low,
+            ((again, still, *_coarser("clip", robot, low=low)),),
+        )  # fmt: skip
+
+    async def _several(self, robot: RobotId) -> list[View]:
+        """Return frames one after another, until there are enough or it has taken long enough."""
+        clock, views = self._seeing.clock, list[View]()
+        begun_ns, size = clock.monotonic_ns(), 0
+        try:
+            async with (
+                asyncio.timeout(WITHIN_S),
+                aclosing(self._seeing.linker.look(robot, Sight.PICTURE)) as frames,
+            ):
+                async for view in frames:
+                    views.append(view)
+                    size += _size(view)
+                    past_s = (clock.monotonic_ns() - begun_ns) / 1e9
+                    if len(views) >= CLIP_FRAMES or size > CLIP_BYTES or past_s > CLIP_S:
+                        break
+                    await clock.sleep(CLIP_EVERY_S)
+        except TimeoutError:
+            pass
+        except NothingToSee:
+            if len(views) < SEVERAL:
+                raise
+        return views
+
+
+def _command(verb: str, robot: RobotId, *, low: bool) -> str:
+    return f"/{verb} {robot} {LOW}" if low else f"/{verb} {robot}"
+
+
+def _coarser(verb: str, robot: RobotId, *, low: bool) -> tuple[Button, ...]:
+    """Return the button for the other quality."""
+    label = said("Better quality") if low else said("Lower quality")
+    return (Button(label, _command(verb, robot, low=not low)),)
+
+
+def _size(view: View) -> int:
+    return len(view.content.data) if isinstance(view.content, (Encoded, Raster)) else 0

@@ -1,0 +1,93 @@
+"""Takes the samples: values every second, places while an order is carried out."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from rosic.pipeline.seeing.samples import EVERY_S, FOLLOW_S, Samples, Track
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.order import Order
+    from rosic.core.robot import Profile, RobotId
+    from rosic.linker.linker import Linker
+
+log = logging.getLogger("rosic.seeing")
+
+
+class Sampler:
+    """Watches robots for people; nothing is decided by what it sees, and nothing fails by it.
+
+    Attributes:
+        samples: Values of the last minutes.
+        tracks: The way of each robot's last order.
+    """
+
+    def __init__(self, linker: Linker, profiles: Mapping[RobotId, Profile], clock: Clock) -> None:
+        self.samples = Samples()
+        self.tracks: dict[RobotId, Track] = {}
+        self._linker = linker
+        self._clock = clock
+        self._reporting = tuple(p.id for p in profiles.values() if p.telemetry)
+        self._placed = frozenset(p.id for p in profiles.values() if p.pose is not None)
+        self._open: dict[RobotId, Track] = {}
+        self._following: asyncio.Task[None] | None = None
+
+    async def run(self) -> None:
+        """Sample values until cancelled; without any to sample it ends at once."""
+        while self._reporting:
+            now_s = self._clock.monotonic_ns() / 1e9
+            for robot in self._reporting:
+                try:
+                    presence = self._linker.presence(robot)
+                except Exception:
+                    log.exception("%s could not be sampled", robot)
+                    continue
+                if presence.online is not False:
+                    self.samples.take(robot, presence.values.items(), now_s)
+            await self._clock.sleep(EVERY_S)
+
+    # ---- ways ----
+
+    def began(self, order: Order) -> None:
+        """Follow a robot from now on, if it says where it is."""
+        robot = order.robot
+        if robot not in self._placed:
+            return
+        track = Track(order.words or order.skill.id, self._clock.monotonic_ns())
+        self.tracks[robot] = self._open[robot] = track
+        self._note(robot, track)
+        if self._following is None or self._following.done():
+            self._following = asyncio.create_task(self._follow())
+
+    def ended(self, order: Order) -> None:
+        """Follow it no more."""
+        track = self._open.pop(order.robot, None)
+        if track is not None:
+            self._note(order.robot, track, last=True)
+            track.ended_ns = self._clock.monotonic_ns()
+
+    async def _follow(self) -> None:
+        while self._open:
+            await self._clock.sleep(FOLLOW_S)
+            for robot, track in tuple(self._open.items()):
+                self._note(robot, track)
+
+    def _note(self, robot: RobotId, track: Track, *, last: bool = False) -> None:
+        try:
+            pose = self._linker.presence(robot).pose
+        except Exception:
+            log.exception("%s could not be followed", robot)
+            return
+        if pose is not None:
+            track.add(pose, last=last)
+
+    def close(self) -> None:
+        """Follow nobody."""
+        self._open.clear()
+        if self._following is not None:
+            self._following.cancel()

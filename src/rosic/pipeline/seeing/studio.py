@@ -1,0 +1,186 @@
+"""Where pictures are made: one at a time for each robot, a few at once, off the event loop.
+
+A picture is held until it was sent, so that what waits to be sent is bounded by what may be made.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.message import Attachment, Button, Outbound
+from rosic.core.rate import Bucket, RateLimit
+from rosic.core.view import Subject
+from rosic.errors import MessengerFault, NothingToSee, NotPermitted, Refusal, TooManyRequests
+from rosic.pipeline.replies import reply_id
+from rosic.pipeline.seeing import words_seeing as words
+from rosic.pipeline.telling import Note
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.painter import Painter
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.core.view import Drawing
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.telling import Teller
+
+AT_ONCE = 4
+DRAWN_AT_ONCE = 2
+LIMIT = RateLimit(burst=10.0, per_s=0.2)
+SEND_WITHIN_S = 90.0
+SOON_S = 2.0
+ENDINGS = {"image/jpeg": "jpg", "image/png": "png", "image/gif": "gif"}
+
+log = logging.getLogger("rosic.seeing")
+
+
+class Shot(msgspec.Struct, frozen=True):
+    """Something to be drawn and shown.
+
+    Attributes:
+        caption: Asked when it is drawn, so that its age is true then.
+        name: Of the file, without ending.
+    """
+
+    subject: Subject
+    caption: Callable[[], str]
+    name: str
+    low: bool = False
+    buttons: tuple[tuple[Button, ...], ...] = ()
+
+
+class Studio:
+    """Makes pictures and sends them to whoever asked."""
+
+    def __init__(
+        self,
+        painter: Painter | None,
+        teller: Teller,
+        clock: Clock,
+        *,
+        may_see: Callable[[PrincipalId, RobotId], bool],
+        issue: Callable[[Button, PrincipalId, str], Button],
+        shown: Callable[[RobotId], str],
+    ) -> None:
+        self._painter = painter
+        self._teller = teller
+        self._clock = clock
+        self._may_see = may_see
+        self._issue = issue
+        self._shown = shown
+        self._buckets: dict[PrincipalId, Bucket] = {}
+        self._tasks: dict[str, asyncio.Task[None]] = {}
+        self._drawing = asyncio.Semaphore(DRAWN_AT_ONCE)
+
+    @property
+    def works(self) -> bool:
+        """Whether anything can be drawn at all."""
+        return self._painter is not None
+
+    @property
+    def quiet(self) -> bool:
+        """Whether no picture is being made."""
+        return not self._tasks
+
+    def begin(
+        self,
+        asked: Asked,
+        robot: RobotId,
+        cost: float,
+        take: Callable[[], Awaitable[Shot]],
+        *,
+        kept: str = "",
+    ) -> None:
+        """Make a picture in a task of its own: looking takes seconds, and nobody waits for it.
+
+        Args:
+            asked: By whom, where.
+            robot: Of which robot.
+            cost: In pictures.
+            take: Looks.
+            kept: What is drawn from memory, so that the robot is not looked at.
+
+        Raises:
+            NothingToSee: Pictures cannot be drawn or sent here.
+            TooManyRequests: Not now. Nothing was begun.
+        """
+        if self._painter is None:
+            raise NothingToSee(words.NO_PAINTER)
+        if asked.messenger.file_bytes <= 0:
+            raise NothingToSee(words.NO_FILES)
+        key = f"{robot} {kept}"
+        if key in self._tasks:
+            sentence = words.somebody_looks(self._shown(robot))
+            raise TooManyRequests(sentence, retry_after_s=SOON_S)
+        if len(self._tasks) >= AT_ONCE:
+            raise TooManyRequests(words.too_many_look(), retry_after_s=SOON_S)
+        self._charge(asked.caller.principal, cost)
+        task = asyncio.create_task(self._make(asked, robot, self._painter, take))
+        self._tasks[key] = task
+        task.add_done_callback(lambda _: self._tasks.pop(key, None))
+
+    def _charge(self, principal: PrincipalId, cost: float) -> None:
+        now_ns = self._clock.monotonic_ns()
+        bucket = self._buckets.get(principal)
+        if bucket is None:
+            bucket = self._buckets[principal] = Bucket(LIMIT, now_ns)
+        wait_s = bucket.take(now_ns, cost)
+        if wait_s:
+            raise TooManyRequests(words.too_often(wait_s), retry_after_s=wait_s)
+
+    async def _make(
+        self,
+        asked: Asked,
+        robot: RobotId,
+        painter: Painter,
+        take: Callable[[], Awaitable[Shot]],
+    ) -> None:
+        try:
+            shot = await take()
+            async with self._drawing:
+                drawing = await asyncio.to_thread(painter, shot.subject, low=shot.low)
+            await self._send(asked, robot, shot, drawing)
+        except Refusal as refusal:
+            self._say(asked, str(refusal))
+        except (MessengerFault, TimeoutError) as fault:
+            log.warning("a picture was not sent: %s", fault)
+            self._say(asked, words.NOT_SENT)
+        except Exception:
+            log.exception("a picture could not be made")
+            self._say(asked, words.BROKEN)
+
+    async def _send(self, asked: Asked, robot: RobotId, shot: Shot, drawing: Drawing) -> None:
+        principal, inbound = asked.caller.principal, asked.inbound
+        if not self._may_see(principal, robot):  # seconds have passed since it was asked
+            raise NotPermitted(words.GONE)
+        bound = tuple(
+            tuple(self._issue(button, principal, inbound.chat.id) for button in row)
+            for row in shot.buttons
+        )
+        name = f"{shot.name}.{ENDINGS[drawing.media_type]}"
+        outbound = Outbound(
+            chat=inbound.chat,
+            text=shot.caption(),
+            reply_to=reply_id(inbound),
+            buttons=bound,
+            attachment=Attachment(name, drawing.media_type, drawing.content),
+        )
+        async with asyncio.timeout(SEND_WITHIN_S):
+            await asked.messenger.send(outbound)
+
+    def _say(self, asked: Asked, text: str) -> None:
+        inbound = asked.inbound
+        outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound))
+        self._teller.say(Note(asked.messenger, outbound))
+
+    async def close(self) -> None:
+        """Make no more; what is being looked at is let go."""
+        tasks = tuple(self._tasks.values())
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)

@@ -1,0 +1,35 @@
+"""What the page about seeing says is what the code does."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from rosic.app.profiles import check_profile
+from rosic.pictures import draw, encoding, frames
+from rosic.pipeline.seeing import looking, samples, studio
+from rosic.robots.ros2 import sights
+
+TEXT = (Path(__file__).parents[2] / "docs" / "robots" / "seeing.md").read_text("utf-8")
+
+
+def test_the_profile_that_is_shown_is_good(tmp_path: Path) -> None:
+    (block,) = re.findall(r"^```yaml\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
+    file = tmp_path / "rover.yaml"
+    file.write_text(block)
+    assert [str(error) for error in check_profile(file)] == []
+
+
+def test_the_figures_are_right() -> None:
+    assert (studio.AT_ONCE, studio.DRAWN_AT_ONCE) == (4, 2)
+    assert (studio.LIMIT.burst, 1 / studio.LIMIT.per_s) == (10.0, 5.0)
+    assert (looking.CLIP_COST, looking.CLIP_FRAMES, draw.CLIP_WITHIN) == (4.0, 14, 480)
+    assert (draw.WITHIN, encoding.MOST_BYTES) == (1280, 4_000_000)
+    assert (frames.MOST_PIXELS, frames.MOST_BYTES) == (16_000_000, 16_000_000)
+    assert (samples.KEPT, samples.EVERY_S, samples.WAY_POINTS) == (600, 1.0, 600)
+    assert (sights.FIRST_WITHIN_S, sights.AHEAD_S, sights.OLDEST_S) == (5.0, 1.0, 86_400.0)
+
+
+def test_every_encoding_is_named() -> None:
+    for name in (*frames.PLAIN, *frames.DEEP):
+        assert f"`{name}`" in TEXT

@@ -1,0 +1,170 @@
+"""Cameras and maps over a real ROS 2 graph: seen while somebody looks, and dated."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import aclosing, asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.core.gate import Gate
+from rosic.core.robot import Camera, Link, MapSource, PathSource, PoseSource, Profile
+from rosic.core.view import Encoded, Grid, Raster, Sight, View
+from rosic.errors import NothingToSee
+from rosic.pictures.draw import draw
+from rosic.robots.ros2 import sights
+from rosic.robots.ros2.robot import Ros2Robot
+from rosic.system import SystemClock
+from tests.real.ros2.simulated import opened, shipped
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from rosic.testing.ros2.graph import RosGraph, RosProcess
+
+EYES = Path(__file__).with_name("eyes.py")
+JPEG = Camera(topic="/omni/jpeg")
+RAW = Camera(topic="/omni/raw", type="sensor_msgs/msg/Image")
+
+
+@pytest.fixture
+def eyes(graph: RosGraph) -> RosProcess:
+    return graph.start(EYES)
+
+
+@asynccontextmanager
+async def robot(camera: Camera = JPEG) -> AsyncIterator[Ros2Robot]:
+    profile = Profile(
+        id="omni",
+        title="Omni",
+        link=Link(kind="ros2", namespace="/omni"),
+        camera=camera,
+        map=MapSource(topic="/omni/map"),
+        pose=PoseSource(topic="/omni/pose", type="geometry_msgs/msg/PoseStamped"),
+        path=PathSource(topic="/omni/path"),
+    )
+    made = Ros2Robot(profile, Gate("omni"), SystemClock())
+    await made.open(lambda _: None)
+    try:
+        yield made
+    finally:
+        await made.close()
+
+
+async def first(made: Ros2Robot, sight: Sight) -> View:
+    async with aclosing(made.look(sight)) as views:
+        return await anext(views)
+
+
+async def ask(eyes: RosProcess, line: str) -> None:
+    await asyncio.to_thread(eyes.say, line)
+    await asyncio.to_thread(eyes.expect, f"ok {line.split(maxsplit=1)[0]}")
+
+
+@pytest.mark.usefixtures("eyes")
+async def test_a_compressed_frame_comes_as_it_was_sent() -> None:
+    async with robot() as made:
+        view = await first(made, Sight.PICTURE)
+        assert isinstance(view.content, Encoded)
+        assert view.content.data == b"\xff\xd8\xff frame"
+        assert not view.foreign
+        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9
+
+
+@pytest.mark.usefixtures("eyes")
+async def test_a_raw_frame_comes_with_its_encoding() -> None:
+    async with robot(RAW) as made:
+        view = await first(made, Sight.PICTURE)
+        assert view.content == Raster(4, 3, "bgr8", 12, bytes([1, 2, 3] * 12))
+        assert isinstance(view.content, Raster)
+        assert draw(view.content).width == 4
+
+
+async def test_frames_are_subscribed_to_only_while_somebody_looks(eyes: RosProcess) -> None:
+    async with robot() as made:
+        await asyncio.to_thread(eyes.expect, "watched 0 0")
+        async with aclosing(made.look(Sight.PICTURE)) as views:
+            await anext(views)
+            await asyncio.to_thread(eyes.expect, "watched 1 0")
+            one, other = await anext(views), await anext(views)
+            assert other.taken_ns > one.taken_ns
+        await asyncio.to_thread(eyes.expect, "watched 0 0")
+
+
+async def test_a_stamp_of_another_clock_is_said_to_be_one(eyes: RosProcess) -> None:
+    await ask(eyes, "unstamped")
+    async with robot() as made:
+        view = await first(made, Sight.PICTURE)
+        assert view.foreign
+        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9
+
+
+async def test_what_is_no_picture_is_refused_when_it_is_drawn(eyes: RosProcess) -> None:
+    await ask(eyes, "shows nothing")
+    async with robot() as made:
+        view = await first(made, Sight.PICTURE)
+        with pytest.raises(NothingToSee, match="neither a JPEG nor a PNG"):
+            draw(view.content)
+
+
+async def test_a_camera_that_is_silent_is_not_waited_for(
+    graph: RosGraph, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert graph.domain_id >= 0
+    monkeypatch.setattr(sights, "FIRST_WITHIN_S", 0.3)
+    async with robot() as made:
+        for sight, what in ((Sight.PICTURE, "picture"), (Sight.MAP, "map")):
+            async with asyncio.timeout(10):
+                with pytest.raises(NothingToSee, match=f"^Omni has sent no {what} for"):
+                    await first(made, sight)
+
+
+async def test_a_map_that_was_sent_once_is_seen_with_pose_and_path(eyes: RosProcess) -> None:
+    await ask(eyes, "room map")
+    await ask(eyes, "goes map")
+    async with robot() as made:
+        grid = await placed(made, eyes, "map")
+        assert (grid.width, grid.height, grid.resolution_m) == (3, 2, 0.5)
+        assert grid.cells == bytes([0, 100, 255, 50, 0, 0])
+        assert grid.origin.x_m == -1.0
+        assert grid.pose is not None
+        assert (grid.pose.x_m, grid.pose.y_m) == (0.25, 0.5)
+        assert grid.pose.yaw_rad == pytest.approx(1.5708, abs=1e-3)
+        assert grid.path == ((0.0, 0.0), (1.0, 0.0), (2.0, 0.0))
+        assert made.presence().pose == grid.pose
+        draw(grid)
+
+
+async def test_a_pose_in_another_frame_is_not_put_on_the_map(eyes: RosProcess) -> None:
+    await ask(eyes, "room map")
+    async with robot() as made:
+        grid = await placed(made, eyes, "odom")
+        assert grid.pose is None
+        assert grid.note == "robot not shown: its pose is in odom, the map in map"
+
+
+async def placed(made: Ros2Robot, eyes: RosProcess, frame: str) -> Grid:
+    """Return the map once the pose was heard: each side finds the other in its own time."""
+    async with asyncio.timeout(15):
+        while made.presence().pose is None:
+            await ask(eyes, f"stands {frame}")
+            await asyncio.sleep(0.05)
+    view = await first(made, Sight.MAP)
+    assert isinstance(view.content, Grid)
+    return view.content
+
+
+@pytest.mark.usefixtures("interfaces")
+async def test_a_simulated_robot_films_itself_and_knows_its_room(graph: RosGraph) -> None:
+    await asyncio.to_thread(graph.start, "-m", "rosic", "sim", "omni")
+    clock = SystemClock()
+    async with opened(shipped("omni"), clock) as made:
+        view = await first(made, Sight.PICTURE)
+        assert isinstance(view.content, Encoded)
+        assert draw(view.content).width == 360
+        grid = (await first(made, Sight.MAP)).content
+        assert isinstance(grid, Grid)
+        assert grid.pose is not None
+        assert grid.note == ""
