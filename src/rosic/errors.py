@@ -43,6 +43,11 @@ class RosicError(Exception):
 
     code: ClassVar[str] = "rosic"
 
+    @property
+    def sentence(self) -> str:
+        """What a person may read. Unlike ``str(error)`` it can be said in another language."""
+        return self.args[0] if self.args else ""
+
 
 class Refusal(RosicError):
     """The person may not, or not now. No robot has moved because of this request.

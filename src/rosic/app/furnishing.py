@@ -10,6 +10,7 @@ from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
 from rosic.core.reach import FLEET
+from rosic.core.saying import joined
 from rosic.core.skill import SkillClass
 from rosic.errors import NotPermitted
 from rosic.organiser.words_calendar import moment
@@ -194,7 +195,13 @@ class Furnishing:
         organiser, linker = self._rooms.organiser, self._rooms.linker
         now_ns = organiser.wall_ns()
         return [
-            f"{linker.profile(slot.robot).shown}: {organiser.moment(principal, slot.start_ns)}"
+            joined(
+                ": ",
+                (
+                    linker.profile(slot.robot).shown,
+                    organiser.moment(principal, slot.start_ns),
+                ),
+            )
             for slot in organiser.calendar.of(principal)
             if slot.end_ns > now_ns and slot.robot in self._rooms.profiles
         ][:5]

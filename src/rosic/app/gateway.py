@@ -14,6 +14,7 @@ from rosic.app.access import Access
 from rosic.app.authority import Authority, key_of
 from rosic.app.furnishing import Furnishing
 from rosic.app.holding import Holding
+from rosic.app.languages import LANGUAGES, catalogue
 from rosic.app.minding import Minder
 from rosic.app.people import Seed, remember, seed
 from rosic.authoriser.authoriser import Authoriser
@@ -38,6 +39,8 @@ from rosic.organiser.organiser import Organiser
 from rosic.organiser.roster import GRANT
 from rosic.pipeline import Pipeline
 from rosic.pipeline.containers.parts import Vault
+from rosic.pipeline.languages import Languages
+from rosic.pipeline.lives import inert_words
 from rosic.pipeline.recovery import Recovery
 from rosic.pipeline.rooms import Rooms
 from rosic.pipeline.stopping import StopLane
@@ -45,7 +48,7 @@ from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
     from rosic.contracts.robot import Robot
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import Address, PrincipalId
     from rosic.core.record import Memory
 
 log = logging.getLogger("rosic.gateway")
@@ -95,7 +98,7 @@ class Gateway:
 
     Attributes:
         pipeline, rooms, stop_lane, robots: Made by ``open``.
-        authority, access, furnishing, holding: Likewise.
+        authority, access, furnishing, holding, languages: Likewise.
     """
 
     pipeline: Pipeline
@@ -106,6 +109,7 @@ class Gateway:
     access: Access
     furnishing: Furnishing
     holding: Holding
+    languages: Languages
 
     def __init__(self, settings: Settings, parts: Parts) -> None:
         self._settings = settings
@@ -166,7 +170,7 @@ class Gateway:
             authoriser, authority, parts.store, parts.clock, parts.entropy, place=settings.place
         )
         self.access.restore(memory, organiser)
-        organiser.name_of = lambda principal: clean(authoriser.directory.name(principal))
+        organiser.name_of = lambda principal: inert_words(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
         container = Containers(
             vocabulary, parts.store, parts.clock, {robot: n for robot, (n, _) in numbers.items()}
@@ -175,12 +179,14 @@ class Gateway:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
         linker = Linker(self.robots, board, parts.latch, parts.clock)
         self.rooms = Rooms(authoriser, organiser, container, linker, vocabulary, profiles, board)
-        self.stop_lane = StopLane(self.rooms, parts.store, parts.clock)
+        self.languages = languages = Languages(catalogue, LANGUAGES)
+        languages.at = partial(_whose, authoriser)
+        self.stop_lane = StopLane(self.rooms, parts.store, parts.clock, languages)
         self.authority = authority
         authority.attach(self.rooms, self.stop_lane)
-        self.holding = Holding(self.rooms, self.access, authority, parts.clock)
+        self.holding = Holding(self.rooms, self.access, authority, parts.clock, languages)
         self._messengers = self.holding.record(parts.messengers, parts.store)
-        self._teller = Teller(container, parts.clock)
+        self._teller = Teller(container, parts.clock, languages)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
         self.furnishing = Furnishing(
             self.rooms, self.pipeline, self.access, self.stop_lane, self._teller
@@ -343,6 +349,12 @@ class Gateway:
         if not hasattr(self, "stop_lane") or not self.stop_lane.quiet:
             return []
         return [robot for robot in self._opened if not robot.presence().doing]
+
+
+def _whose(authoriser: Authoriser, address: Address) -> PrincipalId | None:
+    """Return who is at an address, for speaking to them in their language."""
+    found = authoriser.directory.at(address)
+    return None if found is None else found[0].id
 
 
 def _stops(

@@ -17,6 +17,7 @@ from rosic.app.operating_containers import LimitAsk, OperatingContainers
 from rosic.app.planning import BookAsk, Planning, Window
 from rosic.app.profiles import known_units
 from rosic.core.limits import unit_converter
+from rosic.core.saying import plain
 from rosic.errors import NotUnderstood
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ NO_REQUEST = "That is no request I know."
 
 T = TypeVar("T")
 
-_encode = msgspec.json.Encoder().encode
+_encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 
 class OperatorDesk:

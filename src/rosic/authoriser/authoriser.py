@@ -12,6 +12,7 @@ import msgspec
 from rosic.authoriser.buttons import Buttons, Count, uncounted
 from rosic.core.identity import AuthorisationKey, Caller, KeyId, Principal, PrincipalId
 from rosic.core.message import ChatKind
+from rosic.core.saying import said
 from rosic.errors import Unrecognised
 
 if TYPE_CHECKING:
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 SESSION_BYTES = 16
 SESSIONS_AT_MOST = 20_000
 TIMES_KEPT = 4_096
-STRANGER = "Hello. I work for people I know, and I do not know you yet. Ask the admin here."
-ENDED = "Your access here has ended. The admin of this place can renew it."
+STRANGER = said("Hello. I work for people I know, and I do not know you yet. Ask the admin here.")
+ENDED = said("Your access here has ended. The admin of this place can renew it.")
 
 
 class Session(msgspec.Struct, frozen=True):

@@ -19,6 +19,7 @@ from rosic.core.order import Order, Permit, Request
 from rosic.core.rate import Bucket, RateLimit
 from rosic.core.robot import Slots
 from rosic.core.roles import Need
+from rosic.core.saying import said
 from rosic.core.skill import Argument
 from rosic.errors import NotPermitted, TooManyRequests
 from rosic.organiser.calendar import Calendar
@@ -71,7 +72,7 @@ class Organiser:
         self.lease_idle_s = lease_idle_s
         self.name_of: NameOf = str
         self.wall_ns = clock.wall_ns
-        self.moment: Moment = lambda _who, _at_ns: "some time ago"
+        self.moment: Moment = lambda _who, _at_ns: said("some time ago")
         self.key_of: KeyOf = _no_key
         self.narrow: Collection[KeyId] = frozenset()
         self._slots: dict[RobotId, SlotRule] = {
@@ -107,7 +108,10 @@ class Organiser:
         wait_s = bucket.take(now_ns)
         if wait_s:
             refusal = TooManyRequests(
-                f"That is more than one person may ask. Again in {max(1, round(wait_s))} s.",
+                said(
+                    "That is more than one person may ask. Again in {seconds} s.",
+                    seconds=max(1, round(wait_s)),
+                ),
                 retry_after_s=wait_s,
             )
             refusal.silent = caller.principal in self._warned
@@ -303,13 +307,12 @@ class Organiser:
         slot = None if rule == "none" else self.calendar.present(robot, self.wall_ns())
         return self.holder(robot) or (slot.principal if slot is not None else None)
 
-    def free_in(self, robot: RobotId) -> tuple[str, float]:
-        """Return how somebody is told when a robot that is taken may be free, and the seconds."""
+    def free_in(self, robot: RobotId) -> tuple[bool, float]:
+        """Return whether a robot that is taken is at work, and the seconds that it has to idle."""
         lease, now_ns = self._leases[robot], self._clock.monotonic_ns()
         if lease.active:
-            when = "You can have it when that ends and it has been idle for"
-            return when, self.lease_idle_s
-        return "You can have it in", (self._idle_ns - (now_ns - lease.idle_since_ns)) / 1e9
+            return True, self.lease_idle_s
+        return False, (self._idle_ns - (now_ns - lease.idle_since_ns)) / 1e9
 
     def lease(self, robot: RobotId) -> Lease:
         """Return a robot's lease; only looked at."""

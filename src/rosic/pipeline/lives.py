@@ -10,6 +10,7 @@ import msgspec
 
 from rosic.core.language import clean
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Report
+from rosic.core.saying import capital, said
 from rosic.errors import OrderVoid, Refusal, RobotUnreachable
 from rosic.linker.linker import Linker, PolicyMoved
 
@@ -28,8 +29,9 @@ if TYPE_CHECKING:
 AT_MOST = 20_000
 NOTE_AT_MOST = 400
 
-FULL = Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code="full")
-SHUT_DOWN = "ROSIC was shut down"
+FULL = Outcome(Ending.REFUSED, said("I have too much to do. This was not done."), code="full")
+WENT_WRONG = said("Something went wrong here. Please look.")
+SHUT_DOWN = said("ROSIC was shut down")
 
 log = logging.getLogger("rosic.pipeline")
 
@@ -57,7 +59,7 @@ class OrderLife:
     def tell(self, report: Report) -> None:
         """Take a report in; a robot's words are made inert."""
         if report.note:
-            report = Report(report.stage, report.fraction, clean(report.note)[:NOTE_AT_MOST])
+            report = Report(report.stage, report.fraction, inert_words(report.note))
         lives, card = self._lives, self.card
         if card.step(self.shown, report, lives.wall_ns()):
             lives.teller.update(card)
@@ -89,7 +91,7 @@ class Server:
     def __init__(self, life: OrderLife) -> None:
         self.life = life
         self.relaying = False
-        self.cut_off = SHUT_DOWN
+        self.cut_off: str = SHUT_DOWN
         self.rested: asyncio.Event | None = None
         self.task: asyncio.Task[None] | None = None
         self.wake: asyncio.Future[None] | None = None
@@ -196,10 +198,11 @@ class Lives:
             return Outcome(Ending.CANCELLED, reason)
         except RobotUnreachable as fault:
             log.warning("order %d of %s: %s", order.n, order.robot, fault)
-            return Outcome(Ending.UNKNOWN, f"{fault} Please look.", code=fault.code)
+            note = said("{fault} Please look.", fault=fault.sentence)
+            return Outcome(Ending.UNKNOWN, note, code=fault.code)
         except Exception:
             log.exception("order %d of %s", order.n, order.robot)
-            return Outcome(Ending.UNKNOWN, "Something went wrong here. Please look.", code="fault")
+            return Outcome(Ending.UNKNOWN, WENT_WRONG, code="fault")
 
     async def _relay_anew(self, life: OrderLife) -> Outcome:
         """Admit an order once more under the present policy, and relay it; its turn is kept."""
@@ -236,7 +239,10 @@ class Lives:
 
         Unlike a stop it latches nothing: whoever has the robot next goes on from there.
         """
-        self._linker.void(robot, f"{reason[0].upper()}{reason[1:]}. This was not done.")
+        self._linker.void(
+            robot,
+            said("{reason}. This was not done.", reason=capital(reason)),
+        )
         server = self._servers.get(robot)
         if server is None or not server.relaying or server.task is None:
             return
@@ -280,9 +286,15 @@ class Lives:
 
 def refused(refusal: Refusal) -> Outcome:
     """Return the outcome of an order that came to nothing."""
-    return Outcome(Ending.REFUSED, str(refusal), code=refusal.code)
+    return Outcome(Ending.REFUSED, refusal.sentence, code=refusal.code)
 
 
 def inert(outcome: Outcome) -> Outcome:
     """Return the outcome with a robot's words stripped of what could act on a reader."""
-    return msgspec.structs.replace(outcome, note=clean(outcome.note)[:NOTE_AT_MOST])
+    return msgspec.structs.replace(outcome, note=inert_words(outcome.note))
+
+
+def inert_words(text: str) -> str:
+    """Return words without what could act on a reader; harmless ones keep their languages."""
+    plain = clean(text)[:NOTE_AT_MOST]
+    return text if plain == text else plain

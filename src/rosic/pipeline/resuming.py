@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core import words
 from rosic.core.identity import Caller, CommandId, robot_command_id
+from rosic.core.saying import said
 from rosic.errors import Expired, Fault, NotUnderstood, RecordUnavailable, RobotStopped
 
 if TYPE_CHECKING:
@@ -57,18 +58,22 @@ class Resuming:
             try:
                 ready = await self._linker.resume(robot, generation)
             except Fault as fault:
-                raise RecordUnavailable(f"{shown} stays stopped: {fault}") from fault
+                raise RecordUnavailable(
+                    said("{shown} stays stopped: {fault}", shown=shown, fault=fault.sentence)
+                ) from fault
             if not ready:
-                raise RobotStopped(f"{shown} was stopped again meanwhile. It stays stopped.")
+                raise RobotStopped(
+                    said("{shown} was stopped again meanwhile. It stays stopped.", shown=shown)
+                )
         if not stopped:
-            return "Nothing is stopped there."
+            return said("Nothing is stopped there.")
         return words.resumed([self._linker.profile(robot).shown for robot in stopped])
 
     def _check_later(self, inbound: Inbound, robot: RobotId) -> None:
         old = inbound.received_ns - inbound.sent_ns > RESUME_LIFETIME_NS
         if old or inbound.sent_ns < inbound.listening_since_ns:
             raise Expired(
-                "You sent this while I could not listen. Nothing was done.",
+                said("You sent this while I could not listen. Nothing was done."),
                 offers=(f"resume {robot}",),
             )
         stopped_ns = self._board[robot].at_ns
@@ -76,7 +81,7 @@ class Resuming:
         if inbound.received_ns <= stopped_ns or inbound.sent_ns + SECOND_NS < stopped_ns:
             shown = self._linker.profile(robot).shown
             raise Expired(
-                f"{shown} was stopped after you sent this. It stays stopped.",
+                said("{shown} was stopped after you sent this. It stays stopped.", shown=shown),
                 offers=(f"resume {robot}",),
             )
 
@@ -85,7 +90,7 @@ class Resuming:
         stopped = [r for r in line.robots or sorted(visible) if self._board[r].latched]
         if not line.robots and len(stopped) > 1:
             raise NotUnderstood(
-                "Several robots are stopped. Say which one may go on.",
+                said("Several robots are stopped. Say which one may go on."),
                 offers=tuple(f"resume {robot}" for robot in stopped),
             )
         return stopped

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
 from rosic.core.robot import Presence, Profile
+from rosic.core.saying import said
 from rosic.errors import RobotOffline
 
 if TYPE_CHECKING:
@@ -52,7 +53,9 @@ class MemoryRobot:
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Act once. See the contract."""
         if not self.online:
-            raise RobotOffline(f"{self.profile.shown} is not there. Nothing was sent.")
+            raise RobotOffline(
+                said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
+            )
         self.gate.pass_order(order, self._clock.monotonic_ns())
         tell(SENT)
         self.acted.append(order.n)

@@ -9,6 +9,7 @@ import msgspec
 from sqlalchemy import select
 
 from rosic.core.record import Fact, Letter
+from rosic.core.saying import said
 from rosic.errors import StoreFault
 from rosic.stores import reading, sqlite, tables
 from rosic.stores.folder import Folder
@@ -202,7 +203,7 @@ class DatabaseStore:
             StoreFault: Not all were forgotten; the rest is tried the next time.
         """
         if self._writer is None:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         total = 0
         while step := await self._opened().call(self._writer.prune):
             total += step
@@ -219,7 +220,7 @@ class DatabaseStore:
         """
         writer = self._writer
         if writer is None:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         found: list[Decided] = []
         before = NEWER_THAN_ALL
         while (size := min(limit - len(found), AT_ONCE)) > 0:
@@ -261,7 +262,7 @@ class DatabaseStore:
     async def _look(self, read: Callable[[Shelves], R]) -> R:
         writer = self._writer
         if writer is None:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         return await self._opened().call(lambda: writer.look(read))
 
     async def shred(self, container: str) -> None:
@@ -272,10 +273,10 @@ class DatabaseStore:
         """
         writer = self._writer
         if writer is None:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         await self._opened().call(lambda: writer.shred(container))
 
     def _opened(self) -> Lane[tuple[Record, ...]]:
         if self._lane is None:
-            raise StoreFault("The record is closed. Nothing was written.")
+            raise StoreFault(said("The record is closed. Nothing was written."))
         return self._lane

@@ -15,6 +15,7 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
+from rosic.core.saying import said
 from rosic.errors import StoreFault
 
 T = TypeVar("T")
@@ -136,9 +137,9 @@ class Lane(Generic[T]):
 
     def _admit(self) -> asyncio.Future[Any]:
         if not self._running or self._loop is None:
-            raise StoreFault("The record is closed. Nothing was written.")
+            raise StoreFault(said("The record is closed. Nothing was written."))
         if self._waiting >= self._queue_max:
-            raise StoreFault("The record cannot keep up. Nothing was written.")
+            raise StoreFault(said("The record cannot keep up. Nothing was written."))
         return self._loop.create_future()
 
     def _append(self, job: Job[T]) -> None:

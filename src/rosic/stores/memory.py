@@ -29,6 +29,7 @@ from rosic.core.record import (
     Told,
     Unfinished,
 )
+from rosic.core.saying import said
 from rosic.errors import Repeated, StoreFault
 from rosic.stores.facts import by_kind
 
@@ -127,7 +128,7 @@ class MemoryStore:
             StoreFault: Closed, or too many commands whose end was never told.
         """
         if not self._open:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         self._refuse_repeated(records)
         take = self._take
         for record in records:
@@ -163,7 +164,7 @@ class MemoryStore:
             StoreFault: The record is closed.
         """
         if not self._open:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         return tuple(islice(reversed(self._decisions), max(limit, 0)))
 
     async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
@@ -220,7 +221,7 @@ class MemoryStore:
 
     def _check_open(self) -> None:
         if not self._open:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
 
     async def shred(self, container: str) -> None:
         """Forget the personal content of one container for good."""
@@ -247,7 +248,7 @@ class MemoryStore:
                 if cid in young or cid in older or (fresh is not None and cid in fresh):
                     raise Repeated("This was already settled.")
                 if len(self._lives) >= self._lives_max:
-                    raise StoreFault("The record is full. Nothing was written.")
+                    raise StoreFault(said("The record is full. Nothing was written."))
                 if len(records) > 1:
                     fresh = fresh or set()
                     fresh.add(cid)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.record import Claimed, Decided, Memory, Record, Refused, Resumed, Stopped
+from rosic.core.saying import said
 from rosic.errors import ConfigurationError, Repeated, RosicError, StoreFault
 from rosic.stores import reading, schema, sqlite, tables, upkeep
 from rosic.stores.decisions import Decisions
@@ -135,7 +136,7 @@ class Writer:
     def _reconnected(self) -> tuple[Connection, Root]:
         """Return the connection, after a failure a new one, and the root key."""
         if self._root is None:
-            raise StoreFault("The record is closed. Nothing was written.")
+            raise StoreFault(said("The record is closed. Nothing was written."))
         if self._connection is None:
             connection = self._engine.connect()
             try:
