@@ -16,6 +16,8 @@ from rosic.core.limits import unit_converter
 from rosic.core.rate import RateLimit
 from rosic.core.role_mistakes import rulebook_mistakes
 from rosic.core.roles import DEFAULT_ROLES, Care, Role
+from rosic.errors import OutOfBounds
+from rosic.organiser.zones import zone_named
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -138,10 +140,18 @@ def config_rules() -> Rules:
         forms=FORMS,
         hidden=frozenset(),
         checks={
+            GatewayTable: (_placed,),
             PrincipalTable: (_reachable,),
             ConfigFile: (_people, _talkers, _something),
         },
     )
+
+
+def _placed(gateway: GatewayTable) -> Iterator[Finding]:
+    try:
+        zone_named(gateway.zone)
+    except OutOfBounds as unknown:
+        yield Finding(("zone",), str(unknown))
 
 
 def said_roles(person: PrincipalTable) -> list[tuple[Place, str]]:

@@ -226,7 +226,7 @@ class Organiser:
             second=grounds.second,
         )
 
-    def readmit(self, caller: Caller, order: Order, grounds: Grounds = NOTHING) -> Permit:
+    def readmit(self, caller: Caller, order: Order, grounds: Grounds) -> Permit:
         """Decide once more for an order that waited while the policy changed (I8).
 
         It keeps its lease and its stop generation: what a stop voided stays void. What was
@@ -244,13 +244,13 @@ class Organiser:
             old.stop_generation, self.rights.epoch,
         )  # fmt: skip
 
-    def check_resume(self, caller: Caller, robot: RobotId) -> None:
+    def check_resume(self, caller: Caller, robot: RobotId, grounds: Grounds) -> None:
         """Decide whether a person may undo a stop.
 
         Raises:
             NotPermitted: Not this person.
         """
-        decision = self.decision(caller, robot, RESUME)
+        decision = self.decision(caller, robot, RESUME, grounds=grounds)
         if isinstance(decision, Denied):
             raise self._refusing.denial(decision)
 

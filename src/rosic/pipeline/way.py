@@ -208,7 +208,7 @@ class Pipeline:
     async def _answer(self, said: Said, line: Line, cid: CommandId) -> None:
         """Do what is asked beside orders, and say so."""
         if isinstance(line, Resume):
-            text = await self._resuming.resume(said.caller, said.inbound, line, cid)
+            text = await self._resuming.resume(said, line, cid)
             self._replies.say(said.messenger, said.inbound, text)
         elif isinstance(line, Errand):
             asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid)
@@ -302,7 +302,7 @@ class Pipeline:
             shown = self._shown[order.robot]
             life = card.add(order.cid, shown, f"{shown}: {order.words}", now_ns)
             self.audience.note(order.robot, messenger, chat, caller.principal)
-            self.lives.begin(order, caller, card, life)
+            self.lives.begin(order, said, card, life)
         self._teller.show(card)
 
     def _check_later_than_stop(self, inbound: Inbound, request: Request) -> None:

@@ -265,3 +265,24 @@ async def test_an_archive_forgets_when_it_said_it_would() -> None:
         await place.clock.advance(86_400 + 120)
         await place.quiet()
         assert not kept.outdated()
+
+
+async def test_what_needs_a_good_channel_survives_a_change_of_policy_while_it_waits() -> None:
+    async with lab(rules(Care(scopes=("kuka1:wave",), assurance="local"))) as place:
+        kuka = place.robot("kuka1")
+        kuka.work_s = 1.0
+        await place.say("kuka1 move 1 m", account=BO, chat=BO)
+        await place.say("kuka1 wave", account=BO, chat=BO)  # waits for its turn
+        place.gateway.authority.renew(who(place, "Vi"))
+        assert kuka._end is not None
+        kuka._end.set_result(None)
+        await place.quiet()
+        assert place.acted("kuka1") == 2, "the message came over a channel that is good enough"
+
+
+async def test_a_resume_that_needs_a_good_channel_is_possible_there() -> None:
+    async with lab(rules(Care(scopes=("omni:resume",), assurance="local"))) as place:
+        await place.say("stop omni")
+        await place.clock.advance(1)
+        assert "omni" in await place.say("resume omni")
+        assert not place.robot("omni").gate.latched
