@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from sqlalchemy import select
 
-from rosic.core.record import Fact, Letter
+from rosic.core.record import Fact, KeyRevoked, Letter, Resumed, Stopped
 from rosic.errors import StoreFault
 from rosic.stores import reading, sqlite, tables
 from rosic.stores.folder import Folder
@@ -30,6 +30,8 @@ DEFAULTS = Settings()
 AT_ONCE = 500  # administrative acts read in one step
 NEWER_THAN_ALL = 2**63 - 1
 COMMANDS_SHOWN = 10_000  # the newest of one person
+URGENT = frozenset({Stopped, Resumed, KeyRevoked})
+LOCK = "lock"  # the kind of fact that keeps somebody out
 
 
 class Shelves(reading.Reader):
@@ -133,6 +135,19 @@ class ReadingWriter(Writer):
             raise fault(f"{sqlite.reason(error)}. Try again.", error) from error
 
 
+def is_urgent(records: tuple[Record, ...]) -> bool:
+    """Whether records go before others: stops, what undoes them, and what keeps somebody out.
+
+    Nothing else is written under their ids meanwhile, so it does not matter what they overtake:
+    the numbers of a robot only grow, and an administrative act is written before the next begins.
+    """
+    for record in records:
+        kind = type(record)
+        if kind in URGENT or (kind is Fact and record.kind == LOCK):  # type: ignore[union-attr]
+            return True
+    return False
+
+
 class DatabaseStore:
     """One SQLite file, one writer thread, one transaction for many calls.
 
@@ -162,6 +177,7 @@ class DatabaseStore:
             finish=writer.close,
             group_max=self._settings.group_max,
             queue_max=self._settings.queue_max,
+            urgent=is_urgent,
         )
         lane.start()
         try:
