@@ -28,6 +28,7 @@ class Verb(enum.Enum):
     WHO = "who"
     TAKEN = "taken"
     BOOK = "book"
+    CLOCK = "clock"
 
 
 class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):

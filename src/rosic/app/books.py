@@ -67,7 +67,6 @@ class Books(NamedTuple):
 
 def books_of(
     gateway: Gateway,
-    clock: Clock,
     zone: str,
     messengers: Sequence[Messenger] = (),
     bots: Sequence[str] = (),
@@ -77,7 +76,7 @@ def books_of(
     return Books(
         access=gateway.access, authority=gateway.authority, authoriser=rooms.authoriser,
         organiser=rooms.organiser, vocabulary=rooms.vocabulary, profiles=rooms.profiles,
-        clock=clock, zone=zone_or_universal(zone), bots=bots,
+        clock=gateway.access.time, zone=zone_or_universal(zone), bots=bots,
         assurances={
             m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE)
             for m in messengers

@@ -18,6 +18,7 @@ from rosic.app.minding import Minder
 from rosic.app.people import Seed, remember, seed
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
+from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.contracts.adapter import RobotFactory
 from rosic.contracts.clock import Clock
@@ -155,15 +156,16 @@ class Gateway:
             )
             for robot, profile in profiles.items()
         }  # fmt: skip
+        time = HighWater(parts.clock)
         authoriser = Authoriser(Directory(), parts.clock, parts.entropy)
-        authority = await self._authority(authoriser, memory)
+        authority = await self._authority(authoriser, memory, time)
         organiser = Organiser(
-            authority.draw_up(), profiles, board, parts.clock,
+            authority.draw_up(), profiles, board, time,
             limit=settings.limit, lease_idle_s=settings.lease_idle_s,
         )  # fmt: skip
         organiser.key_of = partial(key_of, authoriser)
         self.access = Access(
-            authoriser, authority, parts.store, parts.clock, parts.entropy, place=settings.place
+            authoriser, authority, parts.store, time, parts.entropy, place=settings.place
         )
         self.access.restore(memory, organiser)
         organiser.name_of = lambda principal: clean(authoriser.directory.name(principal))
@@ -185,22 +187,22 @@ class Gateway:
         self.furnishing = Furnishing(
             self.rooms, self.pipeline, self.access, self.stop_lane, self._teller
         )
-        self.furnishing.furnish(
-            authority, self._messengers, parts.clock, parts.entropy, settings.zone
-        )
+        self.furnishing.furnish(authority, self._messengers, time, parts.entropy, settings.zone)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(
                 self.pipeline, parts.store, memory, parts.units, parts.entropy
             )
 
-    async def _authority(self, authoriser: Authoriser, memory: Memory) -> Authority:
+    async def _authority(
+        self, authoriser: Authoriser, memory: Memory, time: HighWater
+    ) -> Authority:
         """Make everybody known, of the record and of the configuration; return their rights."""
         parts, settings = self._parts, self._settings
         roles = remember(authoriser, memory)
         roles.update(
             await seed(settings.people, memory, authoriser, parts.store, parts.clock, parts.entropy)
         )
-        authority = Authority(settings.rulebook, settings.profiles, parts.units, parts.clock)
+        authority = Authority(settings.rulebook, settings.profiles, parts.units, time)
         for principal, names in roles.items():
             authority.roster.set_roles(principal, names)
         authority.roster.restore(memory.facts.get(GRANT, ()))
@@ -226,7 +228,7 @@ class Gateway:
         ]
         minder = Minder(
             self.access, self.authority, self.furnishing.admitting, self.holding.tidy,
-            self._parts.clock,
+            self.access.time,
         )  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
@@ -304,6 +306,8 @@ class Gateway:
         idle = self._idle()
         await asyncio.gather(ending, *map(self._part, idle))
         await asyncio.gather(*map(self._part, tuple(self._opened)))
+        if hasattr(self, "access"):
+            self._parts.store.note(self.access.time.mark())
         await self._parts.store.close()
 
     async def _part(self, robot: Robot) -> None:

@@ -89,7 +89,7 @@ class Holding:
             choices=organiser.visible,
             zone_of=lambda who: zone_named(self.preferences.of(who).zone or place(who)),
             may_archive=lambda who: organiser.rights.holds(
-                who, FLEET, "archive", self._clock.wall_ns()
+                who, FLEET, "archive", organiser.wall_ns()
             ),
             robots=frozenset(rooms.profiles),
         )

@@ -19,6 +19,7 @@ EVERY_S = 60.0
 DAY_NS = 86_400_000_000_000
 # A right that ends ends what moves under it within a second.
 SOONEST_S = 0.2
+BEHIND_S = 2.0
 
 log = logging.getLogger("rosic.minding")
 
@@ -40,6 +41,7 @@ class Minder:
         self._authority = authority
         self._admitting = admitting
         self._clock = clock
+        self._behind = False
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""
@@ -66,6 +68,7 @@ class Minder:
             RecordUnavailable: Something could not be written; what has ended has ended.
         """
         access, authority = self._access, self._authority
+        self._look_at_clock()
         authority.enforce()  # a grant ends by the clock, whether or not that can be written
         async with access.changes.turn() as turn:
             await turn.write(
@@ -80,3 +83,14 @@ class Minder:
         if self._clock.monotonic_ns() >= self._day_ns:
             await self._daily()
             self._day_ns = self._clock.monotonic_ns() + DAY_NS
+
+    def _look_at_clock(self) -> None:
+        """Say once that the machine's clock was set back; it does not count until accepted."""
+        behind_s = self._access.time.behind_s()
+        if behind_s > BEHIND_S and not self._behind:
+            log.warning(
+                "the clock of this machine is %.0f s behind the latest time that was seen here; "
+                "what has ended stays ended. See: rosic clock",
+                behind_s,
+            )
+        self._behind = behind_s > BEHIND_S

@@ -12,7 +12,7 @@ from rosic.authoriser.codes import join_text, telegram_link
 from rosic.authoriser.invitation import CODE_TTL_S, Given, Wanted
 from rosic.core.identity import OPERATOR
 from rosic.core.language import clean
-from rosic.core.record import Fact
+from rosic.core.record import Decided, Fact
 from rosic.core.role_mistakes import grant_mistakes
 from rosic.core.roles import Grant
 from rosic.errors import NotUnderstood
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rosic.core.record import Record
 
 ADMIN = ("admin",)
+BEHIND_S = 2.0  # less is how clocks are kept right
 
 
 class InviteAsk(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -241,6 +242,25 @@ class OperatingAccess:
         async with self._access.changes.turn() as turn:
             await turn.write(self._access.locks.unlock(person.id, OPERATOR, clean(person.name)))
         return words_keys.unlocked(clean(person.name))
+
+    # ---- the clock ----
+
+    async def clock(self, *, accept: bool) -> str:
+        """Say whether the machine's clock was set back, or let it count again all the same.
+
+        Raises:
+            RecordUnavailable: Not written; nothing changed.
+        """
+        time = self._access.time
+        behind_s = time.behind_s()
+        if behind_s < BEHIND_S:
+            return words_keys.CLOCK_GOOD
+        if not accept:
+            return words_keys.clock_behind(behind_s)
+        async with self._access.changes.turn() as turn:
+            decided = Decided(act="accept-clock", by=OPERATOR, about="", at_ns=time.wall_ns())
+            await turn.write((decided, time.accept()))
+        return words_keys.CLOCK_ACCEPTED
 
 
 def revoked(person: Principal) -> str:

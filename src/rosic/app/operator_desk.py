@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     Doing: TypeAlias = Callable[[Ask], Awaitable[Iterable[str]]]
 
 LINES_AT_ONCE = 500
+ACCEPT = "accept"
 NO_REQUEST = "That is no request I know."
 
 T = TypeVar("T")
@@ -61,6 +62,7 @@ class OperatorDesk:
             Verb.WHO: self._who,
             Verb.TAKEN: self._taken,
             Verb.BOOK: self._book,
+            Verb.CLOCK: self._clock,
         }
 
     async def do(self, ask: Ask) -> Iterable[str]:
@@ -102,6 +104,11 @@ class OperatorDesk:
         if ask.names == ("json",):
             return (_encode(security.report()).decode(),)
         return (security.text(),)
+
+    async def _clock(self, ask: Ask) -> Iterable[str]:
+        if ask.names not in {(), (ACCEPT,)}:
+            raise NotUnderstood(NO_REQUEST)
+        return (await self.access.clock(accept=ask.names == (ACCEPT,)),)
 
     async def _who(self, _ask: Ask) -> Iterable[str]:
         return (_encode(some).decode() for some in self._planning.who())

@@ -26,6 +26,11 @@ PHONE_BROKEN = "What I know about your phone cannot be read. An admin has to res
 OWN_RESET = "Another admin has to reset your codes. Nothing was done."
 NOTHING_TO_RESET = "No phone is set up for this person. Nothing was done."
 PHONE_READY = "Your phone is set up. I ask for a code before dangerous things."
+CLOCK_GOOD = "The clock of this machine shows the latest time that was seen here. All is well."
+CLOCK_ACCEPTED = (
+    "The clock of this machine counts again. What ended in the meantime may be good again: "
+    "look at rosic people and rosic key list."
+)
 CODE_TAKEN = "Thank you. I ask again after an hour without use."
 
 
@@ -40,6 +45,15 @@ def scan(key: str) -> str:
 def too_many_codes(seconds: float) -> str:
     """Return what is said after five wrong codes."""
     return f"Too many wrong codes. Try again in {lasting(seconds)}. Nothing was done."
+
+
+def clock_behind(seconds: float) -> str:
+    """Return what the operator reads when the machine's clock was set back."""
+    return (
+        f"The clock of this machine is {lasting(seconds)} behind the latest time that was seen "
+        "here. What has ended stays ended, and times are counted from the later one. If the clock "
+        "is right now and was wrong before: rosic clock --accept"
+    )
 
 
 def rotated(name: str, grace_s: float) -> str:

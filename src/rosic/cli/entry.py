@@ -52,6 +52,7 @@ COMMANDS: dict[str, Command] = {
         "rosic.cli.security_report", "who was turned away, who is locked, what ends soon"
     ),
     "schedule plan": Command("rosic.cli.schedule_plan", "who could have which robot when"),
+    "clock": Command("rosic.cli.clock", "whether the clock was set back, and that it is right"),
     "doctor": Command("rosic.cli.doctor", "measure this machine; with --try, a robot"),
     "sim": Command("rosic.cli.sim", "the simulated robots as ROS 2 nodes"),
     "bench": Command("rosic.cli.bench", "measure how fast ROSIC is here"),

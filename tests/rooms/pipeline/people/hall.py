@@ -18,6 +18,7 @@ from rosic.app.people import remember
 from rosic.app.profiles import known_units
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
+from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
 from rosic.core.language import Errand, Reader, Vocabulary
@@ -103,7 +104,7 @@ class Hall:
         self.authoriser = Authoriser(self.directory, self.clock, entropy)
         self.authority = Authority(Rulebook(roles=ROLES), FLEET, known_units(), self.clock)
         self.access = Access(
-            self.authoriser, self.authority, self.store, self.clock, entropy, place="lab"
+            self.authoriser, self.authority, self.store, HighWater(self.clock), entropy, place="lab"
         )
         self.changes, self.time = self.access.changes, self.access.time
         self.tally, self.locks, self.keys = self.access.tally, self.access.locks, self.access.keys
