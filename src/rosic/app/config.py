@@ -24,6 +24,7 @@ from rosic.app.config_file import (
 )
 from rosic.app.people import Seed
 from rosic.app.profiles import find_profile, fleet_findings, known_units, read_profile
+from rosic.app.retention import Keep
 from rosic.app.secret_settings import SecretSettings
 from rosic.app.shape import Finding, Walker
 from rosic.app.toml_file import read_toml
@@ -77,6 +78,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     rulebook: Rulebook
     zone: str
     limits: RateLimit
+    keep: Keep
 
 
 class ReadConfig(NamedTuple):
@@ -155,6 +157,7 @@ def read_config(
         rulebook=rulebook_of(file.role, file.care, file.gateway.preempt),
         zone=file.gateway.zone,
         limits=file.limits,
+        keep=file.keep,
     )
     return ReadConfig(config, [], reading.advice)
 

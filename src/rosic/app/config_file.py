@@ -9,6 +9,7 @@ import msgspec
 
 from rosic.app.authority import fleet_of, rulebook_of
 from rosic.app.profile_forms import NAMED
+from rosic.app.retention import Keep
 from rosic.app.shape import Bounds, Field, Finding, Form, Rules
 from rosic.app.source import Place, nearest
 from rosic.core.identity import Address
@@ -93,6 +94,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         role: What a role may do; beside the default roles, or instead of one.
         care: Skills that want more than the right to them.
         limits: How fast one person may give commands.
+        keep: How long what is over is kept.
     """
 
     gateway: GatewayTable = GatewayTable()
@@ -102,6 +104,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     role: dict[str, Role] = {}
     care: tuple[Care, ...] = ()
     limits: RateLimit = RateLimit()
+    keep: Keep = Keep()
 
 
 _ADDRESS = Form(
@@ -128,6 +131,8 @@ FORMS: Final[dict[Field, Form]] = {
 
 BOUNDS: Final[dict[Field, Bounds]] = {
     (GatewayTable, "lease_idle_s"): Bounds(1, 86_400),
+    (Keep, "slots_days"): Bounds(1, 36_500),
+    (Keep, "decisions_days"): Bounds(30, 36_500),
     (RateLimit, "burst"): Bounds(1, 1_000_000),
     (RateLimit, "per_s"): Bounds(0.001, 1_000_000),
 }

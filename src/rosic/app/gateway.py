@@ -16,6 +16,7 @@ from rosic.app.furnishing import Furnishing
 from rosic.app.holding import Holding
 from rosic.app.minding import Minder
 from rosic.app.people import Seed, remember, seed
+from rosic.app.retention import Keep, Ledger, Retention
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
@@ -67,6 +68,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
         place: Name of this place, as people see it.
         zone: Of the place, an IANA name.
         lease_idle_s: How long a robot stays somebody's after their last order ended.
+        keep: How long what is over is kept.
     """
 
     profiles: tuple[Profile, ...]
@@ -76,6 +78,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     zone: str = "UTC"
     limit: RateLimit = RateLimit()
     lease_idle_s: float = 60.0
+    keep: Keep = Keep()
 
 
 class Parts(msgspec.Struct, frozen=True, kw_only=True):
@@ -227,8 +230,7 @@ class Gateway:
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
         minder = Minder(
-            self.access, self.authority, self.furnishing.admitting, self.holding.tidy,
-            self.access.time,
+            self.access, self.authority, self.furnishing.admitting, self._daily, self.access.time,
         )  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
@@ -242,6 +244,15 @@ class Gateway:
                 task.cancel()
             await self.furnishing.keeper.close()
             await self._fall_deaf()
+
+    async def _daily(self) -> None:
+        store, calendar = self._parts.store, self.rooms.organiser.calendar
+        retention = Retention(
+            self._settings.keep, calendar, self.access.changes,
+            store if isinstance(store, Ledger) else None, self.access.time.wall_ns,
+        )  # fmt: skip
+        await self.holding.tidy()
+        await retention.forget()
 
     async def _fall_deaf(self) -> None:
         for task in self._listening:

@@ -246,6 +246,25 @@ class DatabaseStore:
             before = page[-1][0]
         return tuple(found)
 
+    async def forget_decisions(self, before_ns: int) -> int:
+        """Forget administrative acts from before a time; return how many. In small steps.
+
+        The newest one of all is never forgotten, nor what is not that much older than it is: a
+        clock that jumps ahead forgets nothing.
+
+        Raises:
+            StoreFault: Not all were forgotten; the rest is tried the next time.
+        """
+        writer = self._writer
+        if writer is None:
+            raise StoreFault("The record is closed.")
+        kept_ns, total = self._clock.wall_ns() - before_ns, 0
+        while step := await self._opened().call(
+            partial(writer.forget_decisions, before_ns, kept_ns)
+        ):
+            total += step
+        return total
+
     async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
         """Return at most so many facts of a kind, by key, from behind a key on.
 
