@@ -17,8 +17,9 @@ from rosic.testing.records import a_decision
 from tests.rooms.pipeline.place import Place
 
 if TYPE_CHECKING:
-    from rosic.core.record import Fact
     from pathlib import Path
+
+    from rosic.core.record import Fact
 
 DAY_S = 86_400
 DAY_NS = DAY_S * 10**9

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rosic.core.language import Vocabulary
     from rosic.core.robot import Profile, RobotId
     from rosic.organiser.organiser import Organiser
+    from rosic.pipeline.people.notices import Notices
 
 
 class Books(NamedTuple):
@@ -32,6 +33,7 @@ class Books(NamedTuple):
         zone: Of the place; times are told in it.
         assurances: What a conversation on each platform is worth.
         bots: Names of the accounts on Telegram, as far as they are known.
+        notices: Tells people in their chats; None: no gateway runs, so nobody can be told.
     """
 
     access: Access
@@ -44,6 +46,7 @@ class Books(NamedTuple):
     zone: Zone
     assurances: Mapping[str, Assurance]
     bots: Sequence[str] = ()
+    notices: Notices | None = None
 
     def name(self, principal: PrincipalId) -> str:
         """Return how somebody is shown."""
@@ -77,6 +80,7 @@ def books_of(
         access=gateway.access, authority=gateway.authority, authoriser=rooms.authoriser,
         organiser=rooms.organiser, vocabulary=rooms.vocabulary, profiles=rooms.profiles,
         clock=gateway.access.time, zone=zone_or_universal(zone), bots=bots,
+        notices=gateway.furnishing.notices,
         assurances={
             m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE)
             for m in messengers

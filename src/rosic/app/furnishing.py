@@ -21,6 +21,7 @@ from rosic.pipeline.people.doorstep import Doorstep
 from rosic.pipeline.people.hiring import Clerks, hire
 from rosic.pipeline.people.inviting import Inviting
 from rosic.pipeline.people.joining import Joining
+from rosic.pipeline.people.notices import Notices
 from rosic.pipeline.people.powers import Powers
 from rosic.pipeline.people.proving import Proving
 from rosic.pipeline.people.registry import Registry
@@ -57,6 +58,7 @@ class Furnishing:
         handover: Ends somebody's time with a robot.
         consent: Asks for confirmations.
         admitting: Asks admins about newcomers.
+        notices: Tells whoever is concerned that somebody's access has changed.
         keeper: Follows the calendar.
     """
 
@@ -135,6 +137,7 @@ class Furnishing:
             ended=ended,
         )
         powers = Powers(registry)
+        self.notices = Notices(registry, powers)
         doorstep = Doorstep(self._teller, messengers, clock, entropy)
         self.admitting = Admitting(registry, powers, doorstep, menu=self._menu)
         joining = Joining(
@@ -154,7 +157,7 @@ class Furnishing:
             shown=lambda robot: linker.profile(robot).shown,
         )
         clerks = Clerks(
-            about, self.admitting, Custody(registry, powers),
+            about, self.admitting, Custody(registry, powers, self.notices),
             Inviting(registry, powers, link=_link),
             Proving(registry, powers),
         )  # fmt: skip

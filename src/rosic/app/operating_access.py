@@ -60,6 +60,7 @@ class OperatingAccess:
         self._books = books
         self._convert = convert
         self._access = books.access
+        self._notices = books.notices
         self._directory = books.authoriser.directory
 
     # ---- coming in ----
@@ -171,14 +172,20 @@ class OperatingAccess:
         """
         keys = self._access.keys
         if any(key.id == name for key in keys.all()):
-            records = keys.revoke(name, OPERATOR).records
+            revocation = keys.revoke(name, OPERATOR)
             said = f"The key {name} is not good any more, also after a restart."
-            return noted(said, written=await self._act(lambda: records))
+            written = await self._act(lambda: revocation.records)
+            owner = self._directory.person(revocation.principal)
+            if self._notices is not None and owner is not None:
+                self._notices.key_taken(owner, OPERATOR)
+            return noted(said, written=written)
         person = the_one(self._directory, name)
         if not self._good(person):
             raise NotUnderstood(words_keys.NOTHING_TO_ROTATE)
         said = f"{clean(person.name)} has no good key any more, also after a restart."
         written = await self._act(lambda: self._keys_end(person))
+        if self._notices is not None:
+            self._notices.revoked(person, OPERATOR)
         return noted(said, written=written)
 
     def _good(self, person: Principal) -> list[AuthorisationKey]:
@@ -206,6 +213,8 @@ class OperatingAccess:
         if not self._good(person):
             return f"{clean(person.name)} has no access already. Nothing was changed."
         written = await self._act(lambda: self._everything(person))
+        if self._notices is not None:
+            self._notices.revoked(person, OPERATOR)
         return noted(revoked(person) if written else words_keys.revoked(clean(person.name)),
                      written=written)  # fmt: skip
 
@@ -229,6 +238,8 @@ class OperatingAccess:
                 self._access.locks.apply(record)
         self._books.authority.enforce()
         written = await self._act(lambda: records)
+        if self._notices is not None:
+            self._notices.locked(person, OPERATOR)
         return noted(words_keys.locked(clean(person.name)), written=written)
 
     async def unlock(self, name: str) -> str:
@@ -241,6 +252,8 @@ class OperatingAccess:
         person = the_one(self._directory, name)
         async with self._access.changes.turn() as turn:
             await turn.write(self._access.locks.unlock(person.id, OPERATOR, clean(person.name)))
+        if self._notices is not None:
+            self._notices.unlocked(person, OPERATOR)
         return words_keys.unlocked(clean(person.name))
 
     # ---- the clock ----

@@ -6,6 +6,7 @@ from rosic.authoriser.words_entry import lasting
 
 ENDED = "Your access here has ended. The admin of this place can renew it."
 NO_KEY = "There is no such key. Nothing was done."
+KEY_TAKEN = "One of your keys was taken back. You can go on as before."
 KEY_GONE = "This key was taken back before. Nothing was done."
 NOTHING_TO_ROTATE = "There is no good key to replace. Invite the person again. Nothing was done."
 LOCKED = "Your access is locked. Ask an admin."

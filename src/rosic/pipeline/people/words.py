@@ -261,6 +261,11 @@ def was_revoked(by: str, name: str) -> str:
     return f"{by} ended the access of {name}."
 
 
+def was_key_taken(by: str, name: str) -> str:
+    """Return what the other admins read."""
+    return f"{by} took a key of {name} back. {name} has another one."
+
+
 def was_locked(by: str, name: str) -> str:
     """Return what the other admins read."""
     return f"{by} locked {name}." if by != name else f"{by} locked their own access."

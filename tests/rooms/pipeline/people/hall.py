@@ -41,6 +41,7 @@ from rosic.pipeline.people.doorstep import Doorstep
 from rosic.pipeline.people.hiring import Clerks, hire
 from rosic.pipeline.people.inviting import Inviting
 from rosic.pipeline.people.joining import Joining
+from rosic.pipeline.people.notices import Notices
 from rosic.pipeline.people.powers import Powers
 from rosic.pipeline.people.proving import Proving
 from rosic.pipeline.people.registry import Registry
@@ -167,7 +168,9 @@ class Hall:
             slots=lambda _: self.slots,
             shown=lambda robot: robot.upper(),
         )
-        custody, proving = Custody(registry, self.powers), Proving(registry, self.powers)
+        notices = Notices(registry, self.powers)
+        custody = Custody(registry, self.powers, notices)
+        proving = Proving(registry, self.powers)
         inviting = Inviting(registry, self.powers, link=self.link)
         self.consent = Consent(self.organiser, registry.reach, self.clock, entropy)
         clerks = Clerks(about, self.admitting, custody, inviting, proving)
