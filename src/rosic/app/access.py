@@ -14,6 +14,7 @@ from rosic.authoriser.stepup import StepUp
 from rosic.authoriser.tally import Tally
 from rosic.core.record import Enrolled, KeyIssued, KeyRevoked
 from rosic.core.slot import SERIES, SLOT
+from rosic.organiser.rates import KIND as RATE
 from rosic.organiser.roster import GRANT
 from rosic.organiser.waiting import WAITING, WaitingList
 from rosic.pipeline.changes import Changes
@@ -83,6 +84,7 @@ class Access:
         calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
         changes.keep(SLOT, calendar.apply)
         changes.keep(SERIES, calendar.apply)
+        organiser.rates.restore(memory.facts.get(RATE, ()))
         self.keys.restore(self._authoriser.directory.keys(), memory.facts.get("key-end", ()))
         changes.keep("key-end", self._key_ends)
         changes.keep("lock", self._locked)

@@ -10,6 +10,7 @@ from rosic.authoriser.misuse import RULE, SUSPICIOUS
 from rosic.core.language import clean_name
 from rosic.core.reach import FLEET
 from rosic.core.skill import SkillClass
+from rosic.errors import TooManyRequests
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.consent import Consent
@@ -236,6 +237,8 @@ class Furnishing:
     def _refused(self, caller: Caller, refusal: Refusal) -> None:
         """Let the rules about misuse hear of refusals; what is only late is none."""
         if refusal.code not in SUSPICIOUS:
+            return
+        if isinstance(refusal, TooManyRequests) and not refusal.own:
             return
         said = self._access.misuse.attempted(caller.principal, SkillClass.MOTION, refusal.code)
         if said is not None:

@@ -17,6 +17,7 @@ from rosic.app.holding import Holding
 from rosic.app.minding import Minder
 from rosic.app.people import Seed, remember, seed
 from rosic.app.retention import Keep, Ledger, Retention
+from rosic.app.saving import save, save_now_and_then
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot
     from rosic.core.identity import PrincipalId
     from rosic.core.record import Memory
+    from rosic.organiser.rates import Rates
 
 log = logging.getLogger("rosic.gateway")
 
@@ -67,6 +69,8 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
         rulebook: Roles, care and pre-emption.
         place: Name of this place, as people see it.
         zone: Of the place, an IANA name.
+        limit: Of each person.
+        robot_limits: Of robots that have one, for everybody together.
         lease_idle_s: How long a robot stays somebody's after their last order ended.
         keep: How long what is over is kept.
     """
@@ -77,6 +81,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     place: str = "rosic"
     zone: str = "UTC"
     limit: RateLimit = RateLimit()
+    robot_limits: Mapping[RobotId, RateLimit] = {}
     lease_idle_s: float = 60.0
     keep: Keep = Keep()
 
@@ -166,6 +171,7 @@ class Gateway:
             authority.draw_up(), profiles, board, time,
             limit=settings.limit, lease_idle_s=settings.lease_idle_s,
         )  # fmt: skip
+        self._limit(organiser.rates, organiser.rights.rates)
         organiser.key_of = partial(key_of, authoriser)
         self.access = Access(
             authoriser, authority, parts.store, time, parts.entropy, place=settings.place
@@ -178,8 +184,10 @@ class Gateway:
         )
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
-        linker = Linker(self.robots, board, parts.latch, parts.clock)
-        self.rooms = Rooms(authoriser, organiser, container, linker, vocabulary, profiles, board)
+        self.rooms = Rooms(
+            authoriser, organiser, container,
+            Linker(self.robots, board, parts.latch, parts.clock), vocabulary, profiles, board,
+        )  # fmt: skip
         self.stop_lane = StopLane(self.rooms, parts.store, parts.clock)
         self.authority = authority
         authority.attach(self.rooms, self.stop_lane)
@@ -195,6 +203,12 @@ class Gateway:
             await self.holding.furnish(
                 self.pipeline, parts.store, memory, parts.units, parts.entropy
             )
+
+    def _limit(self, rates: Rates, roles: Mapping[str, RateLimit]) -> None:
+        shown = {profile.id: profile.shown for profile in self._settings.profiles}
+        rates.robots, rates.roles = self._settings.robot_limits, roles
+        rates.shown_of = shown.__getitem__
+        rates.note = self._parts.store.note
 
     async def _authority(
         self, authoriser: Authoriser, memory: Memory, time: HighWater
@@ -234,6 +248,9 @@ class Gateway:
         )  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
+            asyncio.create_task(
+                save_now_and_then(self.rooms.organiser.rates, self._parts.store, self._parts.clock)
+            ),
         ]  # fmt: skip
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
@@ -317,7 +334,8 @@ class Gateway:
         idle = self._idle()
         await asyncio.gather(ending, *map(self._part, idle))
         await asyncio.gather(*map(self._part, tuple(self._opened)))
-        if hasattr(self, "access"):
+        if hasattr(self, "rooms"):
+            save(self.rooms.organiser.rates, self._parts.store)
             self._parts.store.note(self.access.time.mark())
         await self._parts.store.close()
 
