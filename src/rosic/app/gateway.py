@@ -22,6 +22,7 @@ from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
+from rosic.container.words_container import SETTINGS_DAMAGED
 from rosic.contracts.adapter import RobotFactory
 from rosic.contracts.clock import Clock
 from rosic.contracts.entropy import Entropy
@@ -200,9 +201,12 @@ class Gateway:
         )
         self.furnishing.furnish(authority, self._messengers, time, parts.entropy, settings.zone)
         if isinstance(parts.store, Vault):
-            await self.holding.furnish(
-                self.pipeline, parts.store, memory, parts.units, parts.entropy
-            )
+            await self._furnish_containers(parts.store, memory)
+
+    async def _furnish_containers(self, vault: Vault, memory: Memory) -> None:
+        parts, holding = self._parts, self.holding
+        await holding.furnish(self.pipeline, vault, memory, parts.units, parts.entropy)
+        self.furnishing.reach.tell(holding.preferences.damaged(), SETTINGS_DAMAGED)
 
     def _limit(self, rates: Rates, roles: Mapping[str, RateLimit]) -> None:
         shown = {profile.id: profile.shown for profile in self._settings.profiles}

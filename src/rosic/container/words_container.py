@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import listed
+from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -17,6 +18,10 @@ _FEW: Final = 10
 # ---- settings ----
 
 HOW_FAST: Final = "Say how fast you want to go at most, with its unit: 0.2 m/s. Or say none."
+SETTINGS_DAMAGED: Final = said(
+    "Your settings cannot be read any more, and a highest speed may be among them. Until you say "
+    "one, you go slowly: /settings speed 0.2 m/s, or /settings speed none."
+)
 SPEED_NOT_POSITIVE: Final = "A highest speed must be above 0. To go nowhere, say stop."
 WHICH_UNITS: Final = "Lengths and speeds can be shown in metric or in imperial units. Say which."
 WHICH_ZONE: Final = "Say the time zone of the place where you are: Europe/Vienna. Or say none."

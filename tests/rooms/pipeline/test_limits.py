@@ -126,6 +126,14 @@ async def test_a_role_that_includes_a_limited_one_shares_its_limit() -> None:
         assert place.acted() == 3
 
 
+async def test_a_role_that_includes_an_unlimited_one_as_well_is_not_bound() -> None:
+    free = Role(scopes=("*:*",))
+    roles = {"student": STUDENT, "free": free, "both": Role(includes=("student", "free"))}
+    async with lab(roles=roles, of={"Bo": ("both",)}) as place:
+        await waves(place, 5)
+        assert place.acted() == 5
+
+
 async def test_a_limit_of_others_is_no_misuse() -> None:
     async with lab(robots={"omni": RateLimit(burst=1, per_s=0.0001)}) as place:
         await waves(place, 60)
