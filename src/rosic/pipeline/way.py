@@ -199,10 +199,12 @@ class Pipeline:
             return
         if isinstance(line, Misunderstood) and not self._addressed(said.inbound):
             return  # people talk to each other in groups
+        # Before anything may refuse it: what was refused once is not done when it comes again.
+        repeated = self._repeated(cid)
         self._rooms.organiser.charge(said.caller)
         if isinstance(line, Misunderstood):
             raise NotUnderstood(line.sentence, offers=line.offers)
-        if not self._repeated(cid):
+        if not repeated:
             await self._answer(said, line, cid)
 
     async def _answer(self, said: Said, line: Line, cid: CommandId) -> None:

@@ -140,6 +140,21 @@ async def test_a_limit_of_others_is_no_misuse() -> None:
         assert "Bo" in await place.say("/me", account=BO, chat=BO)
 
 
+async def test_a_resume_that_was_too_much_does_nothing_when_it_comes_again() -> None:
+    async with lab(limit=RateLimit(burst=1, per_s=0.5)) as place:
+        await place.say("stop omni", account=BO, chat=BO)
+        await place.clock.advance(2)
+        await place.say("status", account=BO, chat=BO)
+        told = await place.say("resume omni", account=BO, chat=BO, message="again")
+        assert "more than one person may ask" in told
+        await place.clock.advance(2)
+        await place.say("resume omni", account=BO, chat=BO, message="again")
+        assert place.robot("omni").gate.latched
+        await place.clock.advance(2)
+        await place.say("resume omni", account=BO, chat=BO)
+        assert not place.robot("omni").gate.latched
+
+
 async def test_a_restart_gives_nobody_more() -> None:
     run = MemoryStore(), ManualClock()
     many = {
