@@ -49,15 +49,20 @@ class Refusal(RosicError):
 
     Attributes:
         offers: Commands, written as the person would type them, that would be accepted instead.
+        petition: The errand that asks somebody else for the right that is missing; empty when
+            nobody could give it.
         silent: True when the right answer is none.
+        counted: True when it is in the security report already, as what it was.
     """
 
     code: ClassVar[str] = "refused"
     silent: bool = False
+    counted: bool = False
 
-    def __init__(self, sentence: str, *, offers: tuple[str, ...] = ()) -> None:
+    def __init__(self, sentence: str, *, offers: tuple[str, ...] = (), petition: str = "") -> None:
         super().__init__(sentence)
         self.offers = offers
+        self.petition = petition
 
 
 class Unrecognised(Refusal):

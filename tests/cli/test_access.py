@@ -189,7 +189,7 @@ def test_a_lock_holds_until_it_is_undone(place: Place) -> None:
         "Bob is locked: nothing they send is carried out until an admin unlocks them.\n"
     )
     assert "Bob: locked · as operator" in place.good("people")
-    assert "  Bob, by the operator, since" in place.good("security report")
+    assert "  Bob, by the operator, for" in place.good("security report")
 
     assert place.good("unlock", "Bob") == "Bob is unlocked.\n"
     assert "locked" not in place.good("people")

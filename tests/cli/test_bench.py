@@ -32,6 +32,22 @@ def test_the_bench_of_stops_prints_one_object() -> None:
         assert case["rate_per_s"] > 0
 
 
+@pytest.mark.limit(180)
+def test_the_bench_of_the_pipeline_covers_a_large_place() -> None:
+    ran = rosic("bench", "pipeline", "--quick", "--json", within_s=160)
+
+    assert (ran.status, ran.err) == (0, "")
+    report = json.loads(ran.out)
+    cases = {case["name"]: case for case in report["cases"]}
+    for case in cases.values():
+        assert {"name", "rate_per_s", "p50_us", "p99_us"} == set(case) - {"bytes_each"}
+        assert 0 < case["p50_us"] <= case["p99_us"]
+    size = "10000 people, 100 roles, 50 robots, 50000 slots"
+    assert {f"decide: {size}", f"decide, all looked up: {size}"} < set(cases)
+    assert "memory, 10000 people, 100 roles, 50000 slots" in cases
+    assert 500 < cases["a person's memory: 10000 people, 100 roles"]["bytes_each"] <= 2048
+
+
 def test_an_unknown_bench_names_those_that_exist() -> None:
     ran = rosic("bench", "walk")
 

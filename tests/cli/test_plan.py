@@ -53,6 +53,15 @@ def test_a_plan_is_proposed_and_nothing_is_booked(place: Place) -> None:
     assert not (place.folder / "rosic-data").exists()
 
 
+def test_nothing_is_planned_while_the_place_is_closed(place: Place) -> None:
+    file = wishes(place, f"Ada,omni,1 h,{DAY} 06:00,{DAY} 12:00,")
+    assert "10:00 to 11:00  omni  Ada" in place.good("schedule plan", file, "--open", "10:00-18:00")
+    assert "0 of 1 wish" in place.good("schedule plan", file, "--open", "22:00-6:30")
+    for hours in ("soon", "10:00-10:00", "9:75-10:00", "10:00-25:00"):
+        wrong = place.wrong("schedule plan", file, "--open", hours)
+        assert wrong.endswith("Write --open 08:00-18:00.")
+
+
 def test_what_was_booked_stands(place: Place) -> None:
     file = wishes(place, f"Bob,omni,2 h,{DAY} 09:00,{DAY} 11:00,")
     assert place.good("schedule plan", file, "--book").endswith("\nBooked: 1 slot.\n")

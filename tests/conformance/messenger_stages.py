@@ -55,6 +55,14 @@ class MemoryStage:
             Seen(one.message, self.memory.shown(one.message).text) for one in told if not one.edited
         ]
 
+    async def files(self, person: str) -> list[tuple[str, bytes]]:
+        told = [one.outbound for one in self.memory.told if not one.edited]
+        return [
+            (one.attachment.name, one.attachment.content)
+            for one in told
+            if one.attachment is not None and one.chat == self.chat(person)
+        ]
+
     async def unconfirmed(self) -> int:
         return len(self.memory.unconfirmed())
 
@@ -91,7 +99,21 @@ class TelegramStage:
 
     async def screen(self, person: str) -> list[Seen]:
         shown = self.server.messages(self.accounts[person], by_bot=True)
-        return [Seen(str(one["message_id"]), one["text"]) for one in shown if not one["deleted"]]
+        return [
+            Seen(str(one["message_id"]), one["text"] or one.get("caption") or "")
+            for one in shown
+            if not one["deleted"]
+        ]
+
+    async def files(self, person: str) -> list[tuple[str, bytes]]:
+        found = []
+        for one in self.server.messages(self.accounts[person], by_bot=True):
+            if one.get("document"):
+                held = one["document"]
+                found.append((held["file_name"], self.server.file(held["file_id"])))
+            elif one.get("photo"):
+                found.append(("", self.server.file(one["photo"][-1]["file_id"])))
+        return found
 
     async def unconfirmed(self) -> int:
         return self.server.pending()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,6 +15,7 @@ from rosic.errors import MessengerFault
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.screen import GONE, PlainScreen
 from rosic.system import SystemClock
+from rosic.testing.file_rules import FILE
 from rosic.testing.messengers import MessengerConformance, Seen
 
 if TYPE_CHECKING:
@@ -73,7 +75,17 @@ class TerminalStage:
         await self.write(person, number[1])
 
     async def screen(self, _person: str) -> list[Seen]:
-        return self.messenger.seen
+        return [
+            Seen(seen.message, re.sub(r"\nIt lies in .*", "", seen.text))
+            for seen in self.messenger.seen
+        ]
+
+    async def files(self, _person: str) -> list[tuple[str, bytes]]:
+        lies = (re.search(r"It lies in (.*): only", seen.text) for seen in self.messenger.seen)
+        paths = [Path(found[1]) for found in lies if found is not None]
+        assert all(path.stat().st_mode & 0o777 == 0o600 for path in paths)
+        assert len(set(paths)) == len(paths), "a file was written over another"
+        return [(FILE.name, path.read_bytes()) for path in paths]
 
     async def unconfirmed(self) -> int:
         return 0

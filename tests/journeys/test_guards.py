@@ -132,7 +132,7 @@ GUARDS = (
     ),
     Fault(
         name="I7 a group's command that was claimed is told to be refused after a kill",
-        file="pipeline/way.py",
+        file="pipeline/requesting.py",
         guard="robot_command_id(cid, robot) if requests else cid,",
         without="robot_command_id(cid, robot),",
         caught_by=(f"{JOURNEYS}/test_given_again.py",),

@@ -108,3 +108,39 @@ async def enrol(place: Lab, people: tuple[Person, ...]) -> None:
     text = text.replace("[gateway]\n", '[gateway]\npreempt = ["omni"]\n')
     text = text.replace("lease_idle_s = 1.0", "lease_idle_s = 20.0")
     place.config.write_text(f"{text}\n\n{tables}\n")
+
+
+@pytest.mark.limit(200)
+async def test_a_time_ends_while_the_robot_moves_and_the_next_one_takes_their_turn(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    """A minute before the end is the last warning, so this is about the shortest time."""
+    async with lab(tmp_path, launcher, robots=ROBOTS) as place:
+        student = await place.control.create_user("Stu")
+        await enrol(place, (Person(student, "Stu"),))
+        await place.start()
+        # It counts from the full minute, so half a minute of it is left at least.
+        await place.ask(student, "/book omni now 90 s", "omni is yours")
+        moving = await place.say(student, "omni move 5 m speed 0.05 m/s")
+        await place.reads(student, "received", to=moving)
+        await place.ask(place.bo, "/wait omni", "You are number 1 in the queue for omni")
+        refused = await place.ask(place.bo, "omni move 0.2 m", "Stu")
+        assert re.search(r"\d\d:\d\d", refused["text"]), "it says when it is free"
+        await place.reads(student, "Your time with omni ends in", within_s=60)
+        assert not await offered(place), "it is somebody's, and moves"
+
+        await place.reads(student, "your time is over", to=moving, within_s=90)
+        ended = await place.reads(student, "Your time with omni is over. It is at rest.")
+        offer = await place.reads(place.bo, "omni is free and it is your turn.")
+        assert offer["received_s"] >= ended["received_s"] - 1.0
+        await place.ask(student, "/wait take omni", "You are not waiting for omni")
+        await button(place, place.bo, "Take it", "omni is yours")
+        await place.ask(place.bo, "omni move 0.2 m", "done")
+        await place.ask(student, "omni move 0.2 m", "Bo")
+        assert await place.control.violations() == []
+
+
+async def offered(place: Lab) -> bool:
+    """Whether Bo was told that it is their turn."""
+    told = await place.control.messages(place.bo, by_bot=True)
+    return any("omni is free" in m["text"] for m in told)

@@ -13,6 +13,11 @@ STOPPING = "tests/rooms/pipeline/test_stopping.py"
 BUTTONS = "tests/rooms/pipeline/test_buttons.py"
 EDGES = "tests/rooms/pipeline/test_edges.py"
 RIGHTS = "tests/rooms/pipeline/test_rights.py"
+ONE_LEASE = "tests/rooms/pipeline/test_one_lease.py"
+TURNED_AWAY = "tests/rooms/pipeline/test_turned_away.py"
+REDEEMERS = "tests/rooms/pipeline/test_redeemers.py"
+WRONG = "tests/rooms/pipeline/test_wrong_rights_and_times.py"
+ISOLATION = "tests/rooms/pipeline/test_isolation.py"
 GATE = "tests/core/test_gate.py"
 
 
@@ -150,6 +155,20 @@ FAULTS = (
         caught_by=(f"{WAY}::test_a_robot_has_one_holder_until_it_has_been_idle",),
     ),
     Fault(
+        name="I12 a robot that is asked for many times at once has many holders",
+        file="organiser/organiser.py",
+        guard="return holder is None or holder == caller.principal",
+        without="return True",
+        caught_by=(ONE_LEASE,),
+    ),
+    Fault(
+        name="I12 a lease in use counts as one that has idled",
+        file="core/lease.py",
+        guard="if self.holder is None or self.active:",
+        without="if self.holder is None:",
+        caught_by=(ONE_LEASE,),
+    ),
+    Fault(
         name="I13 numbers begin anew after a restart",
         file="app/gateway.py",
         guard="memory.numbers.get(robot, (0, 0))",
@@ -225,7 +244,7 @@ FAULTS = (
     ),
     Fault(
         name="I5 what waited over a stop moves after the resume",
-        file="pipeline/way.py",
+        file="pipeline/requesting.py",
         guard=(
             "if inbound.received_ns <= stopped.at_ns and not stopped.latched "
             "and request.skill.actuates:"
@@ -304,5 +323,57 @@ FAULTS = (
         guard="if right is None or not right.plain or not self._open(",
         without="if right is None or not self._open(",
         caught_by=(RIGHTS,),
+    ),
+    Fault(
+        name="nobody hears of a code that a group was shown",
+        file="authoriser/enrolment.py",
+        guard='return TurnedAway("code-in-group", words.IN_GROUP, alarm, records)',
+        without='return TurnedAway("code-in-group", words.IN_GROUP, None, records)',
+        caught_by=(TURNED_AWAY,),
+    ),
+    Fault(
+        name="a phone's code is good twice",
+        file="authoriser/stepup.py",
+        guard="[step for step in steps if step > self._last_step(principal)]",
+        without="list(steps)",
+        caught_by=(TURNED_AWAY,),
+    ),
+    Fault(
+        name="nobody counts taps on somebody else's button",
+        file="authoriser/buttons.py",
+        guard='            self._count("button-other")\n',
+        without="",
+        caught_by=(TURNED_AWAY,),
+    ),
+    Fault(
+        name="I11 one person's settings count for others",
+        file="container/preferences.py",
+        guard="return self._set.get(principal, UNSET)",
+        without="return next(iter(self._set.values()), UNSET)",
+        caught_by=(ISOLATION,),
+    ),
+    Fault(
+        name="I11 what somebody keeps can be read without being let",
+        file="container/shelf.py",
+        guard="return reader == owner or self._sees_robot(reader, owner)",
+        without="return True",
+        caught_by=(ISOLATION,),
+    ),
+    Fault(
+        name="a lock waits for the disk",
+        file="pipeline/changes.py",
+        guard="        records = tuple(records)\n        self._apply(records)\n",
+        without=(
+            "        records = tuple(records)\n        await self._store.write(*records)\n"
+            "        self._apply(records)\n"
+        ),
+        caught_by=(f"{WRONG}::test_a_full_disk_keeps_nobody_from_being_locked",),
+    ),
+    Fault(
+        name="changes are made side by side, and two come in by one code",
+        file="pipeline/changes.py",
+        guard="        async with self._one:\n            yield",
+        without="        if True:\n            yield",
+        caught_by=(REDEEMERS,),
     ),
 )

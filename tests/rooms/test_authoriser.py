@@ -52,9 +52,11 @@ def test_a_caller_carries_the_id_of_the_key() -> None:
 )
 def test_identity_is_platform_and_id(address: Address) -> None:
     desk = Desk()
+    counted: list[str] = []
+    desk.authoriser.count = counted.append
     with pytest.raises(Unrecognised, match="I do not know you yet"):
         desk.authoriser.identify(inbound(address))
-    assert desk.authoriser.turned_away == 1
+    assert counted == ["stranger"]
 
 
 def test_a_session_key_per_conversation_that_never_repeats() -> None:

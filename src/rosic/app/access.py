@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.app.people import person_of
@@ -14,6 +15,8 @@ from rosic.authoriser.stepup import StepUp
 from rosic.authoriser.tally import Tally
 from rosic.core.record import Enrolled, KeyIssued, KeyRevoked
 from rosic.core.slot import SERIES, SLOT
+from rosic.errors import Refusal
+from rosic.organiser.petitions import PETITION, Petitions
 from rosic.organiser.rates import KIND as RATE
 from rosic.organiser.roster import GRANT
 from rosic.organiser.waiting import WAITING, WaitingList
@@ -37,7 +40,8 @@ class Access:
 
     Attributes:
         changes: Through which every change goes.
-        enrolment, keys, locks, stepup, misuse, tally, time, security, waiting: The books.
+        enrolment, keys, locks, stepup, misuse, tally, time, security, waiting, petitions: The
+            books.
     """
 
     def __init__(
@@ -58,6 +62,8 @@ class Access:
             authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
         )
         self.waiting = WaitingList(time)
+        authoriser.count = self.tally.count
+        self.petitions = Petitions(self.time.wall_ns, entropy)
         self._authoriser = authoriser
         self._authority = authority
         authoriser.wall_ns = time.wall_ns
@@ -75,6 +81,7 @@ class Access:
             "pending": self.enrolment.apply,
             "totp": self.stepup.apply,
             WAITING: self.waiting.apply,
+            PETITION: self.petitions.apply,
         }
         for kind, apply in keepers.items():
             for fact in memory.facts.get(kind, ()):
@@ -94,6 +101,7 @@ class Access:
         changes.watch(KeyRevoked, self._revoked)
         changes.after(authority.enforce)
         organiser.locked = self.locks.everybody()
+        organiser.locked_out = lambda _principal: self.tally.count("locked")
         organiser.narrow = self._authoriser.directory.narrowed
 
     def _locked(self, fact: Fact) -> None:
@@ -124,6 +132,12 @@ class Access:
             self.stepup.end(principal)
             if not self._authoriser.directory.has_good_key(principal):
                 self._authority.revoked(principal)
+
+    async def leave(self) -> None:
+        """Write down what was counted since the last time; at the end, and as far as it can be."""
+        with suppress(Refusal):
+            async with self.changes.turn() as turn:
+                await turn.write((*self.time.due(), *self.tally.due()))
 
     def is_only_admin(self, principal: PrincipalId) -> bool:
         """Whether nobody else with a good key, who is not locked, is admin."""

@@ -29,6 +29,11 @@ class Verb(enum.Enum):
     TAKEN = "taken"
     BOOK = "book"
     CLOCK = "clock"
+    CONTAINERS = "containers"
+    CONTAINER = "container"
+    CONTENT = "container-content"
+    LIMIT = "limit-container"
+    ERASE = "erase-container"
 
 
 class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):

@@ -14,7 +14,7 @@ from rosic.core.roles import DEFAULT_ROLES, Rulebook
 from rosic.organiser.roster import Roster
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.clock import Clock
@@ -33,12 +33,14 @@ class Authority:
     Attributes:
         roster: Everybody's roles and grants.
         rights: The present snapshot.
+        when_granted: Called when a grant was given or has ended.
     """
 
     def __init__(
         self, rulebook: Rulebook, profiles: Iterable[Profile], units: UnitTable, clock: Clock
     ) -> None:
         self.roster = Roster(clock)
+        self.when_granted: Callable[[], object] = _nothing
         self._rulebook = rulebook
         self._fleet = fleet_of(profiles)
         self._convert = unit_converter(units)
@@ -67,6 +69,7 @@ class Authority:
         principal = self.roster.apply(fact)
         if principal is not None:
             self.renew(principal)
+        self.when_granted()
 
     def enrolled(self, record: Enrolled) -> None:
         """Somebody has other roles of their own."""
@@ -114,6 +117,10 @@ class Authority:
             for robot in ended:
                 organiser.release(robot)
         return tuple(ended)
+
+
+def _nothing() -> None:
+    return None
 
 
 def fleet_of(profiles: Iterable[Profile]) -> Fleet:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from rosic.core.language import Vocabulary
     from rosic.core.robot import Profile, RobotId
     from rosic.organiser.organiser import Organiser
+    from rosic.pipeline.containers.erasing import Erasing
+    from rosic.pipeline.containers.parts import Holdings
     from rosic.pipeline.people.notices import Notices
 
 
@@ -34,6 +36,8 @@ class Books(NamedTuple):
         assurances: What a conversation on each platform is worth.
         bots: Names of the accounts on Telegram, as far as they are known.
         notices: Tells people in their chats; None: no gateway runs, so nobody can be told.
+        holdings: What is kept in containers; None: the record cannot look into them.
+        erasing: Erases somebody; None while no gateway runs.
     """
 
     access: Access
@@ -47,6 +51,8 @@ class Books(NamedTuple):
     assurances: Mapping[str, Assurance]
     bots: Sequence[str] = ()
     notices: Notices | None = None
+    holdings: Holdings | None = None
+    erasing: Erasing | None = None
 
     def name(self, principal: PrincipalId) -> str:
         """Return how somebody is shown."""
@@ -81,6 +87,7 @@ def books_of(
         organiser=rooms.organiser, vocabulary=rooms.vocabulary, profiles=rooms.profiles,
         clock=gateway.access.time, zone=zone_or_universal(zone), bots=bots,
         notices=gateway.furnishing.notices,
+        holdings=gateway.holding.holdings, erasing=gateway.holding.erasing,
         assurances={
             m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE)
             for m in messengers

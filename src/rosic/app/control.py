@@ -202,7 +202,7 @@ class ControlServer:
         self._following += 1
         try:
             async for text in self._follow(ask):
-                writer.write(_line(Answer(text, more=True)))
+                writer.write(_line(Answer(str(text), more=True)))  # a sentence as it is in English
                 await self._read(writer)
             writer.write(_line(Answer("")))
         except RosicError as error:

@@ -3,32 +3,38 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.authoriser.codes import telegram_link
-from rosic.authoriser.misuse import RULE, SUSPICIOUS
+from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
 from rosic.core.reach import FLEET
 from rosic.core.skill import SkillClass
-from rosic.errors import TooManyRequests
+from rosic.errors import NotPermitted, TooManyRequests
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.consent import Consent
 from rosic.pipeline.handover import Handover
 from rosic.pipeline.people.about import About
 from rosic.pipeline.people.admitting import Admitting
+from rosic.pipeline.people.asking_line import Places
 from rosic.pipeline.people.custody import Custody
 from rosic.pipeline.people.doorstep import Doorstep
+from rosic.pipeline.people.granting import Granting
 from rosic.pipeline.people.hiring import Clerks, hire
 from rosic.pipeline.people.inviting import Inviting
 from rosic.pipeline.people.joining import Joining
 from rosic.pipeline.people.notices import Notices
+from rosic.pipeline.people.petitioning import Petitioning
 from rosic.pipeline.people.powers import Powers
 from rosic.pipeline.people.proving import Proving
 from rosic.pipeline.people.registry import Registry
+from rosic.pipeline.people.reminding import Reminding
 from rosic.pipeline.reach import Reach
 from rosic.pipeline.times.clerks import employ_clerks
 from rosic.pipeline.times.keeper import Keeper
+from rosic.pipeline.times.naming import Naming
 from rosic.pipeline.times.parts import Sides, Times
 
 if TYPE_CHECKING:
@@ -41,6 +47,7 @@ if TYPE_CHECKING:
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.message import Chat
     from rosic.core.robot import RobotId
     from rosic.core.secret import Secret
     from rosic.errors import Refusal
@@ -60,6 +67,8 @@ class Furnishing:
         consent: Asks for confirmations.
         admitting: Asks admins about newcomers.
         notices: Tells whoever is concerned that somebody's access has changed.
+        petitioning: Asks admins for rights that somebody lacks.
+        granting: Gives rights for a while.
         keeper: Follows the calendar.
     """
 
@@ -102,9 +111,10 @@ class Furnishing:
         self._say_times_in(zone)
         reception.consent = self.consent
         reception.stepped_up = self._access.stepup.fresh
+        reception.proof_used = self._proof_used
         reception.refused = self._refused
-        self._furnish_people(authority, messengers, clock, entropy, zone)
         self._furnish_times(clock, zone)
+        self._furnish_people(authority, messengers, clock, entropy, zone)
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
 
@@ -139,7 +149,7 @@ class Furnishing:
         )
         powers = Powers(registry)
         self.notices = Notices(registry, powers)
-        doorstep = Doorstep(self._teller, messengers, clock, entropy)
+        doorstep = Doorstep(self._teller, messengers, clock, entropy, count=access.tally.count)
         self.admitting = Admitting(registry, powers, doorstep, menu=self._menu)
         joining = Joining(
             registry,
@@ -149,21 +159,33 @@ class Furnishing:
             shown_as=lambda inbound: clean_name(inbound.shown_as),
             names_robot=self._names_robot,
         )
+        places = Places(
+            vocabulary=self._rooms.vocabulary,
+            naming=lambda asked, text: self._naming.robot(asked, "/ask", text),
+            shown=lambda robot: linker.profile(robot).shown,
+            zone_of=lambda _principal: zone_named(zone),
+        )
+        self.granting = Granting(registry, powers, entropy, places.zone_of)
+        self.petitioning = Petitioning(registry, powers, access.petitions, self.granting, places)
         about = About(
             registry,
             powers,
             self.admitting,
             slots=self._slots_of,
-            zone_of=lambda _principal: zone_named(zone),
-            shown=lambda robot: linker.profile(robot).shown,
+            zone_of=places.zone_of,
+            shown=places.shown,
         )
+        about.petitioning = self.petitioning
         clerks = Clerks(
             about, self.admitting, Custody(registry, powers, self.notices),
             Inviting(registry, powers, link=_link),
-            Proving(registry, powers),
+            Proving(registry, powers), self.granting, self.petitioning,
         )  # fmt: skip
         hire(self._pipeline.reception.office, clerks, self.consent)
         self._pipeline.reception.newcomer = joining.take
+        self._pipeline.reception.outdated = Reminding(
+            self.reach, self.admitting, self.petitioning
+        ).remind
 
     def _menu(self, principal: PrincipalId) -> Reply:
         return self._pipeline.menu(principal)
@@ -204,6 +226,7 @@ class Furnishing:
             changes=access.changes, reach=self.reach, clock=clock, sides=sides,
             lease_idle_s=organiser.lease_idle_s,
         )  # fmt: skip
+        self._naming = Naming(times)
         self.keeper = Keeper(times)
         access.changes.after(self.keeper.look)
         access.changes.after(self._watch_ends)
@@ -234,10 +257,17 @@ class Furnishing:
 
     # ---- misuse ----
 
+    def _proof_used(self, principal: PrincipalId, chat: Chat) -> None:
+        """Begin the idle hour of a second factor anew; what has let pass has let pass."""
+        with suppress(NotPermitted):  # the hour may have ended since it was asked
+            self._access.stepup.use(principal, chat)
+
     def _refused(self, caller: Caller, refusal: Refusal) -> None:
         """Let the rules about misuse hear of refusals; what is only late is none."""
         if refusal.code not in SUSPICIOUS:
             return
+        if not refusal.counted:
+            self._access.tally.count(COUNTED_AS.get(refusal.code, refusal.code))
         if isinstance(refusal, TooManyRequests) and not refusal.own:
             return
         said = self._access.misuse.attempted(caller.principal, SkillClass.MOTION, refusal.code)

@@ -201,12 +201,8 @@ class Gateway:
         )
         self.furnishing.furnish(authority, self._messengers, time, parts.entropy, settings.zone)
         if isinstance(parts.store, Vault):
-            await self._furnish_containers(parts.store, memory)
-
-    async def _furnish_containers(self, vault: Vault, memory: Memory) -> None:
-        parts, holding = self._parts, self.holding
-        await holding.furnish(self.pipeline, vault, memory, parts.units, parts.entropy)
-        self.furnishing.reach.tell(holding.preferences.damaged(), SETTINGS_DAMAGED)
+            await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
+            self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
 
     def _limit(self, rates: Rates, roles: Mapping[str, RateLimit]) -> None:
         shown = {profile.id: profile.shown for profile in self._settings.profiles}
@@ -248,7 +244,8 @@ class Gateway:
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
         minder = Minder(
-            self.access, self.authority, self.furnishing.admitting, self._daily, self.access.time,
+            self.access, self.authority, self.furnishing, self.holding, self.access.time,
+            self._daily,
         )  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
@@ -341,6 +338,10 @@ class Gateway:
         if hasattr(self, "rooms"):
             save(self.rooms.organiser.rates, self._parts.store)
             self._parts.store.note(self.access.time.mark())
+        if hasattr(self, "access"):
+            leaving = asyncio.ensure_future(self._write_down())
+            await asyncio.wait((leaving,), timeout=HOLD_WITHIN_S)
+            leaving.cancel()
         await self._parts.store.close()
 
     async def _part(self, robot: Robot) -> None:
@@ -359,6 +360,12 @@ class Gateway:
         if keeping:
             await asyncio.wait(keeping, timeout=HOLD_WITHIN_S)
         return all(k.done() and not k.cancelled() and k.exception() is None for k in keeping)
+
+    async def _write_down(self) -> None:
+        """Keep what was only counted so far."""
+        await self.access.leave()
+        if hasattr(self, "holding"):
+            await self.holding.leave()
 
     async def _end_lives(self, begun_ns: int) -> None:
         """End what is under way, and tell it in what is left of the time since ``begun_ns``."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.container.archive import NOBODY, Archive, Author
 from rosic.container.preferences import KIND as PREFERENCE
@@ -13,6 +15,7 @@ from rosic.core.identity import Address, Principal
 from rosic.core.language import skills_of
 from rosic.core.limits import unit_converter
 from rosic.core.reach import FLEET
+from rosic.errors import Refusal
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.containers.clerks import employ_clerks, take_over
 from rosic.pipeline.containers.erasing import Erasing, Sides
@@ -21,11 +24,13 @@ from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.containers.tidying import tidy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
+    from rosic.app.furnishing import Furnishing
     from rosic.authoriser.authoriser import Authoriser
+    from rosic.container.habits import Habits
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
@@ -34,10 +39,25 @@ if TYPE_CHECKING:
     from rosic.core.language import UnitTable
     from rosic.core.message import Chat
     from rosic.core.record import Fact, Memory, Record
+    from rosic.core.robot import Profile, RobotId
+    from rosic.organiser.organiser import Organiser
     from rosic.pipeline import Pipeline
     from rosic.pipeline.rooms import Rooms
 
 LANGUAGES = {"en": ("english",)}
+PERSON = re.compile("p[0-9a-f]{16}")  # how ids of people look
+
+
+class Making(Protocol):
+    """What the books are made with."""
+
+    @property
+    def units(self) -> UnitTable:
+        """Return the units that people may say."""
+
+    @property
+    def entropy(self) -> Entropy:
+        """Return the source of chance."""
 
 
 class Holding:
@@ -46,7 +66,8 @@ class Holding:
     Attributes:
         archive: Which chats are kept.
         preferences: What people set for themselves.
-        erasing: Erases somebody.
+        erasing: Erases somebody; None while the record cannot look into containers.
+        holdings: What is kept in containers; likewise.
     """
 
     def __init__(self, rooms: Rooms, access: Access, authority: Authority, clock: Clock) -> None:
@@ -54,7 +75,8 @@ class Holding:
         self._access = access
         self._authority = authority
         self._clock = clock
-        self._holdings: Holdings | None = None
+        self.holdings: Holdings | None = None
+        self.erasing: Erasing | None = None
 
     def record(self, messengers: Sequence[Messenger], store: Store) -> tuple[Messenger, ...]:
         """Return messengers whose chats can be kept."""
@@ -63,44 +85,48 @@ class Holding:
         return tuple(Recorded(m, self.archive, store, author_of) for m in messengers)
 
     async def furnish(
-        self, pipeline: Pipeline, vault: Vault, memory: Memory, units: UnitTable, entropy: Entropy
+        self,
+        pipeline: Pipeline,
+        furnishing: Furnishing,
+        vault: Vault,
+        memory: Memory,
+        parts: Making,
     ) -> None:
         """Say who keeps what, take over what was, and finish what an erasure left."""
         rooms = self._rooms
-        organiser, directory = rooms.organiser, rooms.authoriser.directory
-        skills = {profile.id: skills_of(profile) for profile in rooms.profiles.values()}
-        caps = Caps(skills, unit_converter(units))
-        self.preferences = PreferenceBook(self._clock, caps, LANGUAGES)
-        shelf = Shelf(self._clock, entropy)
-        shelf.is_robot = rooms.profiles.__contains__
-        shelf.sees = lambda who, robot: robot in organiser.visible(who)
-        shelf.works_with = lambda who, robot: organiser.holder(robot) == who
-        place = organiser.calendar.zone_of
-        holdings = Holdings(
-            preferences=self.preferences,
-            shelf=shelf,
-            archive=self.archive,
-            vault=vault,
-            changes=self._access.changes,
-            clock=self._clock,
-            name=directory.name,
-            shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
-            visible=organiser.visible,
-            choices=organiser.visible,
-            zone_of=lambda who: zone_named(self.preferences.of(who).zone or place(who)),
-            may_archive=lambda who: organiser.rights.holds(
-                who, FLEET, "archive", organiser.wall_ns()
-            ),
-            robots=frozenset(rooms.profiles),
-        )
-        self._holdings = holdings
-        self.erasing = Erasing(holdings, self._sides(pipeline))
-        employ_clerks(pipeline.reception.office, holdings, self.erasing)
-        take_over(memory.facts, holdings, self.erasing)
+        around = Around(
+            self._access, rooms.authoriser, rooms.organiser, rooms.profiles, self._clock,
+            furnishing.reach.tell, pipeline.habits,
+        )  # fmt: skip
+        holdings = holdings_of(around, vault, self.archive, parts)
+        self.holdings, self.preferences = holdings, holdings.preferences
+        erasing = self.erasing = Erasing(holdings, self._sides(pipeline))
+        employ_clerks(pipeline.reception.office, holdings, erasing)
+        take_over(memory.facts, holdings, erasing)
         self._follow_settings()
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
-        await self.erasing.finish()
+        furnishing.admitting.forget = erasing.stranger
+        await erasing.finish()
+
+    async def finish(self) -> None:
+        """Finish erasing whoever still had an order under way, and keep what people often ask.
+
+        Meant for every minute or so, and for the end.
+
+        Raises:
+            RecordUnavailable: Not all could be written; the rest is tried the next time.
+        """
+        if self.holdings is not None and (habits := self.holdings.habits.unwritten()):
+            async with self.holdings.changes.turn() as turn:
+                await turn.write(habits)
+        if self.erasing is not None and self.erasing.unfinished:
+            await self.erasing.finish()
+
+    async def leave(self) -> None:
+        """Keep what people often ask; at the end, and as far as it can be."""
+        with suppress(Refusal):
+            await self.finish()
 
     async def tidy(self) -> None:
         """Forget what was kept as long as was said; meant for once a day.
@@ -108,8 +134,8 @@ class Holding:
         Raises:
             RecordUnavailable: Not all was forgotten; the rest is tried the next time.
         """
-        if self._holdings is not None:
-            await tidy(self._holdings, self.erasing)
+        if self.holdings is not None and self.erasing is not None:
+            await tidy(self.holdings, self.erasing)
 
     def _usual(self, principal: PrincipalId) -> str:
         return self.preferences.of(principal).robot
@@ -150,6 +176,7 @@ class Holding:
             directory.enrol(Principal(id=principal, name="somebody"))
             rooms.authoriser.forget(principal)
             rooms.container.forget(principal)
+            pipeline.habits.forget(principal)
 
         async def ended(_principal: PrincipalId) -> None:
             authority.enforce()
@@ -158,15 +185,76 @@ class Holding:
             person = directory.person(principal)
             return person is not None and Address(chat.platform, chat.id) in person.addresses
 
+        def in_use(robot: RobotId) -> str:
+            holder = rooms.organiser.holder(robot)
+            return directory.name(holder) if holder else rooms.linker.presence(robot).doing
+
+        def stray(container: str) -> bool:
+            asking = {a.pending.principal for a in access.enrolment.applicants.all()}
+            newcomer = PERSON.fullmatch(container) is not None and container not in asking
+            return newcomer and directory.person(container) is None
+
         return Sides(
             known=lambda who: directory.person(who) is not None,
             is_last_admin=access.is_only_admin,
             ends=ends,
             ended=ended,
-            busy=lambda _who: bool(len(pipeline.lives)),
+            busy=pipeline.lives.busy,
+            in_use=in_use,
+            stray=stray,
             forget=forget,
             theirs=theirs,
         )
+
+
+class Around(NamedTuple):
+    """What stands around the books of containers."""
+
+    access: Access
+    authoriser: Authoriser
+    organiser: Organiser
+    profiles: Mapping[RobotId, Profile]
+    clock: Clock
+    tell: Callable[[tuple[PrincipalId, ...], str], object]
+    habits: Habits
+
+
+def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -> Holdings:
+    """Return the books, empty still."""
+    organiser, clock, profiles = around.organiser, around.clock, around.profiles
+    skills = {profile.id: skills_of(profile) for profile in profiles.values()}
+    preferences = PreferenceBook(clock, Caps(skills, unit_converter(parts.units)), LANGUAGES)
+    shelf = Shelf(clock, parts.entropy)
+    shelf.is_robot = profiles.__contains__
+    shelf.sees = lambda who, robot: robot in organiser.visible(who)
+    shelf.works_with = lambda who, robot: organiser.holder(robot) == who
+    place = organiser.calendar.zone_of
+    return Holdings(
+        preferences=preferences,
+        shelf=shelf,
+        habits=around.habits,
+        archive=archive,
+        vault=vault,
+        changes=around.access.changes,
+        clock=clock,
+        name=around.authoriser.directory.name,
+        shown=lambda robot: profiles[robot].shown if robot in profiles else robot,
+        visible=organiser.visible,
+        choices=organiser.visible,
+        zone_of=lambda who: zone_named(preferences.of(who).zone or place(who)),
+        may_archive=lambda who: organiser.rights.holds(who, FLEET, "archive", clock.wall_ns()),
+        robots=frozenset(profiles),
+        find=partial(_called, around.authoriser),
+        tell=around.tell,
+    )
+
+
+def _called(authoriser: Authoriser, name: str) -> tuple[PrincipalId, ...]:
+    """Return everybody with a good key who is called so, or has that id."""
+    directory = authoriser.directory
+    by_id = directory.person(name)
+    found = (by_id,) if by_id is not None else directory.named(name)
+    return tuple(person.id for person in found if directory.has_good_key(person.id))
 
 
 def _author_of(authoriser: Authoriser, address: Address) -> Author:

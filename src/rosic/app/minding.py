@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from typing import TYPE_CHECKING
 
@@ -12,8 +13,9 @@ if TYPE_CHECKING:
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
+    from rosic.app.furnishing import Furnishing
+    from rosic.app.holding import Holding
     from rosic.contracts.clock import Clock
-    from rosic.pipeline.people.admitting import Admitting
 
 EVERY_S = 60.0
 DAY_NS = 86_400_000_000_000
@@ -31,28 +33,43 @@ class Minder:
         self,
         access: Access,
         authority: Authority,
-        admitting: Admitting,
-        daily: Callable[[], Awaitable[None]],
+        furnishing: Furnishing,
+        holding: Holding,
         clock: Clock,
+        daily: Callable[[], Awaitable[None]],
     ) -> None:
         self._daily = daily
+        self._holding = holding
         self._day_ns = clock.monotonic_ns()
         self._access = access
         self._authority = authority
-        self._admitting = admitting
+        self._furnishing = furnishing
         self._clock = clock
         self._behind = False
+        self._woken = asyncio.Event()
+        authority.when_granted = self._woken.set
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""
         while True:
+            self._woken.clear()
             try:
                 await self.look()
             except RosicError as fault:
                 log.warning("not everything could be minded: %s", fault)
             except Exception:
                 log.exception("not everything could be minded")
-            await self._clock.sleep(self._pause_s())
+            await self._sleep(self._pause_s())
+
+    async def _sleep(self, seconds: float) -> None:
+        """Sleep, but not past a grant that was given meanwhile: it may end sooner."""
+        timer = asyncio.create_task(self._clock.sleep(seconds))
+        woken = asyncio.create_task(self._woken.wait())
+        try:
+            await asyncio.wait((timer, woken), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            timer.cancel()
+            woken.cancel()
 
     def _pause_s(self) -> float:
         now_ns = self._clock.wall_ns()
@@ -71,15 +88,20 @@ class Minder:
         self._look_at_clock()
         authority.enforce()  # a grant ends by the clock, whether or not that can be written
         async with access.changes.turn() as turn:
+            now_ns = self._clock.wall_ns()
+            over = authority.roster.over(now_ns)
             await turn.write(
                 (
-                    *authority.roster.ended(self._clock.wall_ns()),
+                    *authority.roster.ended(now_ns),
                     *access.enrolment.invitations.stale(),
                     *access.time.due(),
                     *access.tally.due(),
                 )
             )
-        await self._admitting.lapse()
+        self._furnishing.granting.announce(over)
+        await self._furnishing.admitting.lapse()
+        await self._furnishing.petitioning.lapse()
+        await self._holding.finish()
         if self._clock.monotonic_ns() >= self._day_ns:
             await self._daily()
             self._day_ns = self._clock.monotonic_ns() + DAY_NS

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import enum
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.access import Access
 from rosic.app.authority import Authority, key_of
 from rosic.app.books import Books, zone_or_universal
+from rosic.app.holding import Around, holdings_of
 from rosic.app.naming import people_lines
 from rosic.app.operator_desk import OperatorDesk
 from rosic.app.people import remember, seed
@@ -17,6 +18,8 @@ from rosic.app.start import STOPS
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
+from rosic.container.archive import Archive
+from rosic.container.habits import Habits
 from rosic.core.language import Vocabulary, clean
 from rosic.core.rate import RateLimit
 from rosic.core.roles import DEFAULT_ROLES, Assurance, Rulebook
@@ -24,6 +27,8 @@ from rosic.core.stopboard import StopBoard
 from rosic.organiser.organiser import Organiser
 from rosic.organiser.roster import GRANT
 from rosic.organiser.zones import UNIVERSAL
+from rosic.pipeline.containers.clerks import books_kept
+from rosic.pipeline.containers.parts import Vault
 from rosic.stores.database import DatabaseStore
 from rosic.stores.folder import DATABASE
 from rosic.stores.latch import FileLatch
@@ -39,8 +44,11 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.store import Store
+    from rosic.core.identity import PrincipalId
+    from rosic.core.language import UnitTable
     from rosic.core.record import Memory
     from rosic.core.robot import RobotId
+    from rosic.pipeline.containers.parts import Holdings
 
 LOCAL = {"terminal": Assurance.LOCAL}
 
@@ -51,6 +59,13 @@ class Seeding(enum.Enum):
     WRITTEN = "written"
     IMAGINED = "imagined"
     LEFT = "left"
+
+
+class Parts(NamedTuple):
+    """What the books of containers are made with."""
+
+    units: UnitTable
+    entropy: Entropy
 
 
 class Alone:
@@ -135,12 +150,25 @@ class Alone:
         place = "rosic" if config is None else config.name
         access = Access(authoriser, authority, store, time, entropy, place=place)
         access.restore(memory, organiser)
+        around = Around(access, authoriser, organiser, profiles, clock, _nobody_hears, Habits())
         return Books(
             access=access, authority=authority, authoriser=authoriser, organiser=organiser,
             vocabulary=Vocabulary.build(robots, known_units()), profiles=profiles, clock=time,
             zone=zone_or_universal(UNIVERSAL if config is None else config.zone),
             assurances=LOCAL,
+            holdings=self._holdings(around, store, memory),
         )  # fmt: skip
+
+    def _holdings(self, around: Around, store: Store, memory: Memory) -> Holdings | None:
+        if not isinstance(store, Vault):
+            return None
+        parts = Parts(known_units(), self._entropy)
+        holdings = holdings_of(around, store, Archive(self._clock), parts)
+        for kind, apply in books_kept(holdings).items():
+            for fact in memory.facts.get(kind, ()):
+                apply(fact)
+            around.access.changes.keep(kind, apply)
+        return holdings
 
     async def _stops(
         self, memory: Memory, robots: Iterable[RobotId]
@@ -165,3 +193,7 @@ async def _nowhere() -> MemoryStore:
     store = MemoryStore()
     await store.open()
     return store
+
+
+def _nobody_hears(_people: tuple[PrincipalId, ...], _text: str) -> None:
+    """Without a gateway nobody is reached."""

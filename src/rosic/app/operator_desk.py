@@ -13,6 +13,7 @@ from rosic.app.asked import Verb
 from rosic.app.explaining import Explaining
 from rosic.app.naming import people_lines
 from rosic.app.operating_access import InviteAsk, OperatingAccess, RotateAsk
+from rosic.app.operating_containers import LimitAsk, OperatingContainers
 from rosic.app.planning import BookAsk, Planning, Window
 from rosic.app.profiles import known_units
 from rosic.core.limits import unit_converter
@@ -48,6 +49,7 @@ class OperatorDesk:
         self._books = books
         self._planning = Planning(books)
         self._explaining = Explaining(books)
+        self._containers = OperatingContainers(books)
         self._doing: dict[Verb, Doing] = {
             Verb.PEOPLE: self._people,
             Verb.REVOKE: self._to(self.access.revoke),
@@ -63,6 +65,11 @@ class OperatorDesk:
             Verb.TAKEN: self._taken,
             Verb.BOOK: self._book,
             Verb.CLOCK: self._clock,
+            Verb.CONTAINERS: self._containers.list,
+            Verb.CONTAINER: self._containers.show,
+            Verb.CONTENT: self._containers.content,
+            Verb.LIMIT: self._limit,
+            Verb.ERASE: self._containers.erase,
         }
 
     async def do(self, ask: Ask) -> Iterable[str]:
@@ -119,6 +126,9 @@ class OperatorDesk:
 
     async def _book(self, ask: Ask) -> Iterable[str]:
         return (await self._planning.book(_body(ask, BookAsk)),)
+
+    async def _limit(self, ask: Ask) -> Iterable[str]:
+        return await self._containers.limit(ask, _body(ask, LimitAsk))
 
 
 def _together(lines: Sequence[str]) -> Iterator[str]:

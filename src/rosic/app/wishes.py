@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import msgspec
 
 from rosic.app.planning import Who
 from rosic.app.source import read_text
-from rosic.errors import ConfigurationError
+from rosic.core.civil import MINUTES_A_DAY
+from rosic.errors import ConfigurationError, OutOfBounds
 from rosic.organiser.allocation import NS_PER_MIN, Booked, Problem
-from rosic.organiser.wishlist import Names, wishes_from_csv, wishes_from_json
+from rosic.organiser.wishlist import Names, opening_hours, wishes_from_csv, wishes_from_json
 from rosic.organiser.zones import zone_named
 
 if TYPE_CHECKING:
@@ -18,8 +20,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.app.planning import Taken
-    from rosic.organiser.allocation import Wish
+    from rosic.organiser.allocation import Span, Wish
+    from rosic.organiser.zones import Zone
 
+_HOURS = re.compile(r"(\d{1,2}:\d{2})\s*-\s*(\d{1,2}:\d{2})")
 READERS = {".csv": wishes_from_csv, ".json": wishes_from_json}
 
 
@@ -68,8 +72,37 @@ def not_over(wishes: Iterable[Wish], now_ns: int) -> tuple[tuple[Wish, ...], tup
     return tuple(found), tuple(late)
 
 
-def problem_of(wishes: tuple[Wish, ...], who: Who, taken: Iterable[Taken]) -> Problem:
-    """Return the problem: wishes, the robots there are, and what is booked."""
+def openings_of(text: str, wishes: Iterable[Wish], zone: Zone) -> tuple[Span, ...]:
+    """Return when a place is open on each day of the wishes: ``08:00-18:00``, ``22:00-06:00``.
+
+    Raises:
+        OutOfBounds: It is no such pair of times.
+    """
+    found = _HOURS.fullmatch(text.strip())
+    opens, closes = (_minutes(part) for part in found.groups()) if found else (None, None)
+    if opens is None or closes is None or opens == closes:
+        raise OutOfBounds(f"I cannot read --open {text!r}. Write --open 08:00-18:00.")
+    days = {
+        day
+        for wish in wishes
+        for day in range(
+            zone.local(wish.earliest_ns).day_number - 1, zone.local(wish.latest_ns).day_number + 1
+        )
+    }
+    beyond = 0 if closes > opens else MINUTES_A_DAY
+    return opening_hours(sorted(days), opens, closes + beyond, zone)
+
+
+def _minutes(text: str) -> int | None:
+    hours, _, minutes = text.partition(":")
+    at = int(hours) * 60 + int(minutes)
+    return at if int(minutes) < 60 and at <= MINUTES_A_DAY else None  # noqa: PLR2004 - minutes
+
+
+def problem_of(
+    wishes: tuple[Wish, ...], who: Who, taken: Iterable[Taken], openings: tuple[Span, ...] = ()
+) -> Problem:
+    """Return the problem: wishes, the robots there are, what is booked, when it is open."""
     robots = tuple(dict.fromkeys(robot for some in who.robots.values() for robot in some))
     booked = tuple(Booked(*slot) for part in taken for slot in part.slots)
-    return Problem(wishes=wishes, robots=robots, booked=booked)
+    return Problem(wishes=wishes, robots=robots, booked=booked, openings=openings)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
-from rosic.authoriser.buttons import Buttons
+from rosic.authoriser.buttons import Buttons, Count, uncounted
 from rosic.core.identity import AuthorisationKey, Caller, KeyId, Principal, PrincipalId
+from rosic.core.message import ChatKind
 from rosic.errors import Unrecognised
 
 if TYPE_CHECKING:
@@ -47,15 +48,15 @@ class Authoriser:
     Attributes:
         buttons: What taps stand for.
         directory: Who is known.
-        turned_away: How many messages came from strangers or under keys that have ended.
+        count: Hears of each message that was turned away, by kind.
         wall_ns: What time it is; one that never goes back, if there is one.
         ends_of: When a key ends by itself: when it expires, or when a grace is over.
     """
 
     def __init__(self, directory: Directory, clock: Clock, entropy: Entropy) -> None:
         self.directory = directory
-        self.buttons = Buttons(clock, entropy)
-        self.turned_away = 0
+        self.count: Count = uncounted
+        self.buttons = Buttons(clock, entropy, count=self._count_tap)
         self.wall_ns = clock.wall_ns
         self.ends_of: EndsOf = _expires
         self._clock = clock
@@ -80,7 +81,7 @@ class Authoriser:
                 self._sessions.popitem(last=False)
         ends_ns = session.ends_ns
         if ends_ns is not None and self.wall_ns() >= ends_ns:
-            self.turned_away += 1
+            self.count("key-expired")
             raise Unrecognised(ENDED)
         self._times_ns.append(self._clock.monotonic_ns() - started_ns)
         return session.caller
@@ -88,14 +89,18 @@ class Authoriser:
     def _authenticate(self, inbound: Inbound) -> Session:
         found = self.directory.at(inbound.sender)
         if found is None:
-            self.turned_away += 1
+            if _is_for_us(inbound):
+                self.count("stranger")
             raise Unrecognised(STRANGER)
         person, key = found
         if key.revoked_ns is not None:
-            self.turned_away += 1
+            self.count("key-revoked")
             raise Unrecognised(ENDED)
         caller = Caller(person.id, person.name, inbound.sender, key.id, self._session_key())
         return Session(caller, self.ends_of(key))
+
+    def _count_tap(self, kind: str) -> None:
+        self.count(kind)
 
     def _session_key(self) -> str:
         """Return the id of a new session key: a hash, so that no list of them lets anybody in."""
@@ -137,3 +142,9 @@ class Authoriser:
 
 def _expires(key: AuthorisationKey) -> int | None:
     return key.expires_ns
+
+
+def _is_for_us(inbound: Inbound) -> bool:
+    """Whether somebody unknown tried something; people in groups talk to each other."""
+    private = inbound.chat.kind is ChatKind.PRIVATE
+    return private or inbound.nonce is not None or inbound.text.startswith("/")

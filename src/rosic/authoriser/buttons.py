@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from base64 import urlsafe_b64encode
 from collections import OrderedDict
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
@@ -16,13 +17,15 @@ if TYPE_CHECKING:
     from rosic.contracts.entropy import Entropy
     from rosic.core.message import Button, Inbound
 
+Count: TypeAlias = Callable[[str], None]
+
 NONCE_BYTES = 16
 LIFETIME_NS = 60_000_000_000
 # A stop must work from any button that was ever shown, so its button carries the word itself:
 # whoever taps it has typed it.
 STOP_PREFIX = "stop "
 # A menu moves nothing, so whoever reads before they tap may be late.
-MENU = ("?", "use ", "/use ")
+MENU = ("?", "use ", "/use ", "robots")
 MENU_LIFETIME_NS = 600_000_000_000
 
 
@@ -33,12 +36,26 @@ class _Bound(msgspec.Struct, frozen=True):
     issued_ns: int
     issued_wall_ns: int
     lifetime_ns: int
+    still: bool
 
 
 class Buttons:
-    """Issues and redeems nonces. Bounded: the oldest buttons die first."""
+    """Issues and redeems nonces. Bounded: the oldest buttons die first.
 
-    def __init__(self, clock: Clock, entropy: Entropy, *, at_most: int = 20_000) -> None:
+    Args:
+        at_most: Buttons that are good at a time.
+        count: Hears of each tap that was refused, by kind.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        entropy: Entropy,
+        *,
+        at_most: int = 20_000,
+        count: Count | None = None,
+    ) -> None:
+        self._count = count or uncounted
         self._clock = clock
         self._entropy = entropy
         self._at_most = at_most
@@ -51,20 +68,26 @@ class Buttons:
         chat: str,
         *,
         lifetime_ns: int = LIFETIME_NS,
+        still: bool = False,
     ) -> Button:
         """Return the button with a nonce for this person in this chat.
 
-        Only a button that moves nothing may live longer than a minute: an admin's answer to
-        whoever wants to come in.
+        Args:
+            button: What it says.
+            principal: Who alone may tap it.
+            chat: Where.
+            lifetime_ns: Only a button that moves nothing may live longer than a minute: an
+                admin's answer to whoever wants to come in.
+            still: Nothing moves by it, and nothing will move because of it alone: it is good
+                after a gap in listening too, for as long as it lives, once.
         """
-        if button.command == "stop" or button.command.startswith(STOP_PREFIX):
+        if is_stop(button):
             return msgspec.structs.replace(button, nonce=button.command)
-        if button.command.startswith(MENU):
-            lifetime_ns = max(lifetime_ns, MENU_LIFETIME_NS)
+        lifetime_ns = max(lifetime_ns, lifetime_of(button))
         nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
         self._bound[nonce] = _Bound(
             principal, chat, button.command, self._clock.monotonic_ns(), self._clock.wall_ns(),
-            lifetime_ns,
+            lifetime_ns, still,
         )  # fmt: skip
         if len(self._bound) > self._at_most:
             self._bound.popitem(last=False)
@@ -81,13 +104,31 @@ class Buttons:
         """
         bound = self._bound.get(nonce)
         if bound is None:
+            self._count("button-used")
             raise Expired("This button is no longer good. Nothing was done.")
         if bound.principal != principal or bound.chat != inbound.chat.id:
+            self._count("button-other")
             raise NotPermitted("This question was asked of somebody else.")
         del self._bound[nonce]
         age_ns = self._clock.monotonic_ns() - bound.issued_ns
-        if age_ns > bound.lifetime_ns or bound.issued_wall_ns < inbound.listening_since_ns:
+        missed = bound.issued_wall_ns < inbound.listening_since_ns and not bound.still
+        if age_ns > bound.lifetime_ns or missed:
+            self._count("button-late")
             raise Expired(
                 "This button is too old. Nothing was done.", offers=(bound.command.lstrip("?"),)
             )
         return bound.command
+
+
+def uncounted(_kind: str) -> None:
+    """Nobody counts."""
+
+
+def lifetime_of(button: Button) -> int:
+    """Return for how long a button is good at least, in nanoseconds."""
+    return MENU_LIFETIME_NS if button.command.startswith(MENU) else LIFETIME_NS
+
+
+def is_stop(button: Button) -> bool:
+    """Whether it stops, and so is good for ever and for everybody."""
+    return button.command == "stop" or button.command.startswith(STOP_PREFIX)

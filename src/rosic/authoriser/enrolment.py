@@ -230,8 +230,7 @@ class Enrolment:
         asked = applicant.pending
         self._check_tap(asked, by, may_admit=may_admit)
         if by == asked.principal:
-            self._tally.count("confirm-own")
-            raise NotPermitted(words.CONFIRM_OWN)
+            raise self._tally.refuse("confirm-own", NotPermitted(words.CONFIRM_OWN))
         if self._locks.locked(asked.principal):
             raise NotPermitted(words.locked(applicant.name))
         known = self._directory.at(applicant.address)
@@ -253,14 +252,12 @@ class Enrolment:
 
     def _check_tap(self, asked: Pending, by: PrincipalId, *, may_admit: bool) -> None:
         if not may_admit and by != asked.principal:
-            self._tally.count("confirm-no-right")
-            raise NotPermitted(words.NO_RIGHT)
+            raise self._tally.refuse("confirm-no-right", NotPermitted(words.NO_RIGHT))
 
     def _applicant(self, pending: str) -> Applicant:
         applicant = self.applicants.get(pending)
         if applicant is None or self._too_late(applicant.pending):
-            self._tally.count("confirm-late")
-            raise Expired(words.SETTLED)
+            raise self._tally.refuse("confirm-late", Expired(words.SETTLED))
         return applicant
 
     def _ends(self, applicant: Applicant, by: PrincipalId, sentence: str) -> Declined:

@@ -100,8 +100,7 @@ class KeyRing:
         """
         fault = self._fault(key_id)
         if fault is not None:
-            self._tally.count(fault)
-            raise Unrecognised(words.ENDED)
+            raise self._tally.refuse(fault, Unrecognised(words.ENDED))
         return self._keys[key_id]
 
     def _fault(self, key_id: KeyId) -> str | None:

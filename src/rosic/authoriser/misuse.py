@@ -25,6 +25,8 @@ RULE: Final[PrincipalId] = "rule"
 PEOPLE_AT_MOST: Final = 20_000
 # Being told that a robot is busy, taken or away, or not being understood, is no misuse.
 SUSPICIOUS: Final = frozenset({"not-permitted", "too-many-requests", "unrecognised"})
+# How the security report counts them.
+COUNTED_AS: Final = {"not-permitted": "no-right", "too-many-requests": "too-many"}
 # Whoever asks for a stop or for the state of things is never punished for it.
 HARMLESS: Final = frozenset({SkillClass.STOP, SkillClass.OBSERVE})
 

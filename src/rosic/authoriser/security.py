@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import ceil
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from rosic.authoriser.keys import KeyRing
     from rosic.authoriser.locks import Locks
     from rosic.authoriser.tally import Tally
-
-STRANGERS: Final = "stranger-or-ended"
 
 
 class Ending(msgspec.Struct, frozen=True):
@@ -93,14 +91,11 @@ class Security:
         """Return how things stand now; looks at every key, lock and invitation."""
         now_ns = self._time.wall_ns()
         times_s = sorted(self._authoriser.times_to_authenticate_s())
-        attempts = self._tally.by_kind()
-        if self._authoriser.turned_away:
-            attempts[STRANGERS] = self._authoriser.turned_away
         return SecurityReport(
             measured=len(times_s),
             p50_s=percentile(times_s, 50),
             p99_s=percentile(times_s, 99),
-            attempts=attempts,
+            attempts=self._tally.by_kind(),
             locks=tuple(
                 Locked(who, lock.by, max(0, now_ns - lock.at_ns) / 1e9)
                 for who, lock in self._locks.all().items()

@@ -82,8 +82,7 @@ class StepUp:
                 here lately: a thief must not put their own phone in its place. Nothing changed.
         """
         if chat.kind is not ChatKind.PRIVATE:
-            self._tally.count("totp-in-group")
-            raise NotPermitted(words.PRIVATE_ONLY)
+            raise self._tally.refuse("totp-in-group", NotPermitted(words.PRIVATE_ONLY))
         if principal in self._broken:
             raise NotPermitted(words.PHONE_BROKEN)
         if principal in self._phones and not self.fresh(principal, chat):
@@ -172,16 +171,18 @@ class StepUp:
             raise NotUnderstood(words.NOT_A_CODE)
         wait_s = self._pause_s(principal)
         if wait_s > 0:
-            self._tally.count("totp-paused")
-            raise TooManyRequests(words.too_many_codes(wait_s), retry_after_s=wait_s)
+            sentence = words.too_many_codes(wait_s)
+            refusal = TooManyRequests(sentence, retry_after_s=wait_s)
+            raise self._tally.refuse("totp-paused", refusal)
         steps = totp.matching_steps(secret, digits, totp.step_at(self._time.wall_ns()))
         unused = [step for step in steps if step > self._last_step(principal)]
         if unused:
             self._spent[principal] = unused[-1]
             return unused[-1]
         self._wrong.setdefault(principal, deque(maxlen=TRIES)).append(self._time.monotonic_ns())
-        self._tally.count("totp-replayed" if steps else "totp-wrong")
-        raise NotPermitted(words.USED_CODE if steps else words.WRONG_CODE)
+        if steps:
+            raise self._tally.refuse("totp-replayed", NotPermitted(words.USED_CODE))
+        raise self._tally.refuse("totp-wrong", NotPermitted(words.WRONG_CODE))
 
     def _last_step(self, principal: PrincipalId) -> int:
         found = self._phones.get(principal)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import logging
 from collections import Counter
-from typing import Final
+from typing import Final, TypeVar
 
 import msgspec
 
 from rosic.core.record import Fact
+from rosic.errors import Refusal
 
 KIND: Final = "tally"
 KEY: Final = "attempts"
+
+R = TypeVar("R", bound=Refusal)
 
 _log = logging.getLogger(__name__)
 _encode = msgspec.msgpack.Encoder().encode
@@ -31,6 +34,12 @@ class Tally:
     def count(self, kind: str) -> None:
         """Count one attempt of a kind: ``code-used``, ``totp-replayed``."""
         self._counts[kind] += 1
+
+    def refuse(self, kind: str, refusal: R) -> R:
+        """Count an attempt and return its refusal, so that nobody counts it again."""
+        self.count(kind)
+        refusal.counted = True
+        return refusal
 
     def __getitem__(self, kind: str) -> int:
         return self._counts[kind]

@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 CLOCK_BEHIND_S: Final = 2.0
 # What is counted, as people read it; another kind is shown as it is.
 KINDS: Final = {
+    "button-late": "taps on a button that was too old",
+    "button-other": "taps on a button that was shown to somebody else",
+    "button-used": "taps on a button that was used before",
     "code-again": "own code sent again",
     "code-breaker": "times that joining was paused for all",
     "code-burnt": "codes that were shown in a group before",
@@ -29,10 +32,13 @@ KINDS: Final = {
     "confirm-no-right": "taps by somebody who may let nobody in",
     "confirm-own": "people who tried to let themselves in",
     "declined": "people whom an admin did not let in",
-    "key-expired": "requests under a key that had ended",
-    "key-revoked": "requests under a key that was taken back",
+    "key-expired": "requests after access had ended",
+    "key-revoked": "requests after access was taken back",
     "key-unknown": "requests under a key that never was",
-    "stranger-or-ended": "messages from strangers, or after access had ended",
+    "locked": "requests by somebody who is locked",
+    "no-right": "requests by somebody without the right",
+    "stranger": "messages from strangers",
+    "too-many": "requests that came too fast",
     "totp-in-group": "phones to be set up in a group",
     "totp-paused": "phone codes during a pause",
     "totp-replayed": "phone codes that were used before",
@@ -55,14 +61,14 @@ def attempts(counts: Mapping[str, int]) -> list[str]:
     if not counts:
         return ["Unauthorised attempts: none."]
     shown = [f"  {KINDS.get(kind, kind)}: {count}" for kind, count in counts.items()]
-    return ["Unauthorised attempts:", *shown]
+    return [f"Unauthorised attempts since the first start: {sum(counts.values())}", *shown]
 
 
 def locks(found: Sequence[tuple[str, str, float]]) -> list[str]:
     """Return who is locked: name, by whom, for how long."""
     if not found:
         return ["Locked: nobody."]
-    return ["Locked:", *(f"  {who}, by {by}, since {lasting(s)}" for who, by, s in found)]
+    return ["Locked:", *(f"  {who}, by {by}, for {lasting(s)} now" for who, by, s in found)]
 
 
 def endings(found: Sequence[tuple[str, str, float]]) -> list[str]:
@@ -77,7 +83,7 @@ def invitations(found: Sequence[tuple[str, str, str, float]]) -> list[str]:
     """Return which invitations are open: what, by whom, id, for how long."""
     if not found:
         return ["Open invitations: none."]
-    shown = [f"  {what}, by {by}, {made}, for {lasting(s)}" for what, by, made, s in found]
+    shown = [f"  {what}, by {by}, {made}, good for {lasting(s)}" for what, by, made, s in found]
     return ["Open invitations:", *shown]
 
 

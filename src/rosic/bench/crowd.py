@@ -110,6 +110,7 @@ class Watched:
     name = "bench"
     assurance = "local"
     edits = True
+    file_bytes = 0
 
     def __init__(self) -> None:
         self.told: asyncio.Future[tuple[int, str]] | None = None

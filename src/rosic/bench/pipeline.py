@@ -23,6 +23,7 @@ from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.people import Seed
 from rosic.app.units import compile_units
+from rosic.bench import deciding, places, weighing
 from rosic.bench.report import Case, Report, case_of, machine
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound, Outbound
@@ -56,7 +57,12 @@ METHOD = (
 
 
 class Load(msgspec.Struct, frozen=True, kw_only=True):
-    """One case."""
+    """One case.
+
+    Attributes:
+        roles: Of the place's own, dealt out to people in turn; 0: all are operators.
+        slots: In the calendar, from the next hour on: looked at for each order, in nobody's way.
+    """
 
     name: str
     orders: int
@@ -65,6 +71,8 @@ class Load(msgspec.Struct, frozen=True, kw_only=True):
     in_flight: int = 256
     durable: bool = False
     new_texts: bool = False
+    roles: int = 0
+    slots: int = 0
 
 
 CASES = (
@@ -74,6 +82,13 @@ CASES = (
     Load(name="memory, 5000 skills", orders=40_000, skills=5_000),
     Load(name="memory, 10 people", orders=40_000, people=10),
     Load(name="memory, 10000 people", orders=40_000, people=10_000),
+    Load(
+        name="memory, 10000 people, 100 roles, 50000 slots",
+        orders=40_000,
+        people=10_000,
+        roles=100,
+        slots=50_000,
+    ),
     Load(name="memory, every text new", orders=40_000, new_texts=True),
     Load(name="durable, 256 in flight", orders=20_000, durable=True),
     Load(name="durable, 1 in flight", orders=1_000, in_flight=1, durable=True),
@@ -87,6 +102,7 @@ class BenchMessenger:
     name = "bench"
     assurance = "local"
     edits = True
+    file_bytes = 0
 
     def __init__(self) -> None:
         self.ended: dict[str, asyncio.Future[None]] = {}
@@ -118,9 +134,13 @@ def measure(*, quick: bool = False) -> Report:
             if quick:
                 load = msgspec.structs.replace(load, orders=max(500, load.orders // 10))  # noqa: PLW2901
             seen[load.name].append(loop.run(_run(load)))
-    cases: tuple[Case, ...] = tuple(case_of(name, found) for name, found in seen.items())
+    orders: tuple[Case, ...] = tuple(case_of(name, found) for name, found in seen.items())
     method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs, loop=loop.name())
-    return Report(machine=machine(), method=method, cases=cases)
+    how, asked = deciding.measure(quick=quick)
+    how_weighed, weighed = weighing.measure()
+    return Report(
+        machine=machine(), method=f"{method} {how} {how_weighed}", cases=(*orders, *asked, weighed)
+    )
 
 
 async def _run(load: Load) -> tuple[float, list[int]]:
@@ -132,6 +152,7 @@ async def _run(load: Load) -> tuple[float, list[int]]:
         gateway = _gateway(load, messenger, store, MemoryLatch())
         await gateway.open()
         try:
+            _book(gateway, load)
             heap.settle()
             times, seconds = await _drive(gateway, messenger, load)
             acted = [robot.acted for robot in _robots(gateway)]
@@ -142,6 +163,14 @@ async def _run(load: Load) -> tuple[float, list[int]]:
             await gateway.close()
             gc.unfreeze()
     return len(times) / seconds, times
+
+
+def _book(gateway: Gateway, load: Load) -> None:
+    people = [person.id for person in gateway.rooms.authoriser.directory.people()]
+    size = places.Size(load.people, load.roles, ROBOTS, load.slots)
+    calendar = gateway.rooms.organiser.calendar
+    for slot in places.slots_of(size, CLOCK.wall_ns(), people.__getitem__):
+        calendar.apply(slot.fact())
 
 
 def _robots(gateway: Gateway) -> Iterator[MemoryRobot]:
@@ -214,9 +243,10 @@ def _gateway(load: Load, messenger: BenchMessenger, store: Store, latch: Latch) 
     settings = Settings(
         profiles=tuple(_profile(robot, load) for robot in range(ROBOTS)),
         people=tuple(
-            Seed(f"person {n}", (Address("bench", str(n)),), ("operator",))
+            Seed(f"person {n}", (Address("bench", str(n)),), (_role(n, load),))
             for n in range(load.people)
         ),
+        rulebook=places.rulebook_of(load.roles, places.FREE),
         limit=RateLimit(burst=1e9, per_s=1e9),
         lease_idle_s=0.0,
     )
@@ -231,6 +261,10 @@ def _gateway(load: Load, messenger: BenchMessenger, store: Store, latch: Latch) 
         face=face_of(),
     )
     return Gateway(settings, parts)
+
+
+def _role(person: int, load: Load) -> str:
+    return f"role{person % load.roles}" if load.roles else "operator"
 
 
 def _profile(robot: int, load: Load) -> Profile:

@@ -13,18 +13,22 @@ import msgspec
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+SHORT_US = 100.0  # below, a table shows nanoseconds
 
-class Case(msgspec.Struct, frozen=True, kw_only=True):
+
+class Case(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One measured case; the median of its runs.
 
     Attributes:
         rate_per_s, p50_us, p99_us: Of what, the report's method says.
+        bytes_each: Memory of each of many, where that is what a case is about; else not shown.
     """
 
     name: str
     rate_per_s: float
     p50_us: float
     p99_us: float
+    bytes_each: float | None = None
 
 
 class Report(msgspec.Struct, frozen=True, kw_only=True):
@@ -75,8 +79,13 @@ def as_text(report: Report) -> str:
     width = max(len(case.name) for case in report.cases)
     lines = [report.machine, report.method, ""]
     lines += [
-        f"{case.name:<{width}}  {case.rate_per_s:>10.0f} /s   p50 {case.p50_us:>8.1f} us   "
-        f"p99 {case.p99_us:>9.1f} us"
+        f"{case.name:<{width}}  {case.rate_per_s:>10.0f} /s   p50 {_us(case.p50_us)} us   "
+        f"p99 {_us(case.p99_us)} us"
+        + ("" if case.bytes_each is None else f"   {case.bytes_each:.0f} bytes each")
         for case in report.cases
     ]
     return "\n".join(lines)
+
+
+def _us(value: float) -> str:
+    return f"{value:>9.3f}" if value < SHORT_US else f"{value:>9.1f}"

@@ -51,6 +51,11 @@ COMMANDS: dict[str, Command] = {
     "security report": Command(
         "rosic.cli.security_report", "who was turned away, who is locked, what ends soon"
     ),
+    "container list": Command("rosic.cli.container_list", "every container of what is kept"),
+    "container show": Command("rosic.cli.container_show", "how much of what one container holds"),
+    "container export": Command("rosic.cli.container_export", "what a container holds, as a file"),
+    "container limit": Command("rosic.cli.container_limit", "what one container may keep"),
+    "container erase": Command("rosic.cli.container_erase", "erase a container, for good"),
     "schedule plan": Command("rosic.cli.schedule_plan", "who could have which robot when"),
     "clock": Command("rosic.cli.clock", "whether the clock was set back, and that it is right"),
     "doctor": Command("rosic.cli.doctor", "measure this machine; with --try, a robot"),

@@ -11,7 +11,7 @@ import msgspec
 
 from rosic.app.asked import Ask, Verb
 from rosic.app.planning import BookAsk, Booking, Taken, Who, Window
-from rosic.app.wishes import merged_who, not_over, problem_of, read_wishes
+from rosic.app.wishes import merged_who, not_over, openings_of, problem_of, read_wishes
 from rosic.cli.asking import add_where
 from rosic.cli.desk import changed, looked_up
 from rosic.errors import ConfigurationError
@@ -23,7 +23,7 @@ from rosic.system import SystemClock
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rosic.organiser.allocation import Problem, Proposal, Wish
+    from rosic.organiser.allocation import Problem, Proposal, Span, Wish
 
 ABOUT = """Propose who gets which robot when, from wishes in a table (CSV) or a list (JSON) with
 person, robots, length, earliest, latest and priority. Nothing is booked without --book. Works with
@@ -39,6 +39,7 @@ def run(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="rosic schedule plan", description=ABOUT)
     parser.add_argument("file", metavar="FILE", help="ends in .csv or .json")
     parser.add_argument("--book", action="store_true", help="book it: all of it, or nothing")
+    parser.add_argument("--open", metavar="08:00-18:00", help="plan within these hours alone")
     add_where(parser)
     options = parser.parse_args(arguments)
     who = _who(options)
@@ -69,13 +70,16 @@ def _who(options: argparse.Namespace) -> Who:
 
 
 def _problem(options: argparse.Namespace, who: Who, wishes: tuple[Wish, ...]) -> Problem:
+    openings: tuple[Span, ...] = ()
+    if options.open is not None:
+        openings = openings_of(options.open, wishes, zone_named(who.zone))
     if not wishes:
         return problem_of(wishes, who, ())
     window = Window(min(w.earliest_ns for w in wishes), max(w.latest_ns for w in wishes))
     ask = Ask(Verb.TAKEN, body=msgspec.Raw(msgspec.json.encode(window)))
     answered = looked_up(options, ask, robots=True)
     taken = [msgspec.json.decode(text, type=Taken) for text in answered]
-    return problem_of(wishes, who, taken)
+    return problem_of(wishes, who, taken, openings)
 
 
 def _book(options: argparse.Namespace, proposal: Proposal) -> str:

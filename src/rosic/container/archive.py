@@ -181,7 +181,9 @@ class Archive:
         if n is not None:
             at_ns, who = known.entries[n].at_ns, known.entries[n].who
         entry = Entry(at_ns=at_ns, way="out", who=who, identity=identity)
-        content = Content("", "", _cut(outbound.text), "", message)
+        file = outbound.attachment
+        note = "" if file is None else f"file {file.name}"
+        content = Content("", "", _cut(outbound.text), note, message)
         return self._add(key, known, entry, content, n)
 
     @staticmethod

@@ -16,7 +16,7 @@ from rosic.core.language.cleaning import clean
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from rosic.core.record import Fact
 
@@ -50,6 +50,9 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     until: str = ""
 
 
+read_row = msgspec.json.Decoder(Row).decode
+
+
 # ---- archives ----
 
 
@@ -79,6 +82,21 @@ def _row(fact: Fact) -> Row:
     )  # fmt: skip
 
 
+ENDINGS: Final[Mapping[str, str]] = {"text": "txt", "jsonl": "jsonl", "xlsx": "xlsx"}
+"""The forms of an archive, and how their files end."""
+
+
+def archive_as(form: str, found: Sequence[Row]) -> str | bytes:
+    """Return an archive in one of the forms.
+
+    Raises:
+        ConfigurationError: No spreadsheet can be made on this computer.
+    """
+    if form == "xlsx":
+        return archive_as_xlsx(found)
+    return archive_as_text(found) if form == "text" else archive_as_jsonl(found)
+
+
 def archive_as_text(found: Sequence[Row]) -> str:
     """Return the lines of the paper's Algorithm 6, one for each message.
 
@@ -103,7 +121,12 @@ def _one_line(text: str) -> str:
 
 def archive_as_jsonl(found: Iterable[Row]) -> str:
     """Return one JSON object for each entry."""
-    return "\n".join(_as_json(row).decode() for row in found)
+    return "\n".join(map(row_as_json, found))
+
+
+def row_as_json(row: Row) -> str:
+    """Return one entry as a line; `read_row` reads it."""
+    return _as_json(row).decode()
 
 
 def archive_as_xlsx(found: Iterable[Row]) -> bytes:
@@ -161,7 +184,12 @@ def summary(belongings: Iterable[Fact]) -> tuple[Sum, ...]:
 
 def container_as_jsonl(belongings: Iterable[Fact]) -> str:
     """Return one JSON object for each thing that a container holds. Secrets are not among it."""
-    return "\n".join(_as_json(_thing(fact)).decode() for fact in belongings)
+    return "\n".join(map(thing_as_json, belongings))
+
+
+def thing_as_json(fact: Fact) -> str:
+    """Return one thing as a line."""
+    return _as_json(_thing(fact)).decode()
 
 
 def _thing(fact: Fact) -> dict[str, Any]:

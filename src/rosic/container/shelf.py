@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import msgspec
 
 from rosic.container import words_container as words
+from rosic.container.lending import LOAN, Lending
 from rosic.core.identity import PrincipalId
 from rosic.core.language.cleaning import clean, clean_name
 from rosic.core.record import Fact, Letter
@@ -24,11 +25,9 @@ if TYPE_CHECKING:
     from rosic.contracts.entropy import Entropy
 
 KIND: Final = "shelf"
-LOAN: Final = "shelf-loan"
 QUOTA: Final = "shelf-quota"
 LONGEST_NAME: Final = 64
 LONGEST_VALUE: Final = 1_000
-LOANS_MOST: Final = 64
 _ID_BYTES: Final = 8
 
 Owner: TypeAlias = str
@@ -78,15 +77,9 @@ class _Content(msgspec.Struct, frozen=True, array_like=True):
     value: str
 
 
-class _Loan(msgspec.Struct, frozen=True):
-    owner: Owner
-    reader: PrincipalId
-
-
 _encode = msgspec.msgpack.Encoder().encode
 _read_body = msgspec.msgpack.Decoder(_Body).decode
 _read_content = msgspec.msgpack.Decoder(_Content).decode
-_read_loan = msgspec.msgpack.Decoder(_Loan).decode
 _read_quota = msgspec.msgpack.Decoder(Quota).decode
 
 
@@ -105,6 +98,7 @@ class Shelf:
         sees: Whether somebody may read a robot. Asked of robots alone.
         works_with: Whether somebody has a robot now, and so may store data with it.
         shown: How an owner is called.
+        lending: Who lets whom read what of their own.
     """
 
     def __init__(self, clock: Clock, entropy: Entropy, quota: Quota | None = None) -> None:
@@ -119,15 +113,16 @@ class Shelf:
         self._kept: dict[Owner, dict[str, list[Kept]]] = {}
         self._sizes: dict[Owner, int] = {}
         self._at: dict[str, Kept] = {}
-        self._loans: dict[Owner, set[PrincipalId]] = {}
+        self.lending = Lending(clock, entropy, self._sees_robot)
 
     # ---- reading ----
 
     def may_read(self, reader: PrincipalId, owner: Owner) -> bool:
-        """Whether somebody may read what an owner keeps."""
-        if self.is_robot(owner):
-            return self.sees(reader, owner)
-        return reader == owner or reader in self._loans.get(owner, ())
+        """Whether somebody may read everything that an owner keeps."""
+        return reader == owner or self._sees_robot(reader, owner)
+
+    def _sees_robot(self, reader: PrincipalId, owner: Owner) -> bool:
+        return self.is_robot(owner) and self.sees(reader, owner)
 
     def names(self, reader: PrincipalId, owner: Owner) -> tuple[Kept, ...]:
         """Return the newest value of every name, by name.
@@ -153,8 +148,10 @@ class Shelf:
         Raises:
             NotPermitted: Not theirs to read.
         """
-        self._check_read(reader, owner)
-        return tuple(self._kept.get(owner, {}).get(clean_name(name), ()))
+        name = clean_name(name)
+        if not self.lending.may_read(reader, owner, name):
+            self._check_read(reader, owner)
+        return tuple(self._kept.get(owner, {}).get(name, ()))
 
     def _check_read(self, reader: PrincipalId, owner: Owner) -> None:
         if not self.may_read(reader, owner):
@@ -219,22 +216,7 @@ class Shelf:
         found = self._kept.get(owner, {}).get(clean_name(name))
         if not found:
             raise NotUnderstood(words.nothing_kept(self.shown(owner), name))
-        return tuple(map(_no_more, found))
-
-    def lend(self, owner: PrincipalId, reader: PrincipalId) -> tuple[Fact, ...]:
-        """Decide that somebody may read one's own container.
-
-        Raises:
-            TooManyRequests: It is lent to many already.
-        """
-        lent = self._loans.get(owner, set())
-        if reader not in lent and len(lent) >= LOANS_MOST:
-            raise TooManyRequests(words.already_lent(), retry_after_s=0.0)
-        return (Fact(kind=LOAN, key=f"{owner}.{reader}", body=_encode(_Loan(owner, reader))),)
-
-    def take_back(self, owner: PrincipalId, reader: PrincipalId) -> tuple[Fact, ...]:
-        """Decide that somebody may read it no longer."""
-        return (Fact(kind=LOAN, key=f"{owner}.{reader}", body=b""),)
+        return (*map(_no_more, found), *self.lending.end_name(owner, clean_name(name)))
 
     def limit(self, owner: Owner, quota: Quota) -> tuple[Fact, ...]:
         """Decide on what one container may keep; the others are not touched."""
@@ -243,13 +225,7 @@ class Shelf:
     def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
         """Return what removes everything of somebody: what they keep, stored, lent and borrowed."""
         gone = [kept for kept in self._at.values() if principal in {kept.owner, kept.sender}]
-        loans = [
-            fact
-            for owner, readers in self._loans.items()
-            for reader in readers
-            if principal in {owner, reader}
-            for fact in self.take_back(owner, reader)
-        ]
+        loans = self.lending.end_all(principal)
         limits = [Fact(kind=QUOTA, key=principal, body=b"")] if principal in self._quotas else []
         return (*map(_no_more, gone), *loans, *limits)
 
@@ -266,7 +242,7 @@ class Shelf:
             if fact.kind == KIND:
                 self._apply_kept(fact)
             elif fact.kind == LOAN:
-                self._apply_loan(fact)
+                self.lending.apply(fact)
             elif fact.body:
                 self._quotas[fact.key] = _read_quota(fact.body)
             else:
@@ -295,17 +271,6 @@ class Shelf:
         self._sizes[kept.owner] -= _size(kept)
         if not names:
             del self._kept[kept.owner], self._sizes[kept.owner]
-
-    def _apply_loan(self, fact: Fact) -> None:
-        if fact.body:
-            loan = _read_loan(fact.body)
-            self._loans.setdefault(loan.owner, set()).add(loan.reader)
-            return
-        owner, _, reader = fact.key.partition(".")
-        readers = self._loans.get(owner, set())
-        readers.discard(reader)
-        if not readers:
-            self._loans.pop(owner, None)
 
 
 def _checked(name: str, value: str) -> tuple[str, str]:

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import listed
-from rosic.core.saying import said
+from rosic.core.saying import said, said_n
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
 KIB: Final = 1024
-A_DAY: Final = 1
 _FEW: Final = 10
 
 # ---- settings ----
@@ -62,7 +61,12 @@ def too_long(what: str, most: int) -> str:
 
 def too_many_names(shown: str, most: int) -> str:
     """Return that there is no room for a further name."""
-    return f"{shown} keeps at most {most} names. Nothing was kept. Remove one first."
+    return said_n(
+        "{shown} keeps at most {n} name. Nothing was kept. Remove one first.",
+        "{shown} keeps at most {n} names. Nothing was kept. Remove one first.",
+        most,
+        shown=shown,
+    )
 
 
 def shelf_full(shown: str, most_bytes: int) -> str:
@@ -73,11 +77,6 @@ def shelf_full(shown: str, most_bytes: int) -> str:
 def nothing_kept(shown: str, name: str = "") -> str:
     """Return that there is nothing."""
     return f"{shown} keeps nothing called {quote(name)}." if name else f"{shown} keeps nothing yet."
-
-
-def already_lent() -> str:
-    """Return that sharing has its bounds."""
-    return "You share your data with as many people as you can. Nothing has changed."
 
 
 # ---- archives ----

@@ -18,12 +18,14 @@ class Messenger(Protocol):
         name: Which of the configured messengers it is.
         assurance: ``provider-readable``, ``e2ee-verified`` or ``local``; shown to people.
         edits: Whether a message can be changed after it was sent.
+        file_bytes: How large a file may be that goes with a message; 0: it sends none.
     """
 
     platform: str
     name: str
     assurance: str
     edits: bool
+    file_bytes: int
 
     async def run(self, receive: Receive) -> None:
         """Listen until cancelled; leave nothing running behind.
@@ -42,15 +44,19 @@ class Messenger(Protocol):
     async def send(self, outbound: Outbound) -> str:
         """Send, waiting for the platform's limits, and return the platform's message id.
 
-        The text arrives exactly as given, never read as markup.
+        The text arrives exactly as given, never read as markup. A file arrives under its name,
+        byte for byte; a picture may arrive as a picture, for eyes alone.
 
         Raises:
-            MessengerFault: Not sent; trying again may succeed.
+            MessengerFault: Not sent; trying again may succeed, but never with a file larger than
+                ``file_bytes``.
         """
         ...
 
     async def edit(self, message: str, outbound: Outbound) -> None:
         """Make the message look like ``outbound``. Editing to the same content succeeds.
+
+        A file that went with it stays as it is.
 
         Raises:
             MessageGone: There is no such message any more; say it in a new one.

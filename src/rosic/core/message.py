@@ -8,6 +8,8 @@ import msgspec
 
 from rosic.core.identity import Address
 
+_NO_NAME = frozenset("/\\\0\n\r")
+
 
 class ChatKind(enum.Enum):
     """How many can read along."""
@@ -57,6 +59,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
             sent earlier is backlog: motion in it is not carried out, buttons shown before are dead.
         tap: The platform's handle for answering a tap; empty for a text.
         under: Id of the message whose button was tapped; empty for a text.
+        answers: Id of the message in this chat that it replies to; empty for none.
         shown_as: How the platform shows the sender. For showing somebody new; never compared.
     """
 
@@ -71,6 +74,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     nonce: str | None = None
     tap: str = ""
     under: str = ""
+    answers: str = ""
     shown_as: str = ""
 
 
@@ -88,6 +92,26 @@ class Button(msgspec.Struct, frozen=True, gc=False):
     nonce: str = ""
 
 
+class Attachment(msgspec.Struct, frozen=True, gc=False):
+    """A file that goes with a message. Its content is never shown in a log.
+
+    Attributes:
+        name: What whoever receives it may call it: ``rosic-data.jsonl``; no path.
+        media_type: ``image/png`` is shown as a picture where a messenger can.
+    """
+
+    name: str
+    media_type: str
+    content: bytes
+
+    def __post_init__(self) -> None:
+        if not self.content or not self.name.strip(". ") or set(self.name) & _NO_NAME:
+            raise ValueError("a file needs a plain name and a content")
+
+    def __repr__(self) -> str:
+        return f"Attachment({self.name!r}, {self.media_type!r}, {len(self.content)} bytes)"
+
+
 class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """A message to a chat. The text is plain: an adapter never reads markup out of it.
 
@@ -95,6 +119,7 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         reply_to: Id of the message it answers; empty for none.
         buttons: Rows of buttons.
         urgent: Overtakes everything that is not (a stop's answer, an alarm).
+        attachment: A file that goes with it; only for a messenger that sends files of its size.
     """
 
     chat: Chat
@@ -102,3 +127,4 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     reply_to: str = ""
     buttons: tuple[tuple[Button, ...], ...] = ()
     urgent: bool = False
+    attachment: Attachment | None = None

@@ -10,6 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.reach import GRANT
+from rosic.core.role_mistakes import grant_mistakes
 from rosic.core.roles import priority_of
 from rosic.core.tables import NO_CAUTION, Tables
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from rosic.core.rate import RateLimit
     from rosic.core.reach import Fleet
     from rosic.core.robot import RobotId
+    from rosic.core.role_mistakes import Mistake
     from rosic.core.roles import Grant, Rulebook
     from rosic.core.tables import Caution, Holding, Right, Way
 
@@ -225,6 +227,11 @@ class Rights:
     def role_priority(self, role: str) -> int:
         """Return the priority of a role; 0 for one that is unknown."""
         return priority_of(self._tables.rulebook.roles, role)
+
+    def mistakes(self, grant: Grant) -> list[Mistake]:
+        """Find what is wrong with a grant that somebody is about to give."""
+        tables = self._tables
+        return grant_mistakes(grant, tables.rulebook, tables.fleet, tables.convert)
 
     @property
     def rulebook(self) -> Rulebook:

@@ -138,8 +138,8 @@ class Tables:
     """Spreads grants out, each kind of grant once. What it remembers changes no answer."""
 
     __slots__ = (
-        "_convert", "_giving", "_holdings", "_kinds", "_links", "_named", "_rows", "_shared",
-        "care", "fleet", "preempt", "rates", "rulebook",
+        "_giving", "_holdings", "_kinds", "_links", "_named", "_rows", "_shared",
+        "care", "convert", "fleet", "preempt", "rates", "rulebook",
     )  # fmt: skip
 
     def __init__(self, rulebook: Rulebook, fleet: Fleet, convert: Convert) -> None:
@@ -148,7 +148,7 @@ class Tables:
         self.preempt = frozenset(r for said in rulebook.preempt for r in fleet.robots(said))
         self.care = _spread_care(rulebook.care, fleet)
         self.rates = _read_rates(rulebook)
-        self._convert = convert
+        self.convert = convert
         self._named: dict[tuple[Scope, RobotId], frozenset[str]] = {}
         self._links: dict[str, tuple[_Link, ...]] = {}
         self._kinds = _kinds(fleet, self.care)
@@ -295,7 +295,7 @@ class Tables:
                 limit
                 for level in limits
                 for limit in fit_limits(
-                    self._touching(level, robot, word), word, skill, self._convert
+                    self._touching(level, robot, word), word, skill, self.convert
                 )
             ]
         except Unfit:

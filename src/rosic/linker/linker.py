@@ -11,7 +11,7 @@ from rosic.errors import RosicError, StoreFault
 from rosic.linker.mailbox import Mailbox, Waiting
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot, Tell
@@ -212,6 +212,10 @@ class Linker:
     def profile(self, robot: RobotId) -> Profile:
         """Return a robot's profile."""
         return self._robots[robot].profile
+
+    def entries(self, robot: RobotId) -> Iterator[Waiting]:
+        """Go through what a robot does and what waits for it."""
+        return self._mailboxes[robot].entries()
 
     def waiting(self, robot: RobotId) -> int:
         """Return how many orders wait for a robot."""

@@ -11,6 +11,8 @@ from rosic.core.robot import Busy
 from rosic.errors import OrderVoid, RobotBusy
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot
 
@@ -83,6 +85,12 @@ class Mailbox:
         """End the present turn. Return whose turn it is now; None frees the robot."""
         self.current = self._waiting.popleft() if self._waiting else None
         return self.current
+
+    def entries(self) -> Iterator[Waiting]:
+        """Go through the order under way and those that wait."""
+        if self.current is not None:
+            yield self.current
+        yield from self._waiting
 
     def check_free(self) -> None:
         """See whether an order would be refused because the robot is at work.

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 KEEP = 10_000
 """How many of the newest messages, edits and answers are remembered."""
+FILE_BYTES = 1_000_000
 
 
 class Told(NamedTuple):
@@ -41,6 +42,7 @@ class MemoryMessenger:
 
     Args:
         edits: False makes it a messenger that cannot change a message once sent.
+        file_bytes: How large a file it takes; 0 makes it a messenger that sends none.
         keep: How much of the past is remembered; what waits to be received is bounded by it too.
 
     Attributes:
@@ -54,10 +56,17 @@ class MemoryMessenger:
     assurance = "local"
 
     def __init__(
-        self, name: str = "memory", *, clock: Clock, edits: bool = True, keep: int = KEEP
+        self,
+        name: str = "memory",
+        *,
+        clock: Clock,
+        edits: bool = True,
+        keep: int = KEEP,
+        file_bytes: int = FILE_BYTES,
     ) -> None:
         self.name = name
         self.edits = edits
+        self.file_bytes = file_bytes
         self.told: deque[Told] = deque(maxlen=keep)
         self.answers: deque[tuple[str, str]] = deque(maxlen=keep)
         self.down = False
@@ -85,10 +94,11 @@ class MemoryMessenger:
         standing: Standing = Standing.FRESH,
         message: str | None = None,
         sent_ns: int | None = None,
+        answers: str = "",
     ) -> Inbound:
         """Write a message, now unless `sent_ns` says otherwise, and return what will be seen."""
         inbound = self._inbound(account, Chat(self.platform, chat, kind), message, sent_ns)
-        return self.deliver(replace(inbound, text=text, standing=standing))
+        return self.deliver(replace(inbound, text=text, standing=standing, answers=answers))
 
     def tap(self, button: Button, *, under: str = "", account: str = "1") -> Inbound:
         """Tap a button of the message `under`. It carries what the button carried, and no time."""
@@ -105,6 +115,10 @@ class MemoryMessenger:
             OverflowError: Nobody receives, and as many wait as are remembered.
         """
         return self._queue(inbound, stop=hears_stop(inbound.text) is not None)
+
+    def delete(self, message: str) -> None:
+        """Delete a message, as people do; it cannot be edited any more."""
+        del self._shown[message]
 
     def gap(self) -> None:
         """Pretend that listening was interrupted until now: what was sent earlier is backlog."""
@@ -176,9 +190,11 @@ class MemoryMessenger:
         """Show a message.
 
         Raises:
-            MessengerFault: `down` is set; nothing was shown.
+            MessengerFault: `down` is set, or the file is too large; nothing was shown.
         """
         self._check_up()
+        if outbound.attachment is not None and len(outbound.attachment.content) > self.file_bytes:
+            raise MessengerFault("The file is too large for this messenger. Nothing was sent.")
         message = self._next_id()
         self._show(Told(message, outbound, edited=False))
         return message

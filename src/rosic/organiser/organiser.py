@@ -17,6 +17,7 @@ from rosic.core.identity import Caller, PrincipalId
 from rosic.core.lease import Lease
 from rosic.core.order import Order, Permit, Request
 from rosic.core.robot import Slots
+from rosic.core.roles import Need
 from rosic.core.skill import Argument
 from rosic.errors import NotPermitted
 from rosic.organiser.calendar import Calendar
@@ -49,6 +50,7 @@ class Organiser:
     Attributes:
         rights: The present snapshot; replacing it is one assignment.
         locked: Who is locked; kept by the authoriser.
+        locked_out: Hears of whoever was turned away because of it.
         narrow: Keys that reach less than their principal's rights; kept by the authoriser.
         calendar: Whose time it is.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
@@ -68,6 +70,7 @@ class Organiser:
         self.rights = rights
         self.calendar = Calendar(clock)
         self.locked: Collection[PrincipalId] = frozenset()
+        self.locked_out: Callable[[PrincipalId], object] = _unheard
         self.lease_idle_s = lease_idle_s
         self.name_of: NameOf = str
         self.wall_ns = clock.wall_ns
@@ -230,7 +233,8 @@ class Organiser:
         rule = self._slots.get(robot, "none")
         slot = None if rule == "none" else self.calendar.present(robot, wall_ns)
         free_ns: int | None = None
-        if rule != "none" and (slot is None or slot.principal != caller.principal):
+        # Told only by a refusal about slots, and looking for it is the dearest part of asking.
+        if rule == "required" if slot is None else slot.principal != caller.principal:
             free_ns = self.calendar.next_free(robot, wall_ns, 60)
         return State(
             rights=self.rights,
@@ -282,11 +286,16 @@ class Organiser:
             NotPermitted: They are.
         """
         if caller.principal in self.locked:
+            self.locked_out(caller.principal)
             raise NotPermitted(LOCKED)
 
     def allows(self, principal: PrincipalId, robot: RobotId, skill: str) -> bool:
         """Whether somebody has a right at all now, under whatever limits; for menus."""
         return self.rights.holds(principal, robot, skill, self._clock.wall_ns())
+
+    def wants_proof(self, request: Request) -> bool:
+        """Whether a request is let pass only after a second factor was shown."""
+        return Need.STEP_UP in self.rights.caution(request.robot, request.skill.id).needs
 
     def settle(self, permit: Permit) -> None:
         """One order has ended; when it was the last, the lease begins to idle."""
@@ -364,4 +373,8 @@ class Organiser:
 
 
 def _no_key(_key: KeyId) -> Key | None:
+    return None
+
+
+def _unheard(_principal: PrincipalId) -> None:
     return None

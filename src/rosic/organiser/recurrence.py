@@ -116,7 +116,7 @@ def _parts(text: str) -> dict[str, str]:
     for part in text.strip().upper().removeprefix("RRULE:").split(";"):
         name, _, value = part.partition("=")
         if name not in _SHAPES or name in parts:
-            raise _unfit(part)
+            raise _unfit(part or text)
         parts[name] = value
     if "FREQ" not in parts:
         raise NotUnderstood(f"That rule does not say how often. {_EXAMPLE}")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.asking import Code
 from rosic.core.robot import Slots
 from rosic.core.roles import Assurance, Need
+from rosic.core.saying import said
 from rosic.errors import (
     FirstNeeded,
     NotPermitted,
@@ -73,7 +74,8 @@ class Refusing:
             return None
         who = organiser.rights.givers(robot, organiser.wall_ns(), besides=principal)
         return NotPermitted(
-            f"Moving {profile.shown} needs a right you do not have. {self._who_grants(who)}"
+            f"Moving {profile.shown} needs a right you do not have. {self._who_grants(who)}",
+            petition=f"/ask {robot}" if who else "",
         )
 
     def needs(self, allowed: Allowed, text: str) -> FirstNeeded:
@@ -107,41 +109,65 @@ class Refusing:
     def _who_grants(self, who: tuple[PrincipalId, ...]) -> str:
         names = [self._organiser.name_of(principal) for principal in who]
         if not names:
-            return "The operator of this place can give it."
-        return f"{' or '.join(names)} can give it."
+            return said("The operator of this place can give it.")
+        return said("{names} can give it. It counts at once.", names=" or ".join(names))
+
+    def _who_allows_more(self, who: tuple[PrincipalId, ...]) -> str:
+        names = [self._organiser.name_of(principal) for principal in who]
+        if not names:
+            return said("The operator of this place can allow more.")
+        return said("{names} can allow more. It counts at once.", names=" or ".join(names))
 
     def _not_granted(self, denied: Denied) -> Refusal:
         role = f'the right "{denied.roles[0]}"' if denied.roles else "a right nobody has yet"
         what = _spoken(denied.ask.skill).capitalize()
         shown = self._shown(denied.ask.robot)
-        return NotPermitted(f"{what} needs {role} on {shown}. {self._who_grants(denied.who)}")
+        return NotPermitted(
+            f"{what} needs {role} on {shown}. {self._who_grants(denied.who)}",
+            petition=_petition(denied),
+        )
 
     def _right_ended(self, denied: Denied) -> Refusal:
         what = _spoken(denied.ask.skill).capitalize()
         when = self._organiser.moment(denied.ask.principal, denied.when_ns or 0)
         shown = self._shown(denied.ask.robot)
         return NotPermitted(
-            f"{what} on {shown}: your right ended {when}. {self._who_grants(denied.who)}"
+            f"{what} on {shown}: your right ended {when}. {self._who_grants(denied.who)}",
+            petition=_petition(denied),
         )
 
     def _too_narrow(self, denied: Denied) -> Refusal:
         what, shown = _spoken(denied.ask.skill).capitalize(), self._shown(denied.ask.robot)
         return NotPermitted(
-            f"{what} on {shown} is outside what your key is for. {self._who_grants(denied.who)}"
+            said(
+                "{what} on {robot} is outside what your key is for. The operator of this place "
+                "can give you another one, and it counts at once.",
+                what=what,
+                robot=shown,
+            )
         )
 
     def _too_weak(self, denied: Denied) -> Refusal:
         what, shown = _spoken(denied.ask.skill).capitalize(), self._shown(denied.ask.robot)
         wanted = ANY_CHANNEL.get(denied.channel or Assurance.LOCAL, "a better protected chat")
-        return NotPermitted(f"{what} on {shown} needs {wanted}. This chat is not enough.")
+        return NotPermitted(
+            said(
+                "{what} on {robot} needs {wanted}. This chat is not enough. Say it there, and you "
+                "may.",
+                what=what,
+                robot=shown,
+                wanted=wanted,
+            )
+        )
 
     def _over_limit(self, denied: Denied) -> Refusal:
         limit = denied.limit
-        said = limit.said if limit is not None else "a limit"
+        within = limit.said if limit is not None else "a limit"
         what, shown = _spoken(denied.ask.skill), self._shown(denied.ask.robot)
         return OutOfBounds(
-            f"{shown}: for you, {what} is allowed with {said}. Nothing was done. "
-            + self._who_grants(denied.who).replace("give it", "allow more")
+            f"{shown}: for you, {what} is allowed with {within}. Nothing was done. "
+            + self._who_allows_more(denied.who),
+            petition=_petition(denied),
         )
 
     def _stopped(self, denied: Denied) -> Refusal:
@@ -171,6 +197,11 @@ class Refusing:
             f"{when} {max(1, round(wait_s))} s.",
             offers=(f"wait {robot}",),
         )
+
+
+def _petition(denied: Denied) -> str:
+    """Return how to ask for what is missing; nothing when there is nobody to ask."""
+    return f"/ask {denied.ask.robot} {_spoken(denied.ask.skill)}" if denied.who else ""
 
 
 def _spoken(skill: str) -> str:

@@ -91,7 +91,8 @@ class Roster:
 
     def everybody(self) -> Mapping[PrincipalId, tuple[Grant, ...]]:
         """Return everybody's grants; walks everybody."""
-        return {who: self.grants_of(who) for who in {*self._roles, *self._grants}}
+        people = dict.fromkeys((*self._roles, *self._grants))  # named in the same order each time
+        return {who: self.grants_of(who) for who in people}
 
     def next_end_ns(self, after_ns: int) -> int | None:
         """Return when the next grant ends, wall clock; None if none does. Walks everybody."""
@@ -103,14 +104,25 @@ class Roster:
         ]
         return min(ends, default=None)
 
-    def ended(self, now_ns: int) -> tuple[Fact, ...]:
-        """Return what is to be written so that ended grants take no room any more."""
+    def over(self, now_ns: int) -> tuple[tuple[PrincipalId, Grant], ...]:
+        """Return the grants that have ended and are not forgotten yet, and whose they were."""
         return tuple(
-            Fact(kind=GRANT, key=key, body=b"")
-            for grants in self._grants.values()
-            for key, grant in grants.items()
+            (principal, grant)
+            for principal, grants in self._grants.items()
+            for grant in grants.values()
             if grant.expires_ns is not None and grant.expires_ns <= now_ns
         )
+
+    def ended(self, now_ns: int) -> tuple[Fact, ...]:
+        """Return what is to be written so that ended grants take no room any more."""
+        return tuple(Fact(kind=GRANT, key=grant.id, body=b"") for _, grant in self.over(now_ns))
+
+    def holder(self, grant: str) -> tuple[PrincipalId, Grant] | None:
+        """Return a grant, by its id, and whose it is; walks everybody who was given any."""
+        for principal, grants in self._grants.items():
+            if grant in grants:
+                return principal, grants[grant]
+        return None
 
     def give(
         self, principal: PrincipalId, grants: Iterable[Grant], by: PrincipalId
@@ -138,6 +150,14 @@ class Roster:
         now_ns = self._clock.wall_ns()
         gone = [Fact(kind=GRANT, key=key, body=b"") for key in self._grants.get(principal, {})]
         return (Decided(act="ungrant", by=by, about=principal, at_ns=now_ns), *gone)
+
+    def take_one(self, principal: PrincipalId, grant: str, by: PrincipalId) -> tuple[Record, ...]:
+        """Return the records that take one grant from somebody."""
+        now_ns = self._clock.wall_ns()
+        decided = Decided(
+            act="ungrant", by=by, about=principal, at_ns=now_ns, digest=grant.encode()
+        )
+        return decided, Fact(kind=GRANT, key=grant, body=b"")
 
 
 def _no_limits(_principal: PrincipalId) -> tuple[str, ...]:

@@ -24,6 +24,7 @@ class Card:
         where: Messenger and chat.
         in_place: The message is edited as the lives go on; otherwise they are told line by line.
         message: The platform's id, once it was sent.
+        adopted: It is to take the place of ``message``, the question that was answered.
         dirty: It differs from what the chat shows.
         lines: For a messenger that cannot edit: what is to be said, line by line.
         untold: Orders that ended and whose author has not read it here.
@@ -35,6 +36,7 @@ class Card:
     __slots__ = (
         "_face",
         "_lives",
+        "adopted",
         "buttons",
         "chat",
         "cids",
@@ -65,6 +67,7 @@ class Card:
         self.reply_to = reply_to
         self.principal = principal
         self.message = ""
+        self.adopted = False
         self.dirty = False
         self.ending = False
         self.lines: list[str] = []
@@ -93,7 +96,7 @@ class Card:
         news = life.step(report, at_ns)
         if self.in_place:
             self.dirty = True
-            return bool(self.message)
+            return bool(self.message) and not self.adopted
         if news and (report.stage is not Stage.RUNNING or len(self.lines) < LINES_AT_MOST):
             self.lines.append(life.line(report))
         return bool(self.lines)

@@ -10,6 +10,7 @@ import msgspec
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.message import Button
 from rosic.core.roles import Need
+from rosic.core.saying import said
 from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.replies import CONFIRMED, LEAVE
@@ -106,9 +107,9 @@ class Consent:
         request = self._open(asked.rest.strip())
         who = asked.caller.principal
         if who == request.caller.principal:
-            raise NotPermitted("Somebody else has to agree.")
+            raise NotPermitted(said("Somebody else has to agree."))
         if not self._organiser.allows(who, request.robot, request.skill):
-            raise NotPermitted("Only somebody who may do that can agree to it.")
+            raise NotPermitted(said("Only somebody who may do that can agree to it."))
         request.second = who
         command = f"{CONFIRMED}{SECONDED}{asked.rest.strip()} {request.text}"
         name = self._organiser.name_of(who)

@@ -8,7 +8,7 @@ import msgspec
 
 from rosic.core import words
 from rosic.core.language import Help, Line, Start, Status, Use
-from rosic.core.message import Button, Chat
+from rosic.core.message import Attachment, Button, Chat
 from rosic.core.saying import joined, said
 from rosic.pipeline.replies import ASK_FIRST
 
@@ -17,39 +17,48 @@ if TYPE_CHECKING:
 
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot import Profile, RobotId
+    from rosic.pipeline.choosing import Choosing
     from rosic.pipeline.office import Asked
     from rosic.pipeline.rooms import Rooms
 
 BUTTONS_A_ROW = 3
 # What a phone held upright shows of all the labels in one row; it cuts off the rest.
 LETTERS_A_ROW = 36
+# What stands between a robot and a skill in a link; Telegram allows no dot there.
+LINKED = "__"
 EXAMPLES = 3
 WHICH = "Which robot?"
 
 
 class Reply(msgspec.Struct, frozen=True):
-    """A text and its buttons, not bound to anybody yet."""
+    """A text and its buttons, not bound to anybody yet.
+
+    Attributes:
+        attachment: A file that goes with it, for a messenger that sends files of its size.
+    """
 
     text: str
     buttons: tuple[tuple[Button, ...], ...] = ()
+    attachment: Attachment | None = None
 
 
 class Desk:
     """Answers from memory; reads only what its asker may see (I11)."""
 
-    def __init__(self, rooms: Rooms) -> None:
+    def __init__(self, rooms: Rooms, choosing: Choosing) -> None:
         self._organiser = rooms.organiser
         self._container = rooms.container
         self._linker = rooms.linker
         self._vocabulary = rooms.vocabulary
         self._board = rooms.board
         self._profiles = rooms.profiles
+        self._choosing = choosing
 
     def answer(self, caller: Caller, chat: Chat, line: Line) -> Reply:
         """Answer a line that moves nothing."""
         visible = self._organiser.visible(caller.principal)
         if isinstance(line, Start):
-            return self._start(caller, visible)
+            return self._linked(caller, chat, line, visible) or self._start(caller, visible)
         return self._look(caller, chat, line, visible) if visible else Reply(words.NOTHING_VISIBLE)
 
     def _look(self, caller: Caller, chat: Chat, line: Line, visible: frozenset[RobotId]) -> Reply:
@@ -63,6 +72,20 @@ class Desk:
         if isinstance(line, Help):
             return Reply(words.help_for_all(self._examples(visible)), self._robots(visible))
         return Reply(WHICH, self._robots(visible))
+
+    def _linked(
+        self, caller: Caller, chat: Chat, line: Start, visible: frozenset[RobotId]
+    ) -> Reply | None:
+        """Follow a link to a robot or to one of its skills: ``?start=omni``, ``omni__wave``.
+
+        A link only asks; what it does not name well is no link.
+        """
+        robot, _, skill = line.payload.partition(LINKED)
+        if robot not in visible:
+            return None
+        if not skill:
+            return self._use(caller, chat, Use(robot))
+        return self._choosing.ask(f"{robot} {skill}", visible)
 
     def _start(self, caller: Caller, visible: frozenset[RobotId]) -> Reply:
         """Say whether somebody may command anything now, and with what they may begin."""
@@ -125,7 +148,12 @@ class Desk:
                    for s in profile.skills.values()
                    if self._organiser.allows(principal, profile.id, s.id)
                    and not any(p.text for p in s.parameters.values())]  # fmt: skip
-        return (*rows(buttons), (Button("STOP", f"stop {profile.id}"),))
+        visible = self._organiser.visible(principal)
+        often = self._choosing.favourites(principal, profile.id, visible)
+        last = [Button("STOP", f"stop {profile.id}")]
+        if len(visible) > 1:
+            last.append(Button("Another robot", "robots"))
+        return (*((button,) for button in often), *rows(buttons), tuple(last))
 
     def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:
         return rows([Button(self._profiles[r].shown, f"use {r}") for r in sorted(visible)])

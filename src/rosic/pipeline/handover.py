@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.reach import FLEET
+from rosic.core.saying import said
 from rosic.errors import NotPermitted, NotUnderstood, RobotBusy
 from rosic.pipeline.desk import Reply
 
@@ -76,7 +77,14 @@ class Handover:
             raise NotUnderstood(f"{shown} is free. Say what it should do.")
         if not all(self.outranks(who, other, robot) for other in others):
             names = " and ".join(map(self._rooms.organiser.name_of, others))
-            raise NotPermitted(f"{shown} is {names}'s now, and not yours to take over.")
+            raise NotPermitted(
+                said(
+                    "{robot} is {names}'s now, and not yours to take over. Wait for it, and I tell "
+                    "you when it is free.",
+                    robot=shown, names=names,
+                ),
+                offers=(f"wait {robot}",),
+            )  # fmt: skip
         name = asked.caller.name
         self._reach.tell(others, f"{name} takes {shown} over now.", urgent=True)
         if not await self.end(robot, f"{name} took it over"):
@@ -101,7 +109,14 @@ class Handover:
         if holder is None:
             raise NotUnderstood(f"Nobody has {shown}.")
         if holder != who and not organiser.rights.holds(who, FLEET, "slots", organiser.wall_ns()):
-            raise NotPermitted(f"{shown} is {self._name(holder)}'s now. Only they can end that.")
+            raise NotPermitted(
+                said(
+                    "{robot} is {name}'s now. They can end that, or an admin. Wait for it, and I "
+                    "tell you when it is free.",
+                    robot=shown, name=self._name(holder),
+                ),
+                offers=(f"wait {robot}",),
+            )  # fmt: skip
         if not await self.end(robot, f"{asked.caller.name} ended the session"):
             raise RobotBusy(
                 f"{shown} has not come to rest. It is stopped; look before you resume it."
@@ -115,8 +130,8 @@ class Handover:
 
     def _robot(self, asked: Asked) -> RobotId:
         words = asked.rest.split()
-        said = words[1] if words[:1] == ["over"] and len(words) > 1 else " ".join(words)
-        return self._named(said, asked)
+        named = words[1] if words[:1] == ["over"] and len(words) > 1 else " ".join(words)
+        return self._named(named, asked)
 
     def _named(self, named: str, asked: Asked) -> RobotId:
         robot = named.casefold()

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
+    from rosic.core.identity import PrincipalId
     from rosic.core.life import Life
     from rosic.core.robot import RobotId
     from rosic.organiser.organiser import Organiser
@@ -71,7 +72,7 @@ class OrderLife:
         """Its outcome is on disk, or waits to be: from here on a card may show it."""
         self.card.end(self.order.cid, self.shown, self.words)
         self._lives.teller.show(self.card)
-        self._lives.leave()
+        self._lives.leave(self.order.permit.principal)
 
 
 class Server:
@@ -118,6 +119,7 @@ class Lives:
         self._container = container
         self._linker = linker
         self._under_way = 0
+        self._whose: dict[PrincipalId, int] = {}
         self._servers: dict[RobotId, Server] = {}
         self._closing = False
         self._over: asyncio.Event | None = None
@@ -128,6 +130,8 @@ class Lives:
     def begin(self, order: Order, said: Said, card: Card, shown: Life) -> None:
         """Let a claimed order live. It will end, and its end will be told."""
         self._under_way += 1
+        whose = order.permit.principal
+        self._whose[whose] = self._whose.get(whose, 0) + 1
         life = OrderLife(order, said, card, shown, self)
         if self._under_way > AT_MOST:
             self.ended(life, FULL)
@@ -219,6 +223,17 @@ class Lives:
         life.card.ending = True
         self._container.conclude(life.order, outcome, life.words, life.concluded)
 
+    def shown_in(self, where: tuple[str, str], message: str) -> tuple[RobotId, ...]:
+        """Return the robots whose orders, under way or waiting, one message of a chat shows."""
+        return tuple(
+            robot
+            for robot in self._servers
+            for entry in self._linker.entries(robot)
+            if isinstance(entry, OrderLife)
+            and entry.card.message == message
+            and entry.card.where == where
+        )
+
     async def cut(self, robot: RobotId, reason: str) -> None:
         """End what a robot does for its holder, and what waits; on return it has come to rest.
 
@@ -237,9 +252,16 @@ class Lives:
         await rested.wait()
         server.rested = None
 
-    def leave(self) -> None:
-        """One life is over."""
+    def busy(self, principal: PrincipalId) -> bool:
+        """Whether an order of theirs has not ended yet, or its end is not written down."""
+        return principal in self._whose
+
+    def leave(self, principal: PrincipalId) -> None:
+        """One life of theirs is over."""
         self._under_way -= 1
+        left = self._whose.pop(principal) - 1
+        if left:
+            self._whose[principal] = left
         if self._over is not None and not self._under_way:
             self._over.set()
 

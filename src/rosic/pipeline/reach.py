@@ -39,18 +39,28 @@ class Reach:
         *,
         urgent: bool = False,
         lifetime_s: float = 60.0,
+        still: bool = False,
     ) -> int:
         """Tell each of them in private, wherever they can be reached. Return how many places.
 
         Buttons are bound to each person and chat, good once.
+
+        Args:
+            people: Whom; each once.
+            text: What.
+            buttons: Under it.
+            urgent: It overtakes what is not.
+            lifetime_s: How long the buttons are good.
+            still: Nothing moves by any of them, so a gap in listening does not void them.
         """
         places = 0
-        issue = partial(self._authoriser.buttons.issue, lifetime_ns=int(lifetime_s * 1e9))
+        lifetime_ns = int(lifetime_s * 1e9)
+        issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns, still=still)
         for principal in dict.fromkeys(people):
             for messenger, chat in self._chats(principal):
                 bound = tuple(tuple(issue(b, principal, chat.id) for b in row) for row in buttons)
                 outbound = Outbound(chat=chat, text=text, buttons=bound, urgent=urgent)
-                self._teller.say(Note(messenger, outbound))
+                self._teller.say(Note(messenger, outbound, good_for_ns=lifetime_ns))
                 places += 1
         return places
 

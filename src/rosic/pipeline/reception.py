@@ -20,8 +20,10 @@ if TYPE_CHECKING:
     from rosic.pipeline.desk import Reply
 
 SteppedUp: TypeAlias = Callable[[PrincipalId, Chat], bool]
+ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
 Newcomer: TypeAlias = "Callable[[Messenger, Inbound, str], Awaitable[Reply | None]]"
 Refused: TypeAlias = Callable[[Caller, Refusal], None]
+Outdated: TypeAlias = Callable[[PrincipalId], None]
 
 
 class Reception:
@@ -31,16 +33,20 @@ class Reception:
         office: Who does which errand.
         consent: Asks for confirmations; None: nothing here wants any.
         stepped_up: Whether somebody has shown a second factor lately, in a chat.
+        proof_used: Hears that this has let something dangerous pass.
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         refused: Hears of every refusal, for rules about misuse.
+        outdated: Hears, in private, of a tap on a button that is no good any more.
     """
 
     def __init__(self) -> None:
         self.office = Office()
         self.consent: Consent | None = None
         self.stepped_up: SteppedUp = _never
+        self.proof_used: ProofUsed = _unused
         self.newcomer: Newcomer | None = None
         self.refused: Refused = _ignore
+        self.outdated: Outdated = _nothing
 
     def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
         """Return what a button that confirms says, and who has agreed to it.
@@ -55,6 +61,14 @@ class Reception:
 
 def _never(_principal: PrincipalId, _chat: Chat) -> bool:
     return False
+
+
+def _unused(_principal: PrincipalId, _chat: Chat) -> None:
+    return None
+
+
+def _nothing(_principal: PrincipalId) -> None:
+    return None
 
 
 def _ignore(_caller: Caller, _refusal: Refusal) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.container.letters import Answer
 from rosic.core.message import Button, ChatKind, Outbound
 from rosic.core.rate import Bucket, RateLimit
+from rosic.core.saying import said
 from rosic.errors import Refusal, Repeated
 from rosic.pipeline.telling import Note, Teller
 
@@ -63,6 +64,24 @@ class Replies:
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
         self._teller.say(Note(messenger, outbound, cid, inbound.under))
 
+    def hand_over(
+        self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
+    ) -> None:
+        """Answer with a clerk's reply: buttons as `offer` has them, and a file if there is one."""
+        if reply.attachment is None:
+            self.offer(messenger, inbound, caller, reply.text, reply.buttons)
+            return
+        issue, chat = self._authoriser.buttons.issue, inbound.chat.id
+        bound = tuple(tuple(issue(b, caller.principal, chat) for b in row) for row in reply.buttons)
+        outbound = Outbound(
+            chat=inbound.chat,
+            text=reply.text,
+            reply_to=reply_id(inbound),
+            buttons=bound,
+            attachment=reply.attachment,
+        )
+        self._teller.say(Note(messenger, outbound))  # no file comes into a message that is there
+
     def say_with(self, messenger: Messenger, inbound: Inbound, reply: Reply) -> None:
         """Answer somebody who is nobody yet; buttons carry their own nonces already.
 
@@ -92,6 +111,8 @@ class Replies:
         except Repeated:
             return  # the same message was settled before
         buttons = tuple((Button(offer, offer),) for offer in refusal.offers)
+        if refusal.petition:
+            buttons = (*buttons, (Button(ask_for_it(), refusal.petition),))
         self.offer(messenger, inbound, caller, str(refusal), buttons, cid=cid)
 
     def turn_away(self, messenger: Messenger, inbound: Inbound, sentence: str) -> None:
@@ -114,6 +135,11 @@ class Replies:
             raise Repeated(str(refusal)) from refusal
         await messenger.answer_tap(inbound, "")
         return command
+
+
+def ask_for_it() -> str:
+    """Return the label of the button that asks for the right that is missing."""
+    return said("Ask for it")
 
 
 def reply_id(inbound: Inbound) -> str:

@@ -21,10 +21,12 @@ class Said:
     Attributes:
         confirmed: A button said it that asked whether it is meant.
         second: Who else has agreed to it.
+        proven: It was asked whether they have shown a second factor lately, and they have.
     """
 
     __slots__ = (
-        "arrived_ns", "asked", "caller", "confirmed", "inbound", "messenger", "second", "stepup",
+        "arrived_ns", "asked", "caller", "confirmed", "inbound", "messenger", "proven", "second",
+        "stepup",
     )  # fmt: skip
 
     def __init__(
@@ -35,7 +37,7 @@ class Said:
         arrived_ns: int,
         stepup: SteppedUp,
     ) -> None:
-        self.confirmed = False
+        self.confirmed = self.proven = False
         self.second: PrincipalId | None = None
         self.stepup = stepup
         self.messenger = messenger
@@ -46,9 +48,10 @@ class Said:
 
     def grounds(self) -> Grounds:
         """Return what counts besides who they are; asked only where it matters."""
+        self.proven = self.stepup(self.caller.principal, self.inbound.chat)
         return Grounds(
             channel=ASSURANCES.get(self.messenger.assurance, Assurance.PROVIDER_READABLE),
-            stepped_up=self.stepup(self.caller.principal, self.inbound.chat),
+            stepped_up=self.proven,
             confirmed=self.confirmed,
             second=self.second,
         )

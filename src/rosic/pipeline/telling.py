@@ -20,6 +20,8 @@ from rosic.errors import MessageGone, MessengerFault
 from rosic.pipeline.cards import Card
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
 
@@ -37,13 +39,18 @@ log = logging.getLogger("rosic.telling")
 
 
 class Note(msgspec.Struct):
-    """A message that stands for itself. ``cid`` and ``also`` are noted as told once it was sent."""
+    """A message that stands for itself. ``cid`` and ``also`` are noted as told once it was sent.
+
+    Attributes:
+        good_for_ns: How long its buttons are good, if that is not the usual.
+    """
 
     messenger: Messenger
     outbound: Outbound
     cid: CommandId | None = None
     edit_of: str = ""
     also: tuple[CommandId, ...] = ()
+    good_for_ns: int = 0
 
 
 _Item: TypeAlias = Card | Note
@@ -61,7 +68,11 @@ class Voice:
 
 
 class Teller:
-    """All voices."""
+    """All voices.
+
+    Attributes:
+        on_buttons: Hears which message shows a note now.
+    """
 
     def __init__(self, containers: Containers, clock: Clock) -> None:
         self._containers = containers
@@ -71,6 +82,7 @@ class Teller:
         self._aside: set[asyncio.Task[None]] = set()
         self._due: dict[Card, None] = {}
         self._ticking: asyncio.Task[None] | None = None
+        self.on_buttons: Callable[[Note, str], None] = _nobody_looks
 
     def say(self, note: Note) -> None:
         """Say something after everything said before in its chat; an urgent one at once."""
@@ -187,13 +199,15 @@ class Teller:
             await self._show_line_by_line(item)
 
     async def _say(self, note: Note) -> None:
+        message = note.edit_of if note.messenger.edits else ""
         try:
-            if note.edit_of and note.messenger.edits:
-                await note.messenger.edit(note.edit_of, note.outbound)
+            if message:
+                await note.messenger.edit(message, note.outbound)
             else:
-                await note.messenger.send(note.outbound)
+                message = await note.messenger.send(note.outbound)
         except MessageGone:
-            await note.messenger.send(note.outbound)
+            message = await note.messenger.send(note.outbound)
+        self.on_buttons(note, message)
         if note.cid is not None:
             self._containers.told(note.cid, *note.also)
 
@@ -212,9 +226,9 @@ class Teller:
         So an ending is said exactly once, whenever this process may die: what was not noted as
         told is said again by an edit to the same content.
         """
-        if not card.message:
+        if not card.message or card.adopted:
             card.dirty = bool(card.untold)
-            card.message = await card.messenger.send(_outbound(card, endings=False))
+            await self._begin_in_place(card)
             if card.ending:
                 await self._containers.place(card.cids, card.principal, card.message)
             else:
@@ -238,6 +252,18 @@ class Teller:
         elif ended:
             self._containers.told(*ended)
 
+    async def _begin_in_place(self, card: Card) -> None:
+        """Show a card for the first time: in a message of its own, or where it was asked for."""
+        outbound = _outbound(card, endings=False)
+        if card.adopted:
+            adopted, card.adopted = card.message, False
+            card.message = ""  # should this fail, it is said in a message of its own
+            self.on_buttons(Note(card.messenger, outbound), adopted)
+            await card.messenger.edit(adopted, outbound)
+            card.message = adopted
+        else:
+            card.message = await card.messenger.send(outbound)
+
     async def flush(self, seconds: float) -> None:
         """Wait until everything is said, or the time is over; then fall silent."""
         tasks = [voice.task for voice in self._voices.values() if voice.task is not None]
@@ -259,6 +285,10 @@ class Teller:
             if voice.task is not None
         )
         return not speaking and not self._urgent
+
+
+def _nobody_looks(_note: Note, _message: str) -> None:
+    """Nobody wants to know which message shows a note."""
 
 
 def _matters(item: _Item) -> bool:

@@ -8,8 +8,9 @@ from collections import OrderedDict
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from rosic.container.habits import Habits
 from rosic.container.letters import ReplyTo
-from rosic.core.identity import CommandId, PrincipalId, command_id, robot_command_id
+from rosic.core.identity import CommandId, PrincipalId, command_id
 from rosic.core.language import (
     Do,
     Errand,
@@ -20,25 +21,26 @@ from rosic.core.language import (
     Use,
 )
 from rosic.core.message import Button, ChatKind, Standing
-from rosic.core.order import Order, Request
 from rosic.errors import (
     Expired,
     FirstNeeded,
     NotUnderstood,
     Refusal,
+    Repeated,
     Unrecognised,
 )
 from rosic.pipeline.audience import Audience
 from rosic.pipeline.cards import Card
+from rosic.pipeline.choosing import Choosing
 from rosic.pipeline.desk import Desk
-from rosic.pipeline.freshness import check_fresh
+from rosic.pipeline.expiring import Expiring
 from rosic.pipeline.lives import Lives
 from rosic.pipeline.office import Asked
 from rosic.pipeline.reception import Reception
 from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_id
+from rosic.pipeline.requesting import Requesting
 from rosic.pipeline.resuming import Resuming
 from rosic.pipeline.said import Said
-from rosic.pipeline.trying import Trying
 from rosic.pipeline.turns import Turns
 
 if TYPE_CHECKING:
@@ -49,6 +51,7 @@ if TYPE_CHECKING:
     from rosic.core.language import Line
     from rosic.core.life import Face
     from rosic.core.message import Inbound
+    from rosic.core.order import Order, Request
     from rosic.core.skill import Argument
     from rosic.pipeline.desk import Reply
     from rosic.pipeline.rooms import Rooms
@@ -67,6 +70,7 @@ class Pipeline:
     """Takes messages from messengers, moves robots, tells what they did.
 
     Attributes:
+        habits: What people ask for often.
         lives: The orders under way.
         audience: Who hears what robots say of their own accord.
         reception: Who receives what is no order.
@@ -85,15 +89,19 @@ class Pipeline:
         self._face = face
         self._shown = {robot: profile.shown for robot, profile in rooms.profiles.items()}
         self._turns = Turns()
+        self._requesting = Requesting(rooms, clock)
         self._followed: OrderedDict[CommandId, None] = OrderedDict()
         self._replies = Replies(rooms, teller, clock)
+        self._expiring = Expiring(teller, clock)
         self._resuming = Resuming(organiser, container, linker, rooms.board)
-        self._desk = Desk(rooms)
-        self._trying = Trying(rooms, self._reader)
+        self.habits = Habits()
+        self._choosing = Choosing(self._reader, self.habits)
+        self._desk = Desk(rooms, self._choosing)
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience = Audience(organiser)
         self.reception = Reception()
         self.reception.office.employ("information", self._desk.information)
+        self.reception.office.employ("again", self._again)
 
     async def receive(self, messenger: Messenger, inbound: Inbound) -> None:
         """Take one message. On return it is settled, or on disk and under way.
@@ -104,7 +112,9 @@ class Pipeline:
         said = inbound.text if inbound.nonce is None else inbound.nonce
         stop = self._reader.stop(said)
         if stop is not None:
-            await self._stop_lane.stop(messenger, inbound, stop)
+            await self._stop_lane.stop(
+                messenger, inbound, stop or self._replied(messenger, inbound)
+            )
         only_stop = stop is not None and "\n" not in said.strip()
         if only_stop or inbound.standing is not Standing.FRESH:
             return
@@ -118,6 +128,12 @@ class Pipeline:
             await self._take(messenger, inbound, arrived_ns)
         finally:
             self._turns.give(inbound.chat)
+
+    def _replied(self, messenger: Messenger, inbound: Inbound) -> tuple[str, ...]:
+        """Return whom a bare stop means: those of the order that it replies to, else everybody."""
+        if not inbound.answers:
+            return ()
+        return self.lives.shown_in((messenger.name, inbound.chat.id), inbound.answers)
 
     async def _take(self, messenger: Messenger, inbound: Inbound, arrived_ns: int) -> None:
         """AUTHENTICATE and GENERATEKEY, then follow each line."""
@@ -149,17 +165,28 @@ class Pipeline:
 
     async def _tapped(self, said: Said) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller
-        command = await self._replies.redeem(messenger, inbound, caller)
+        try:
+            command = await self._replies.redeem(messenger, inbound, caller)
+        except Repeated as void:
+            self._outdated(said, void)
+            raise
         if command == LEAVE:
             self._replies.say(messenger, inbound, "Nothing was done.")
         elif command.startswith(ASK_FIRST):
-            reply = self._trying.ask(caller.principal, command[1:])
+            visible = self._rooms.organiser.visible(caller.principal)
+            reply = self._choosing.ask(command[1:], visible)
             self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
         else:
             if command.startswith(CONFIRMED):
                 said.confirmed = True
                 command, said.second = self.reception.redeem(command[1:], caller)
             await self._lines(said, command)
+
+    def _outdated(self, said: Said, void: Repeated) -> None:
+        """Show again what still waits for an answer, if that may have been the question."""
+        if isinstance(void.__cause__, Expired) and said.inbound.chat.kind is ChatKind.PRIVATE:
+            self._rooms.organiser.charge(said.caller)
+            self.reception.outdated(said.caller.principal)
 
     async def _lines(self, said: Said, text: str) -> None:
         caller, inbound = said.caller, said.inbound
@@ -215,11 +242,13 @@ class Pipeline:
         elif isinstance(line, Errand):
             asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid)
             reply = await self.reception.office.do(line, asked)
-            self._replies.offer(
-                said.messenger, said.inbound, said.caller, reply.text, reply.buttons
-            )
+            self._replies.hand_over(said.messenger, said.inbound, said.caller, reply)
         else:
             self._question(said, line)
+
+    async def _again(self, asked: Asked) -> Reply:
+        visible = self._rooms.organiser.visible(asked.caller.principal)
+        return self._choosing.again(asked.caller, asked.inbound.chat, visible)
 
     async def _brought_a_code(self, messenger: Messenger, inbound: Inbound) -> bool:
         """Whether somebody brought an invitation, or showed one in a group; then it is answered."""
@@ -275,8 +304,10 @@ class Pipeline:
         """CHECKPERMISSIONS, PROCESSCOMMAND; RELAYCOMMAND goes on in a life of its own."""
         organiser, inbound = self._rooms.organiser, said.inbound
         now_ns = self._clock.monotonic_ns()
-        requests = self._requests(said, line, cid, now_ns)
+        requests = self._requesting.requests(said, line, cid, now_ns)
         permits = organiser.admit(said.caller, requests, self._arguments_of, said.grounds)
+        if said.proven and any(organiser.wants_proof(request) for request in requests):
+            self.reception.proof_used(said.caller.principal, inbound.chat)
         start_ns = now_ns + TOGETHER_NS if len(requests) > 1 else None
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
         origin = ReplyTo(said.messenger.name, inbound.chat, reply_id(inbound), title)
@@ -290,6 +321,8 @@ class Pipeline:
             organiser.abandon(permits)
             raise
         said.asked.update(line.robots)
+        name = line.group or line.robots[0]
+        self.habits.note(said.caller.principal, inbound.chat, name, line.text)
         self._begin(said, line, orders)
 
     def _arguments_of(self, request: Request) -> Mapping[str, Argument]:
@@ -299,6 +332,9 @@ class Pipeline:
         messenger, chat, caller = said.messenger, said.inbound.chat, said.caller
         card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self._face)
         card.buttons = _stop_button(line.group or line.robots[0])
+        if said.confirmed and messenger.edits and len(said.asked) == len(orders):
+            # The question that was answered becomes the life it asked for.
+            card.message, card.adopted = said.inbound.under, bool(said.inbound.under)
         now_ns = self._clock.wall_ns()
         for order in orders:
             shown = self._shown[order.robot]
@@ -307,55 +343,16 @@ class Pipeline:
             self.lives.begin(order, said, card, life)
         self._teller.show(card)
 
-    def _check_later_than_stop(self, inbound: Inbound, request: Request) -> None:
-        """Refuse motion received before its robot's last stop, wherever it waited since (I5)."""
-        stopped = self._rooms.board[request.robot]
-        if inbound.received_ns <= stopped.at_ns and not stopped.latched and request.skill.actuates:
-            raise Expired(
-                f"{self._shown[request.robot]} was stopped after you sent this. Nothing was done.",
-                offers=(request.text,),
-            )
-
     def _check_all_free(self, requests: list[Request]) -> None:
         """Of a group, all begin or none: see that no one is at work."""
         for request in requests:
             if not request.sequel:
                 self._rooms.linker.check_free(request.robot)
 
-    def _requests(self, said: Said, line: Do, cid: CommandId, now_ns: int) -> list[Request]:
-        """Return what the line asks of each robot, as long as it is fresh."""
-        inbound = said.inbound
-        received_ns = inbound.received_ns
-        sent_ns = min(inbound.sent_ns, received_ns)
-        age_ns = received_ns - sent_ns
-        waited_ns = max(0, self._clock.wall_ns() - received_ns)
-        # Whichever clock says that it is older: the wall clock may have been set back meanwhile.
-        asked_ns = min(said.arrived_ns, now_ns - waited_ns) - age_ns
-        requests: list[Request] = []
-        for robot, skill in zip(line.robots, line.skills, strict=True):
-            request = Request(
-                # The first carries the line's own id: understood anew, it is found all the same.
-                robot_command_id(cid, robot) if requests else cid,
-                robot,
-                skill,
-                line.spoken,
-                line.text,
-                sent_ns,
-                age_ns,
-                asked_ns + skill.order_lifetime_ns,
-                line.group,
-                robot in said.asked,
-            )
-            if now_ns > request.deadline_ns or sent_ns < inbound.listening_since_ns:
-                check_fresh(inbound, request, now_ns)
-            if received_ns <= self._rooms.board[robot].at_ns:
-                self._check_later_than_stop(inbound, request)
-            requests.append(request)
-        return requests
-
     async def close(self) -> None:
         """End every life: robots come to rest, outcomes are written and told."""
         await self.lives.close()
+        await self._expiring.close()
         await asyncio.sleep(0)
 
 

@@ -7,160 +7,30 @@ the people on the other side. The wicked ones are in `rosic.testing.wicked_messe
 from __future__ import annotations
 
 import asyncio
-from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from msgspec.structs import replace
 
-from rosic.core.message import Button, Inbound, Outbound, Standing
-from rosic.errors import MessengerFault
+from rosic.core.message import Outbound, Standing
+from rosic.testing.file_rules import LONG, YES, FileRules
+from rosic.testing.messenger_stage import (
+    Ear,
+    Seen,
+    Stage,
+    faults_only,
+    listening,
+    until,
+    until_confirmed,
+    until_fresh,
+)
 
-if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable
-    from contextlib import AbstractAsyncContextManager
-
-    from rosic.contracts.messenger import Messenger
-    from rosic.core.message import Chat
+__all__ = ("Ear", "MessengerConformance", "Seen", "Stage")
 
 MARKUP = (
     r"*bold* _slanted_ `code` [name](http://example.org) <b>bold</b> &lt; \n ~gone~ || 100 % #1 🤖"
 )
-LONG = " ".join(f"word{number}" for number in range(1_500))
-YES = Button("Yes", "omni move 1 m", "nonce-1")
 
 
-class Seen(NamedTuple):
-    """A message as a person sees it now."""
-
-    message: str
-    text: str
-
-
-class Stage(Protocol):
-    """A messenger, and what happens on the other side of it.
-
-    Attributes:
-        messenger: The one under test, not running.
-        people: One or more, each in a private chat with it.
-        patience_s: How long something that must happen may take.
-        keeps: The platform gives out again what was not confirmed.
-        taps: People have buttons to tap.
-    """
-
-    messenger: Messenger
-    people: tuple[str, ...]
-    patience_s: float
-    keeps: bool
-    taps: bool
-
-    def chat(self, person: str) -> Chat:
-        """Return the person's chat, as the messenger names it."""
-        ...
-
-    async def write(self, person: str, text: str) -> None:
-        """Let a person write."""
-        ...
-
-    async def tap(self, person: str, message: str, label: str) -> None:
-        """Let a person tap the button with this label under a message of the messenger."""
-        ...
-
-    async def screen(self, person: str) -> list[Seen]:
-        """Return what the messenger shows to this person now, oldest first."""
-        ...
-
-    async def unconfirmed(self) -> int:
-        """Return how many messages the platform would give out again."""
-        ...
-
-    def outage(self) -> AbstractAsyncContextManager[None]:
-        """Let the platform be away while inside."""
-        ...
-
-
-class Ear:
-    """What a messenger hands its messages to.
-
-    Attributes:
-        heard: What was handed over.
-        done: What was received to the end.
-        gate: While it is cleared, nothing is received to the end.
-    """
-
-    def __init__(self) -> None:
-        self.heard: list[Inbound] = []
-        self.done: list[Inbound] = []
-        self.gate = asyncio.Event()
-        self.gate.set()
-
-    async def receive(self, inbound: Inbound) -> None:
-        """Take one message."""
-        self.heard.append(inbound)
-        await self.gate.wait()
-        self.done.append(inbound)
-
-    def texts(self, chat: Chat) -> list[str]:
-        """Return what was handed over in one chat."""
-        return [inbound.text for inbound in self.heard if inbound.chat.id == chat.id]
-
-
-async def until(stage: Stage, condition: Callable[[], bool], otherwise: str) -> None:
-    """Wait for a condition; an AssertionError says what did not happen."""
-    loop = asyncio.get_running_loop()
-    give_up_s = loop.time() + stage.patience_s
-    while not condition():
-        assert loop.time() < give_up_s, otherwise
-        await asyncio.sleep(0.005)
-
-
-async def until_confirmed(stage: Stage) -> None:
-    """Wait until the platform has nothing to give out again."""
-    loop = asyncio.get_running_loop()
-    give_up_s = loop.time() + stage.patience_s
-    while await stage.unconfirmed():
-        assert loop.time() < give_up_s, "what was received to the end was not confirmed"
-        await asyncio.sleep(0.005)
-
-
-async def until_fresh(stage: Stage, ear: Ear) -> None:
-    """Wait until what is written now is no backlog any more; then forget what was heard."""
-    give_up_s = asyncio.get_running_loop().time() + stage.patience_s
-    while not ear.done or ear.done[-1].sent_ns < ear.done[-1].listening_since_ns:
-        assert asyncio.get_running_loop().time() < give_up_s, "everything is taken for backlog"
-        count = len(ear.done)
-        await stage.write(stage.people[0], "hello")
-        await until(stage, lambda more=count: len(ear.done) > more, "a message was swallowed")  # type: ignore[misc]
-    ear.heard.clear()
-    ear.done.clear()
-
-
-@asynccontextmanager
-async def listening(stage: Stage, ear: Ear | None = None) -> AsyncIterator[Ear]:
-    """Let the messenger run while inside."""
-    ear = Ear() if ear is None else ear
-    run = asyncio.create_task(stage.messenger.run(ear.receive))
-    try:
-        yield ear
-    finally:
-        run.cancel()
-        ended, _ = await asyncio.wait([run], timeout=stage.patience_s)
-        assert ended, "run did not end when it was cancelled"
-        if not run.cancelled() and (error := run.exception()) is not None:
-            raise AssertionError("run ended by itself") from error
-
-
-async def faults_only(what: str, call: Awaitable[object]) -> None:
-    """Make a call that must fail, and fail as the contract says."""
-    try:
-        await call
-    except MessengerFault:
-        return
-    except Exception as error:
-        raise AssertionError(f"{what} raised {type(error).__name__}") from error
-    raise AssertionError(f"{what} did not fail")
-
-
-class MessengerConformance:
+class MessengerConformance(FileRules):
     """The rules. A subclass gives the fixture ``stage``."""
 
     async def test_messages_of_a_chat_come_in_order(self, stage: Stage) -> None:

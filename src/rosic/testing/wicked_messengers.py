@@ -29,6 +29,7 @@ class Wicked:
         self.name = honest.name
         self.assurance = honest.assurance
         self.edits = honest.edits
+        self.file_bytes = honest.file_bytes
 
     async def run(self, receive: Receive) -> None:
         """Pass on."""
@@ -177,6 +178,59 @@ class CutsLongTexts(Wicked):
         return await self.honest.send(replace(outbound, text=outbound.text[:4096]))
 
 
+class LosesFiles(Wicked):
+    """Sends what is said of a file, and not the file."""
+
+    async def send(self, outbound: Outbound) -> str:
+        """Lose the file."""
+        return await self.honest.send(replace(outbound, attachment=None))
+
+
+class ChangesLineEnds(Wicked):
+    """Takes every file for a text of another system."""
+
+    async def send(self, outbound: Outbound) -> str:
+        """Change what is in the file."""
+        file = outbound.attachment
+        if file is not None:
+            changed = replace(file, content=file.content.replace(b"\n", b"\r\n"))
+            outbound = replace(outbound, attachment=changed)
+        return await self.honest.send(outbound)
+
+
+class CutsLargeFiles(Wicked):
+    """Sends as much of a file as there is room for."""
+
+    async def send(self, outbound: Outbound) -> str:
+        """Lose the end."""
+        file = outbound.attachment
+        if file is not None:
+            cut = replace(file, content=file.content[: self.file_bytes or 1])
+            outbound = replace(outbound, attachment=cut if self.file_bytes else None)
+        return await self.honest.send(outbound)
+
+
+class CannotChangeWhatHasAFile(Wicked):
+    """Changes texts alone, not what is written under a picture."""
+
+    def __init__(self, honest: Messenger) -> None:
+        super().__init__(honest)
+        self.with_files: set[str] = set()
+
+    async def send(self, outbound: Outbound) -> str:
+        """Remember what has a file."""
+        message = await self.honest.send(outbound)
+        if outbound.attachment is not None:
+            self.with_files.add(message)
+        return message
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        """Refuse what has a file."""
+        if message in self.with_files:
+            raise MessengerFault("There is no text in the message to edit.")
+        await self.honest.edit(message, outbound)
+
+
 class MixesUpIds(Wicked):
     """Returns the id of another message."""
 
@@ -270,6 +324,12 @@ SINNERS: dict[str, tuple[type[Wicked], ...]] = {
     "test_a_text_arrives_exactly_as_given": (ReadsMarkup,),
     "test_a_long_text_arrives_whole": (CutsLongTexts,),
     "test_sending_names_the_message": (MixesUpIds,),
+    "test_a_file_arrives_whole_and_under_its_name": (LosesFiles, ChangesLineEnds),
+    "test_a_picture_arrives_and_what_is_said_of_it_can_be_changed": (
+        LosesFiles,
+        CannotChangeWhatHasAFile,
+    ),
+    "test_a_file_that_is_too_large_is_a_messenger_fault": (CutsLargeFiles,),
     "test_a_message_is_changed_in_place": (SendsInsteadOfChanging,),
     "test_editing_to_the_same_content_succeeds": (RefusesTheSame,),
     "test_a_tap_brings_its_nonce_and_its_tapper": (ForgetsTheNonce, TakesTheBotForTheTapper),
@@ -280,7 +340,7 @@ SINNERS: dict[str, tuple[type[Wicked], ...]] = {
 
 def rules() -> set[str]:
     """Return the names of all rules."""
-    return {name for name in vars(MessengerConformance) if name.startswith("test_")}
+    return {name for name in dir(MessengerConformance) if name.startswith("test_")}
 
 
 async def catches(rule: str, sinner: type[Wicked], stage: Stage) -> bool:

@@ -1,4 +1,6 @@
-"""What deciding costs in a small place and in a large one, and what a person weighs.
+"""What looking a right up costs in a small place and in a large one, and what a person weighs.
+
+Deciding with everything looked up is measured by ``rosic bench pipeline``.
 
     python -m tests.core.rights.measure
 
@@ -11,13 +13,10 @@ from __future__ import annotations
 import random
 import sys
 import tracemalloc
-from bisect import bisect_right
 from statistics import median
 from time import perf_counter_ns
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from rosic.core.asking import Allowed, Ask, Key, State
-from rosic.core.decision import decide
 from rosic.core.reach import Fleet
 from rosic.core.rights import Rights
 from rosic.core.roles import DEFAULT_ROLES, Grant, Role, Rulebook
@@ -122,28 +121,6 @@ def may(place: Place) -> Callable[[str, str], object]:
     return lambda who, robot: rights.may(who, robot, "home")
 
 
-def whole(place: Place) -> Callable[[str, str], object]:
-    """Ask everything: state, slot of now and decision."""
-
-    def call(who: str, robot: str) -> Allowed:
-        slots = place.slots[robot]
-        at = bisect_right(slots, NOW, key=lambda slot: slot.start_ns)
-        decision = decide(
-            State(
-                rights=place.rights,
-                key=Key(id="k", principal=who),
-                now_ns=NOW,
-                slots="respected",
-                slot=slots[at - 1] if at else None,
-            ),
-            Ask(principal=who, key="k", robot=robot, skill="move", arguments={"speed": 0.1}),
-        )
-        assert isinstance(decision, Allowed)
-        return decision
-
-    return call
-
-
 def nothing(_place: Place) -> Callable[[str, str], object]:
     return lambda who, _robot: who
 
@@ -183,10 +160,9 @@ def change_us() -> float:
 def main() -> None:
     say = sys.stdout.write
     clock, _ = compare(nothing)
-    for name, make in (("may", may), ("decide, with its state", whole)):
-        small, large = compare(make)
-        small, large = small - clock, large - clock
-        say(f"{name}: p50 {small:.0f} ns small, {large:.0f} ns large, {large / small:.2f} times\n")
+    small, large = compare(may)
+    small, large = small - clock, large - clock
+    say(f"may: p50 {small:.0f} ns small, {large:.0f} ns large, {large / small:.2f} times\n")
     begun = perf_counter_ns()
     Rights.draw_up(1, rulebook_of(LARGE), fleet_of(LARGE), people_of(LARGE), CONVERT)
     say(f"drawn up anew: {(perf_counter_ns() - begun) / 1e6:.0f} ms\n")

@@ -60,6 +60,7 @@ class Office:
         self.locks = Locks(self.time)
         self.directory = Directory()
         self.authoriser = Authoriser(self.directory, self.clock, entropy)
+        self.authoriser.count = self.tally.count
         self.enrolment = Enrolment(
             self.directory, self.locks, self.time, entropy, self.tally, limits
         )

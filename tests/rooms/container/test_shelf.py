@@ -70,14 +70,21 @@ def test_a_person_s_own_shelf_is_read_by_nobody_else_without_their_word() -> Non
         with pytest.raises(NotPermitted, match=r"You may not read that\."):
             look(BO, ADA)
     assert rack.refused(BO, ADA) == "You may not read that."
-    rack.so(rack.shelf.lend(ADA, BO))
-    assert [kept.value for kept in rack.shelf.names(BO, ADA)] == ["under the stairs"]
+    rack.store(ADA, ADA, "other", "not lent")
+    rack.so(rack.shelf.lending.lend(ADA, BO, "home"))
+    latest = rack.shelf.latest(BO, ADA, "home")
+    assert latest is not None
+    assert latest.value == "under the stairs"
+    with pytest.raises(NotPermitted):
+        rack.shelf.latest(BO, ADA, "other")
+    with pytest.raises(NotPermitted):
+        rack.shelf.names(BO, ADA)
     assert rack.refused(BO, ADA) == "You may not read that."  # reading, not writing
     with pytest.raises(NotPermitted):
         rack.shelf.names(ADA, BO)  # it was not lent in return
-    rack.so(rack.shelf.take_back(ADA, BO))
+    rack.so(rack.shelf.lending.take_back(ADA, "home", BO))
     with pytest.raises(NotPermitted):
-        rack.shelf.names(BO, ADA)
+        rack.shelf.latest(BO, ADA, "home")
 
 
 def test_a_robot_s_shelf_is_read_by_whoever_sees_it_and_filled_by_whoever_has_it() -> None:
@@ -123,10 +130,35 @@ def test_quotas() -> None:
 def test_a_shelf_can_be_lent_to_so_many_and_no_more() -> None:
     rack = Rack()
     for n in range(64):
-        rack.so(rack.shelf.lend(ADA, f"p{n}"))
-    rack.so(rack.shelf.lend(ADA, "p3"))
-    with pytest.raises(Refusal, match="You share your data with as many people as you can"):
-        rack.shelf.lend(ADA, "one more")
+        rack.so(rack.shelf.lending.lend(ADA, f"p{n}", "home"))
+    rack.so(rack.shelf.lending.lend(ADA, "p3", "home"))
+    assert len(rack.shelf.lending.by(ADA)) == 64
+    with pytest.raises(Refusal, match="You can share 64 things at most, and you do"):
+        rack.shelf.lending.lend(ADA, "one more", "home")
+
+
+def test_a_loan_ends_by_the_clock_with_its_name_and_over_a_restart() -> None:
+    rack = Rack()
+    rack.store(ADA, ADA, "home", "under the stairs")
+    hour_ns = 3_600_000_000_000
+    until_ns = rack.clock.wall_ns() + hour_ns
+    (fact,) = rack.shelf.lending.lend(ADA, OMNI, "home", until_ns=until_ns)
+    assert fact.letter is not None
+    assert (fact.letter.container, b"home" in fact.body + fact.key.encode()) == (ADA, False)
+    rack.so((fact,))
+    again = rack.again()
+    assert again.latest(BO, ADA, "home") is not None  # he sees omni
+    assert [loan.name for loan in again.lending.to((OMNI,))] == ["home"]
+    rack.clock.jump_wall(3_601)
+    with pytest.raises(NotPermitted):
+        again.latest(BO, ADA, "home")
+    assert again.lending.to((OMNI,)) == ()
+    rack.so(rack.shelf.lending.lend(ADA, BO, "home"))  # what is over goes with the next
+    assert len(rack.shelf.lending._at) == 1
+    rack.so(rack.shelf.remove(ADA, ADA, "home"))
+    rack.store(ADA, ADA, "home", "elsewhere")
+    with pytest.raises(NotPermitted):
+        rack.shelf.latest(BO, ADA, "home")
 
 
 def test_removing() -> None:
@@ -156,12 +188,13 @@ def test_whoever_is_erased_leaves_nothing_anywhere() -> None:
     rack.store(ADA, OMNI, "a", "1")
     rack.store(ADA, ADA, "a", "1")
     rack.store(BO, BO, "a", "1")
-    rack.so(rack.shelf.lend(ADA, BO))
-    rack.so(rack.shelf.lend(BO, ADA))
+    rack.so(rack.shelf.lending.lend(ADA, BO, "a"))
+    rack.so(rack.shelf.lending.lend(BO, ADA, "a"))
     rack.so(rack.shelf.limit(ADA, Quota()))
     rack.so(rack.shelf.end_all(ADA))
     assert [kept.owner for kept in rack.everything()] == [BO]
-    assert rack.shelf._loans == {}
+    lending = rack.shelf.lending
+    assert (lending._at, lending._by, lending._to) == ({}, {}, {})
     assert rack.shelf._quotas == {}
 
 

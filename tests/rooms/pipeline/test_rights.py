@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from base64 import b32decode
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from rosic.authoriser.totp import hotp, step_at
 from rosic.core.record import Fact, Letter
 from rosic.core.robot import Slots
 from rosic.core.roles import DEFAULT_ROLES, Care, Role, Rulebook
@@ -202,7 +204,10 @@ async def test_a_session_is_ended_by_whoever_has_it_and_by_nobody_else() -> None
         place.robot("omni").work_s = 60.0
         await place.say("omni move 1 m", account=BO, chat=BO)
         told = await place.say("/end omni", account="3", chat="3")
-        assert told == "omni is Bo's now. Only they can end that."
+        assert told == (
+            "omni is Bo's now. They can end that, or an admin. Wait for it, and I tell you when it "
+            "is free."
+        )
         told = await place.say("/end omni", account=BO, chat=BO)
         assert "Session ended. omni is at rest, and free." in told
         assert "Bo ended the session" in told
@@ -312,3 +317,28 @@ async def test_whose_cap_on_speed_is_damaged_goes_slowly_and_hears_of_it_once() 
         await place.say("/settings speed none", account=BO, chat=BO, message="n3")
         await place.say("omni drive speed=0.3", account=BO, chat=BO, message="n4")
         assert place.acted() == 2
+
+
+def phone_code(text: str, place: Place) -> str:
+    """Return what a phone shows now that was set up by this text."""
+    letters = text.split("secret=")[1].partition("&")[0]
+    secret = b32decode(letters + "=" * (-len(letters) % 8))
+    return hotp(secret, step_at(place.clock.wall_ns()))
+
+
+async def test_a_second_factor_is_asked_again_after_an_idle_hour_and_no_sooner() -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), step_up=True))) as place:
+        assert "needs your second factor first" in await place.say("omni wave")
+        shown = await place.say("/authenticator")
+        assert "Your phone is set up" in await place.say(f"/code {phone_code(shown, place)}")
+        for waves in (1, 2, 3):  # each use begins the hour anew
+            await place.say("omni wave")
+            assert place.acted() == waves
+            await place.clock.advance(HOUR_S - 10)
+        await place.say("omni move 1 m")  # what wants no proof is no use of it
+        await place.clock.advance(11)
+        assert "needs your second factor first" in await place.say("omni wave")
+        assert place.acted() == 4
+        assert "I ask again after" in await place.say(f"/code {phone_code(shown, place)}")
+        await place.say("omni wave")
+        assert place.acted() == 5

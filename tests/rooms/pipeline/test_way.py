@@ -96,7 +96,9 @@ async def test_a_viewer_reads_and_does_not_move() -> None:
     async with Place().open() as place:
         assert "omni" in await place.say("status", account=VI, chat="3")
         told = await place.say("omni move 1 m", account=VI, chat="3")
-        assert told == 'Move needs the right "operator" on omni. Ada can give it.'
+        assert (
+            told == 'Move needs the right "operator" on omni. Ada can give it. It counts at once.'
+        )
         assert place.acted() == 0
 
 

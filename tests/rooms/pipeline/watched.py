@@ -111,6 +111,7 @@ class Mouth:
 
     def __init__(self, chat: MemoryMessenger, disk: Disk) -> None:
         self.edits = chat.edits
+        self.file_bytes = chat.file_bytes
         self._chat = chat
         self._disk = disk
 

@@ -43,6 +43,30 @@ def bind(
         NotUnderstood: A value has no place, a place has no value, or a value is no number.
         OutOfBounds: A number is outside its bounds. The sentence names the bound.
     """
+    compiled, given = place(vocabulary, robot, skill, spoken, group=group)
+    arguments: dict[str, Argument] = {}
+    for parameter in compiled.parameters:
+        chosen = given.get(parameter.name, parameter.default)
+        if chosen is None:
+            raise Objection(vocabulary, robot, compiled, spoken, group or robot).missing(parameter)
+        arguments[parameter.name] = chosen
+    return arguments
+
+
+def place(
+    vocabulary: Vocabulary,
+    robot: RobotId,
+    skill: Skill,
+    spoken: tuple[Spoken, ...],
+    *,
+    group: str = "",
+) -> tuple[CompiledSkill, dict[str, Argument]]:
+    """Return a skill and the arguments that were said, in SI; some may be missing yet.
+
+    Raises:
+        NotUnderstood: A value has no place, or is no number.
+        OutOfBounds: A number is outside its bounds. The sentence names the bound.
+    """
     compiled = vocabulary.compiled_skill(robot, skill.id)
     if compiled is None:
         raise NotUnderstood(f"{robot} has no such skill. Nothing was done.")
@@ -54,13 +78,7 @@ def bind(
             raise Objection(vocabulary, robot, compiled, spoken, group or robot).to(at, given)
         parameter, argument = placed
         given[parameter.name] = argument
-    arguments: dict[str, Argument] = {}
-    for parameter in compiled.parameters:
-        chosen = given.get(parameter.name, parameter.default)
-        if chosen is None:
-            raise Objection(vocabulary, robot, compiled, spoken, group or robot).missing(parameter)
-        arguments[parameter.name] = chosen
-    return arguments
+    return compiled, given
 
 
 def _place(

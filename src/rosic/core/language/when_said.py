@@ -26,6 +26,10 @@ LONGEST_S = 1e9
 FILLERS = frozenset({"a", "an", "at", "from", "the", "on", "please", "of", ",", "/book", "o'clock"})
 JOINTS = frozenset({"-", "to", "till", "until", "til"})
 UNITS: dict[str, int] = {
+    # Longer than any time may be: read so that they are refused for what they are.
+    **dict.fromkeys(("year", "years"), 365 * 86_400),
+    **dict.fromkeys(("month", "months"), 30 * 86_400),
+    **dict.fromkeys(("week", "weeks"), 7 * 86_400),
     **dict.fromkeys(("d", "day", "days"), 86_400),
     **dict.fromkeys(("h", "hr", "hrs", "hour", "hours"), 3600),
     **dict.fromkeys(("m", "min", "mins", "minute", "minutes"), 60),

@@ -8,9 +8,10 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 # name.
 ERRANDS = frozenset(
     {
-        "approve", "archive", "authenticator", "book", "cancel", "code", "data", "decline", "end",
-        "forget", "grant", "information", "invite", "language", "lock", "me", "mydata", "people",
-        "revoke", "security", "settings", "slots", "take", "unlock", "wait",
+        "again", "approve", "archive", "ask", "authenticator", "book", "cancel", "code", "data",
+        "decline", "end", "forget", "grant", "information", "invite", "language", "lock", "me",
+        "mydata", "people", "revoke", "security", "settings", "share", "shelf", "slots", "take",
+        "unlock", "wait",
     }
 )  # fmt: skip
 

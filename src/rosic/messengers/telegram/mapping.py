@@ -113,6 +113,7 @@ def _text(
         received_ns=received.received_ns,
         listening_since_ns=received.listening_since_ns,
         standing=standing(message),
+        answers=_answered(message),
         shown_as="" if message.sender is None else message.sender.first_name,
     )
 
@@ -133,6 +134,12 @@ def _tap(query: wire.CallbackQuery, received: Received) -> Inbound | None:
         under=str(query.message.message_id),
         shown_as=query.sender.first_name,
     )
+
+
+def _answered(message: wire.Message) -> str:
+    """Return the message that it replies to, if that is in the same chat."""
+    first = message.reply_to_message
+    return str(first.message_id) if first and first.chat.id == message.chat.id else ""
 
 
 def _author(message: wire.Message) -> int:

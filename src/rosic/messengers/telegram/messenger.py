@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.chats import Chats
+from rosic.messengers.telegram.files import FILE_BYTES
 from rosic.messengers.telegram.limiter import Limiter
 from rosic.messengers.telegram.line import Line
 from rosic.messengers.telegram.listener import Listener
@@ -37,6 +38,7 @@ class TelegramMessenger:
     platform = "telegram"
     assurance = "provider-readable"
     edits = True
+    file_bytes = FILE_BYTES
 
     def __init__(self, name: str, settings: TelegramSettings, clock: Clock) -> None:
         hide(settings.token)

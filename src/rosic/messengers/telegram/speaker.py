@@ -14,7 +14,9 @@ from telegram import (
 
 from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.telegram import text as texts
+from rosic.messengers.telegram.files import FILE_S, prepared
 from rosic.messengers.telegram.limiter import Rank
+from rosic.messengers.telegram.line import CALL_S
 from rosic.messengers.telegram.trouble import Kind, Trouble
 
 if TYPE_CHECKING:
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.message import Inbound, Outbound
     from rosic.messengers.telegram.chats import Chats
+    from rosic.messengers.telegram.files import Sendable
     from rosic.messengers.telegram.limiter import Limiter
     from rosic.messengers.telegram.line import Line
 
@@ -37,6 +40,8 @@ WAITS_S = (0.5, 1.0, 2.0, 4.0)
 TAP_S = 5.0
 GONE = ("message to edit not found", "message can't be edited", "message_id_invalid")
 """Telegram's words for a message that was deleted, or is too old to be changed."""
+HAS_A_FILE = "no text in the message to edit"
+"""Telegram's words for a message whose text is the caption of a file."""
 NO_PREVIEW = LinkPreviewOptions(is_disabled=True)
 
 log = logging.getLogger("rosic.messengers.telegram")
@@ -76,6 +81,11 @@ class Speaker:
         reply = _reply(outbound.reply_to)
         parts = texts.split(outbound.text)
         sent: list[str] = []
+        if outbound.attachment is not None:
+            file = prepared(outbound.attachment)
+            if len(parts) == 1 and texts.units(parts[0]) <= texts.CAPTION_UNITS:
+                return await self._send_file(call, file, parts[0], reply, keyboard)
+            await self._send_file(call, file, "", reply, None)
         for number, part in enumerate(parts, start=1):
             markup = keyboard if number == len(parts) else None
             sent.append(await self._send_one(call, part, reply, markup))
@@ -139,10 +149,23 @@ class Speaker:
 
         return await self._call(call, act)
 
+    async def _send_file(
+        self,
+        call: Call,
+        file: Sendable,
+        caption: str,
+        reply: ReplyParameters | None,
+        markup: InlineKeyboardMarkup | None,
+    ) -> str:
+        async def act(bot: Bot, chat: int) -> str:
+            return await file.send(bot, chat, caption, reply, markup)
+
+        return await self._call(call, act, within_s=FILE_S)
+
     async def _edit_one(
         self, call: Call, number: int, text: str, markup: InlineKeyboardMarkup | None
     ) -> None:
-        async def act(bot: Bot, chat: int) -> None:
+        async def change_text(bot: Bot, chat: int) -> None:
             await bot.edit_message_text(
                 text,
                 chat_id=chat,
@@ -151,6 +174,21 @@ class Speaker:
                 reply_markup=markup,
             )
 
+        async def change_caption(bot: Bot, chat: int) -> None:
+            await bot.edit_message_caption(
+                chat_id=chat, message_id=number, caption=text, reply_markup=markup
+            )
+
+        try:
+            await self._change(call, change_text)
+        except Trouble as trouble:
+            if trouble.kind is not Kind.REFUSED or HAS_A_FILE not in trouble.reason.lower():
+                raise
+            if texts.units(text) > texts.CAPTION_UNITS:  # it has no room under the file
+                raise MessageGone(str(trouble)) from None
+            await self._change(call, change_caption)
+
+    async def _change(self, call: Call, act: Callable[[Bot, int], Awaitable[None]]) -> None:
         try:
             await self._call(call, act)
         except Trouble as trouble:
@@ -171,7 +209,9 @@ class Speaker:
             if trouble.kind is not Kind.REFUSED or "not found" not in trouble.reason:
                 raise
 
-    async def _call(self, call: Call, act: Callable[[Bot, int], Awaitable[T]]) -> T:
+    async def _call(
+        self, call: Call, act: Callable[[Bot, int], Awaitable[T]], *, within_s: float = CALL_S
+    ) -> T:
         """Make one call in its turn, again where that cannot do it twice.
 
         Raises:
@@ -185,7 +225,10 @@ class Speaker:
             number = _number(chat)
             await self._limiter.turn(chat, call.rank, within_s=left_s)
             try:
-                return await self._line.ask(lambda bot, to=number: act(bot, to))  # type: ignore[misc]
+                return await self._line.ask(
+                    lambda bot, to=number: act(bot, to),  # type: ignore[misc]
+                    within_s=within_s,
+                )
             except Trouble as trouble:
                 failures += 1
                 await self._prepare_again(call, chat, trouble, failures)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import unicodedata
 
 MESSAGE_UNITS = 4_096
+CAPTION_UNITS = 1_024
 ANSWER_UNITS = 200
 LABEL_UNITS = 64
 

@@ -33,6 +33,13 @@ class Chat(msgspec.Struct):
     type: str = ""
 
 
+class Shown(msgspec.Struct):
+    """A message that is spoken of: tapped under, or replied to. Of an old one this much is left."""
+
+    message_id: int
+    chat: Chat
+
+
 class Message(msgspec.Struct, kw_only=True):
     """A message in any of its guises.
 
@@ -47,6 +54,7 @@ class Message(msgspec.Struct, kw_only=True):
     sender_chat: Chat | None = None
     text: str | None = None
     caption: str | None = None
+    reply_to_message: Shown | None = None
     edit_date: int | None = None
     forward_origin: Any = None
     forward_date: int | None = None
@@ -55,13 +63,6 @@ class Message(msgspec.Struct, kw_only=True):
     is_from_offline: bool = False
     migrate_to_chat_id: int | None = None
     migrate_from_chat_id: int | None = None
-
-
-class Shown(msgspec.Struct):
-    """The message under which a button was tapped; of an old one only this much is left."""
-
-    message_id: int
-    chat: Chat
 
 
 class CallbackQuery(msgspec.Struct, kw_only=True):

@@ -7,12 +7,15 @@ import os
 import sys
 from typing import TYPE_CHECKING, Any, TextIO
 
+from msgspec.structs import replace
+
 from rosic.core.identity import Address
 from rosic.core.language.stopping import hears_stop
 from rosic.core.message import Chat, Inbound, Outbound
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal.choices import Choices
 from rosic.messengers.terminal.completing import Completer
+from rosic.messengers.terminal.drawer import FILE_BYTES, Drawer
 from rosic.messengers.terminal.screen import PlainScreen, Screen, standard_input, write
 
 if TYPE_CHECKING:
@@ -45,6 +48,7 @@ class TerminalMessenger:
     platform = "terminal"
     assurance = "local"
     edits = False
+    file_bytes = FILE_BYTES
 
     def __init__(
         self,
@@ -64,6 +68,7 @@ class TerminalMessenger:
         self._screen = screen
         self._completer = Completer()
         self._choices = Choices()
+        self._drawer = Drawer()
         self._chat = Chat(self.platform, CHAT)
         self._serial = 0
         # Ids must not come again in another run: the record remembers them (I1).
@@ -127,8 +132,11 @@ class TerminalMessenger:
         )
 
     async def send(self, outbound: Outbound) -> str:
-        """Show a text and its choices. See the contract."""
+        """Show a text, where its file lies, and its choices. See the contract."""
         message = self._next_id()
+        if outbound.attachment is not None:
+            lies = self._drawer.put(outbound.attachment)
+            outbound = replace(outbound, text=f"{outbound.text}\n{lies}".strip())
         choices = self._choices.show(message, outbound, self._clock.monotonic_ns())
         self.show(f"{outbound.text}\n{choices}" if choices else outbound.text)
         return message

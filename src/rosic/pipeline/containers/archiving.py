@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.container import archived, export
@@ -9,9 +10,16 @@ from rosic.container.archive import DAYS
 from rosic.container.words_container import NOT_ON
 from rosic.core.message import Button
 from rosic.core.record import Decided
-from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, StoreFault
+from rosic.errors import (
+    ConfigurationError,
+    NotPermitted,
+    NotUnderstood,
+    RecordUnavailable,
+    StoreFault,
+)
 from rosic.organiser.words_calendar import moment
 from rosic.pipeline.containers import words_containers as words
+from rosic.pipeline.containers.handing import handed_over
 from rosic.pipeline.containers.parts import all_facts
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.replies import LEAVE
@@ -20,13 +28,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.container.archived import ChatKey
-    from rosic.core.message import Chat
     from rosic.pipeline.containers.parts import Holdings, Vault
     from rosic.pipeline.office import Asked
 
-ROOM = 3_400  # characters of an export that fit into a message, with what is said about it
 CONFIRMED = "confirmed"
-FORMS = ("text", "jsonl", "xlsx")
+TEXT = "text"
 
 
 class Archiving:
@@ -54,7 +60,7 @@ class Archiving:
         if said[0] == "erase":
             return await self._erase(asked, sure=said[1:] == [CONFIRMED])
         if said[0] == "export" and len(said) <= 2:  # noqa: PLR2004 - the word and the form
-            return await self._export(asked.inbound.chat, said[1] if len(said) > 1 else FORMS[0])
+            return await self._export(asked, said[1] if len(said) > 1 else TEXT)
         raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive",))
 
     def _state(self, asked: Asked) -> Reply:
@@ -95,19 +101,24 @@ class Archiving:
             await turn.write((decided, *self._archive.drop(key)))
         return Reply(words.ARCHIVE_ERASED)
 
-    async def _export(self, chat: Chat, form: str) -> Reply:
-        if form not in FORMS:
+    async def _export(self, asked: Asked, form: str) -> Reply:
+        if form not in export.ENDINGS:
             raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive export text",))
-        if form == "xlsx":
-            return Reply(words.SPREADSHEET_LATER)
+        chat = asked.inbound.chat
+        command = f"{words.TO_EXPORT} {archived.container_of(archived.chat_key(chat))}"
+        if form == "xlsx" and not asked.messenger.file_bytes:
+            return Reply(words.spreadsheet_later(command))
         try:
             found = await rows_of(self._holdings.vault, archived.chat_key(chat))
         except StoreFault as fault:
             raise RecordUnavailable(words.NOT_READABLE) from fault
         if not found:
             return Reply(words.NO_MESSAGES)
-        make = export.archive_as_text if form == FORMS[0] else export.archive_as_jsonl
-        return Reply(newest(make(found).splitlines(), ROOM, words.TO_EXPORT))
+        try:
+            made = await asyncio.to_thread(export.archive_as, form, found)
+        except ConfigurationError as missing:
+            raise NotUnderstood(str(missing)) from missing
+        return handed_over(asked, f"messages.{export.ENDINGS[form]}", made, command)
 
 
 def _days(said: Sequence[str]) -> int:
@@ -130,16 +141,5 @@ async def rows_of(vault: Vault, key: ChatKey) -> list[export.Row]:
     Raises:
         StoreFault: They cannot be read now.
     """
-    return export.rows(await all_facts(vault, archived.ENTRY, f"{key}."))
-
-
-def newest(lines: Sequence[str], room: int, command: str) -> str:
-    """Return the newest lines that fit into a message, and what to do about the rest."""
-    shown: list[str] = []
-    for line in reversed(lines):
-        room -= len(line) + 1
-        if room < 0:
-            shown.append(words.rest_left_out(len(lines) - len(shown), command))
-            break
-        shown.append(line)
-    return "\n".join(reversed(shown))
+    found = await all_facts(vault, archived.ENTRY, f"{key}.")
+    return await asyncio.to_thread(export.rows, found)  # many of them: a stop does not wait

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.container import archived, preferences, shelf
+from rosic.container import archived, habits, lending, preferences, shelf
 from rosic.pipeline.containers import erasing as erasing_of
 from rosic.pipeline.containers.archiving import Archiving
 from rosic.pipeline.containers.keeping import Keeping
 from rosic.pipeline.containers.mine import Mine
 from rosic.pipeline.containers.settings import Settings
+from rosic.pipeline.containers.sharing import Sharing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> None:
-    """Let settings, language, mydata, forget, archive and data be done."""
+    """Let settings, language, mydata, forget, archive, data, share and shelf be done."""
     settings, mine = Settings(holdings), Mine(holdings, erasing)
     office.employ("settings", settings.settings)
     office.employ("language", settings.language)
@@ -29,18 +30,26 @@ def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> None:
     office.employ("forget", mine.forget)
     office.employ("archive", Archiving(holdings).archive)
     office.employ("data", Keeping(holdings).data)
+    sharing = Sharing(holdings)
+    office.employ("share", sharing.share)
+    office.employ("shelf", sharing.shelf)
 
 
 def keepers(holdings: Holdings, erasing: Erasing) -> Mapping[str, Callable[[Fact], object]]:
-    """Return who keeps which kind of fact. A switch comes before the entries of its chat."""
+    """Return who keeps which kind of fact."""
+    return {**books_kept(holdings), erasing_of.KIND: erasing.apply}
+
+
+def books_kept(holdings: Holdings) -> Mapping[str, Callable[[Fact], object]]:
+    """Return which book keeps which kind. A switch comes before the entries of its chat."""
     return {
         preferences.KIND: holdings.preferences.apply,
+        habits.KIND: holdings.habits.apply,
         shelf.KIND: holdings.shelf.apply,
-        shelf.LOAN: holdings.shelf.apply,
+        lending.LOAN: holdings.shelf.apply,
         shelf.QUOTA: holdings.shelf.apply,
         archived.SWITCH: holdings.archive.apply,
         archived.ENTRY: holdings.archive.apply,
-        erasing_of.KIND: erasing.apply,
     }
 
 

@@ -15,7 +15,8 @@ import msgspec
 from rosic.core.identity import PrincipalId
 from rosic.core.message import Chat
 from rosic.core.record import Decided, Fact, Record
-from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, StoreFault
+from rosic.core.robot import RobotId
+from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, RobotBusy, StoreFault
 from rosic.pipeline.containers import words_containers as words
 
 if TYPE_CHECKING:
@@ -38,7 +39,9 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
             times, waiting, invitations, second factors. Called with them and whoever lets it
             happen; it changes nothing.
         ended: Ends what they have in hand: leases and motion. Called when the records are in force.
-        busy: Whether an order of theirs has not ended yet, or its end is not told.
+        busy: Whether an order of theirs has not ended yet, or its end is not written down.
+        in_use: Returns the name of whoever has a robot now, or what it does; empty: it is free.
+        stray: Whether a container belongs to nobody who is known, or asks to come in.
         forget: Takes their name, addresses, sessions and choices out of memory.
         theirs: Whether a private chat is theirs.
     """
@@ -48,6 +51,8 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
     ends: Callable[[PrincipalId, PrincipalId], Iterable[Record]]
     ended: Callable[[PrincipalId], Awaitable[object]]
     busy: Callable[[PrincipalId], bool]
+    in_use: Callable[[RobotId], str]
+    stray: Callable[[str], bool]
     forget: Callable[[PrincipalId], object]
     theirs: Callable[[PrincipalId, Chat], bool]
 
@@ -153,6 +158,7 @@ class Erasing:
             *self._sides.ends(principal, by),
             *holdings.preferences.unset(principal),
             *holdings.shelf.end_all(principal),
+            *holdings.habits.end_all(principal),
             *holdings.archive.end_private(lambda chat: self._sides.theirs(principal, chat)),
         )
 
@@ -174,8 +180,37 @@ class Erasing:
             async with self._holdings.changes.turn() as turn:
                 await turn.write((Fact(kind=KIND, key=principal, body=body),))
 
+    @property
+    def unfinished(self) -> bool:
+        """Whether somebody's last order had not ended when their key was shredded."""
+        return not all(body.done for body in self._bodies.values())
+
+    async def stranger(self, principal: PrincipalId) -> None:
+        """Shred what was kept of somebody who asked to come in and was not let in.
+
+        What fails is logged; `strays` finds it again.
+        """
+        try:
+            await self._holdings.vault.shred(principal)
+        except StoreFault:
+            log.exception("what was kept of somebody not let in could not be erased yet")
+
+    async def strays(self) -> int:
+        """Shred what is left of people who were never let in. Return how many.
+
+        Raises:
+            StoreFault: Not all could be; the rest is tried the next time.
+        """
+        # Nobody comes in meanwhile: their container would be there before they are known.
+        async with self._holdings.changes.turn():
+            vault = self._holdings.vault
+            found = [name for name in await vault.containers() if self._sides.stray(name)]
+            for name in found:
+                await vault.shred(name)
+        return len(found)
+
     async def finish(self) -> int:
-        """Shred again whatever was not done to the end: at the start, and once a day.
+        """Shred again whatever was not done to the end: at the start, and as soon as it can be.
 
         Returns:
             How many were finished. What fails is logged and tried the next time.
@@ -199,12 +234,16 @@ class Erasing:
 
         Raises:
             NotUnderstood: It is a person's, or there is none.
+            RobotBusy: Somebody has the robot now. Nothing was erased.
             RecordUnavailable: Not erased, or not wholly; doing it again is safe.
         """
         holdings = self._holdings
         chat = container.removeprefix("chat-")
         if container not in holdings.robots and chat not in holdings.archive.all():
             raise NotUnderstood(words.NO_SUCH_CONTAINER)
+        used = self._sides.in_use(container) if container in holdings.robots else ""
+        if used:
+            raise RobotBusy(words.in_use(holdings.shown(container), used))
         now_ns = holdings.clock.wall_ns()
         ends = (
             holdings.shelf.end_all(container)

@@ -1,47 +1,82 @@
-"""What the operator asks about containers; each returns what a terminal shows or a file takes."""
+"""What the operator asks about containers: looking in, taking out, limiting, erasing."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 
 from rosic.container import archived, export
+from rosic.container.export import Sum
 from rosic.container.shelf import Quota
 from rosic.core.record import Decided
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.pipeline.containers import words_containers as words
+from rosic.pipeline.containers import words_inspecting
 from rosic.pipeline.containers.archiving import rows_of
 from rosic.pipeline.containers.parts import all_facts
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from rosic.core.identity import PrincipalId
     from rosic.core.record import Fact
     from rosic.pipeline.containers.erasing import Erasing
     from rosic.pipeline.containers.parts import Holdings
 
-FORMS = ("text", "jsonl", "xlsx")
-_CHAT = "chat-"
+ROBOT: Final = "robot"
+PERSON: Final = "person"
+CHAT: Final = "chat"
+LINES_AT_ONCE: Final = 500
+_CHAT: Final = "chat-"
 
 
-async def list_containers(holdings: Holdings) -> str:
-    """Return a line for each container, robots' first.
+class Listed(msgspec.Struct, frozen=True):
+    """One container.
+
+    Attributes:
+        kind: ``robot``, ``person`` or ``chat``.
+        container: Its id.
+        name: How whoever it belongs to is shown.
+    """
+
+    kind: str
+    container: str
+    name: str
+
+
+class Shown(msgspec.Struct, frozen=True, kw_only=True):
+    """How much of what a container holds.
+
+    Attributes:
+        names: Of shared data, now; then the most.
+        kept_bytes: Of shared data, now; then the most.
+    """
+
+    kind: str
+    container: str
+    name: str
+    holds: tuple[Sum, ...]
+    names: int
+    names_most: int
+    kept_bytes: int
+    kept_most: int
+
+
+async def list_containers(holdings: Holdings) -> list[Listed]:
+    """Return every container, robots' first.
 
     Raises:
         StoreFault: They cannot be read now.
     """
-    robots = [words.container_line("robot", holdings.shown(r), r) for r in sorted(holdings.robots)]
-    others = [name for name in await holdings.vault.containers() if name not in holdings.robots]
-    chats = [words.container_line("chat", "", name) for name in others if name.startswith(_CHAT)]
-    people = [
-        words.container_line("person", holdings.name(name), name)
-        for name in others
-        if not name.startswith(_CHAT)
-    ]
-    return "\n".join([*robots, *people, *chats])
+    kept = await holdings.vault.containers()
+    others = [_listed(holdings, name) for name in kept if name not in holdings.robots]
+    robots = [_listed(holdings, robot) for robot in sorted(holdings.robots)]
+    order = [ROBOT, PERSON, CHAT]
+    return sorted([*robots, *others], key=lambda one: (order.index(one.kind), one.name.casefold()))
 
 
-async def show_container(holdings: Holdings, container: str) -> str:
+async def show_container(holdings: Holdings, container: str) -> Shown:
     """Return how much of what a container holds.
 
     Raises:
@@ -50,40 +85,80 @@ async def show_container(holdings: Holdings, container: str) -> str:
     """
     found = await _found(holdings, container)
     quota, (names, kept) = holdings.shelf.quota(container), holdings.shelf.used(container)
-    used = words.used(names, quota.names, kept, quota.most_bytes)
-    return words.container_shown(_title(holdings, container), export.summary(found), used)
+    listed = _listed(holdings, container)
+    return Shown(
+        kind=listed.kind, container=container, name=listed.name, holds=export.summary(found),
+        names=names, names_most=quota.names, kept_bytes=kept, kept_most=quota.most_bytes,
+    )  # fmt: skip
 
 
-async def export_container(holdings: Holdings, container: str) -> str:
-    """Return everything in a container as JSON lines; secrets are not among it.
+async def export_container(holdings: Holdings, container: str) -> Iterator[str]:
+    """Return JSON lines, many at a time: a chat's messages, or everything else's content.
+
+    Secrets are not among it. They are made as they are asked for: no long export holds up a stop.
 
     Raises:
         NotUnderstood: There is none.
         StoreFault: It cannot be read now.
     """
-    return export.container_as_jsonl(await _found(holdings, container))
+    if container.startswith(_CHAT):
+        await _found(holdings, container)
+        rows = await rows_of(holdings.vault, container.removeprefix(_CHAT))
+        return together(map(export.row_as_json, rows))
+    return together(map(export.thing_as_json, await _found(holdings, container)))
+
+
+def together(lines: Iterable[str]) -> Iterator[str]:
+    """Yield lines, many at a time."""
+    held: list[str] = []
+    for line in lines:
+        held.append(line)
+        if len(held) >= LINES_AT_ONCE:
+            yield "\n".join(held)
+            held.clear()
+    if held:
+        yield "\n".join(held)
 
 
 async def limit_container(
-    holdings: Holdings, container: str, by: PrincipalId, *, names: int, most_bytes: int
+    holdings: Holdings,
+    container: str,
+    by: PrincipalId,
+    *,
+    names: int | None = None,
+    most_bytes: int | None = None,
 ) -> str:
     """Say what one container may keep, from now on; the others are not touched.
 
+    Args:
+        holdings: The books.
+        container: Whose.
+        by: Who decides.
+        names: At most so many; None leaves it.
+        most_bytes: At most so many; None leaves it.
+
     Raises:
-        NotUnderstood: There is none.
+        NotUnderstood: There is none, or a chat's, which keeps no shared data.
         OutOfBounds: A number is negative.
         RecordUnavailable: Nothing was changed.
     """
-    if min(names, most_bytes) < 0:
-        raise OutOfBounds(words.NO_SUCH_CONTAINER)
-    await _found(holdings, container)
+    if min(names or 0, most_bytes or 0) < 0:
+        raise OutOfBounds(words_inspecting.NEGATIVE)
+    if container.startswith(_CHAT):
+        raise NotUnderstood(words_inspecting.NO_SHELF)
+    await _known(holdings, container)
     before = holdings.shelf.quota(container)
-    quota = Quota(names=names, history=before.history, most_bytes=most_bytes)
+    quota = Quota(
+        names=before.names if names is None else names,
+        history=before.history,
+        most_bytes=before.most_bytes if most_bytes is None else most_bytes,
+    )
     now_ns = holdings.clock.wall_ns()
     async with holdings.changes.turn() as turn:
         decided = Decided(act="limit", by=by, about=container, at_ns=now_ns)
         await turn.write((decided, *holdings.shelf.limit(container, quota)))
-    return words.limit_set(_title(holdings, container), names, most_bytes)
+    name = _listed(holdings, container).name
+    return words_inspecting.limit_set(name, quota.names, quota.most_bytes)
 
 
 async def erase_container(
@@ -92,36 +167,24 @@ async def erase_container(
     """Erase a container for good: a person's with all their rights, a robot's or a chat's data.
 
     Raises:
-        NotUnderstood, NotPermitted, RecordUnavailable: As `Erasing.erase`.
+        NotUnderstood, NotPermitted, RobotBusy, RecordUnavailable: As `Erasing.erase`.
     """
     if container in holdings.robots or container.startswith(_CHAT):
-        title = _title(holdings, container)
+        name = _listed(holdings, container).name
         await erasing.erase_other(container, by)
-        return words.erased(title, at_rest=True)
+        return words_inspecting.emptied(name)
     erased = await erasing.erase(container, by)
     return words.erased(erased.name, at_rest=erased.at_rest)
 
 
-async def export_archive(holdings: Holdings, container: str, form: str) -> str | bytes:
-    """Return the messages of a chat: ``text`` as in the paper, ``jsonl``, or ``xlsx``.
-
-    Args:
-        holdings: The books.
-        container: As `list_containers` shows it: ``chat-…``.
-        form: One of `FORMS`.
+async def _known(holdings: Holdings, container: str) -> None:
+    """See that there is such a container, without looking into it.
 
     Raises:
-        NotUnderstood: There is no such chat or form.
-        ConfigurationError: No spreadsheet can be made on this computer.
-        StoreFault: It cannot be read now.
+        NotUnderstood: There is none.
     """
-    key = container.removeprefix(_CHAT)
-    if key not in holdings.archive.all() or form not in FORMS:
+    if container not in holdings.robots and container not in await holdings.vault.containers():
         raise NotUnderstood(words.NO_SUCH_CONTAINER)
-    rows = await rows_of(holdings.vault, key)
-    if form == "xlsx":
-        return export.archive_as_xlsx(rows)
-    return export.archive_as_text(rows) if form == "text" else export.archive_as_jsonl(rows)
 
 
 async def _found(holdings: Holdings, container: str) -> tuple[Fact, ...]:
@@ -142,7 +205,14 @@ def _open(fact: Fact) -> Fact:
     return msgspec.structs.replace(fact, letter=None)
 
 
-def _title(holdings: Holdings, container: str) -> str:
+def _listed(holdings: Holdings, container: str) -> Listed:
     if container in holdings.robots:
-        return holdings.shown(container)
-    return container if container.startswith(_CHAT) else holdings.name(container)
+        return Listed(ROBOT, container, holdings.shown(container))
+    if not container.startswith(_CHAT):
+        return Listed(PERSON, container, holdings.name(container))
+    kept = holdings.archive.all().get(container.removeprefix(_CHAT))
+    venue = None if kept is None else kept.venue
+    if venue is None:
+        return Listed(CHAT, container, container)
+    where = f"{venue.messenger} {venue.chat.kind.value} {venue.chat.id}"
+    return Listed(CHAT, container, where)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.container import export
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, RecordUnavailable, StoreFault
 from rosic.pipeline.containers import words_containers as words
-from rosic.pipeline.containers.archiving import ROOM, newest
+from rosic.pipeline.containers.handing import handed_over
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.replies import LEAVE
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 EXPORT = "export"
 ME = frozenset({"me", "myself", "my data", "mydata"})
 CONFIRMED = "me confirmed"
-OPERATORS = "rosic container export"
+FILE = "my-data.jsonl"
 
 
 class Mine:
@@ -45,8 +46,9 @@ class Mine:
             raise NotUnderstood(words.HOW_TO_FORGET, offers=("/mydata", f"/mydata {EXPORT}"))
         found = await self._belongings(asked.caller.principal)
         if said == EXPORT:
-            lines = export.container_as_jsonl(found).splitlines()
-            return Reply(newest(lines, ROOM, OPERATORS) or words.NOTHING_KEPT)
+            made = await asyncio.to_thread(export.container_as_jsonl, found)
+            command = f"{words.TO_EXPORT} {asked.caller.principal}"
+            return handed_over(asked, FILE, made, command)
         row = (Button(words.EXPORT, f"/mydata {EXPORT}"), Button(words.FORGET, "/forget me"))
         return Reply(words.my_data(export.summary(found)), (row,))
 

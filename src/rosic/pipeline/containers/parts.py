@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import msgspec
 
 from rosic.container.archive import Archive
+from rosic.container.habits import Habits
 from rosic.container.preferences import PreferenceBook
 from rosic.container.shelf import Shelf
 from rosic.contracts.clock import Clock
@@ -46,6 +47,14 @@ class Vault(Protocol):
         ...
 
 
+def _nobody(_name: str) -> tuple[PrincipalId, ...]:
+    return ()
+
+
+def _silence(_people: tuple[PrincipalId, ...], _text: str) -> None:
+    return None
+
+
 class Holdings(msgspec.Struct, frozen=True, kw_only=True):
     """The container room's books, and what the other rooms say about people and robots.
 
@@ -57,10 +66,13 @@ class Holdings(msgspec.Struct, frozen=True, kw_only=True):
         zone_of: Where somebody reads times.
         may_archive: Whether somebody decides about archives.
         robots: Every robot's id.
+        find: Returns who is called so, or has that id.
+        tell: Tells people something they have not just asked for.
     """
 
     preferences: PreferenceBook
     shelf: Shelf
+    habits: Habits
     archive: Archive
     vault: Vault
     changes: Changes
@@ -72,6 +84,8 @@ class Holdings(msgspec.Struct, frozen=True, kw_only=True):
     zone_of: Callable[[PrincipalId], Zone]
     may_archive: Callable[[PrincipalId], bool]
     robots: frozenset[RobotId]
+    find: Callable[[str], tuple[PrincipalId, ...]] = _nobody
+    tell: Callable[[tuple[PrincipalId, ...], str], object] = _silence
 
 
 async def all_facts(vault: Vault, kind: str, prefix: str) -> tuple[Fact, ...]:

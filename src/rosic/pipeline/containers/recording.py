@@ -48,6 +48,7 @@ class Recorded:
         self.name = messenger.name
         self.assurance = messenger.assurance
         self.edits = messenger.edits
+        self.file_bytes = messenger.file_bytes
         self._messenger = messenger
         self._archive = archive
         self._store = store

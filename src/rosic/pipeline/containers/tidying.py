@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
+
+from rosic.errors import StoreFault
 
 if TYPE_CHECKING:
     from rosic.pipeline.containers.erasing import Erasing
     from rosic.pipeline.containers.parts import Holdings
+
+log = logging.getLogger("rosic.containers")
 
 
 async def tidy(holdings: Holdings, erasing: Erasing) -> int:
@@ -18,6 +23,10 @@ async def tidy(holdings: Holdings, erasing: Erasing) -> int:
         RecordUnavailable: Not all were forgotten; the rest is tried the next time.
     """
     await erasing.finish()
+    try:
+        await erasing.strays()
+    except StoreFault:
+        log.exception("not everything of people who were not let in could be erased")
     total = 0
     while True:
         async with holdings.changes.turn() as turn:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.container.words_container import size
 from rosic.core.language.cleaning import quote
+from rosic.core.saying import said, said_n
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -62,6 +63,7 @@ KINDS: Final[Mapping[str, str]] = {
     "pending": "your request to come in",
     "preference": "your settings",
     "shelf": "data you keep",
+    "shelf-loan": "data you share",
     "totp": "your authenticator",
 }
 NOTHING_KEPT: Final = "Nothing about you is kept."
@@ -82,10 +84,34 @@ def my_data(sums: Iterable[Sum]) -> str:
     return "\n".join(["What is kept about you:", *lines, SEALED, OPEN])
 
 
+NO_FILES_HERE: Final = said("I cannot send files here, so this is what fits into a message:")
+
+
+def handed_over(name: str, count: int) -> str:
+    """Return what a file is, and what to mind."""
+    return said(
+        "{name}, {size}. It is not sealed: whoever has it can read it.", name=name, size=size(count)
+    )
+
+
+def too_large_a_file(count: int, command: str) -> str:
+    """Return that a file is larger than this messenger takes."""
+    return said(
+        "The file would have {size}, which is more than I can send here. The operator can give it "
+        "to you: {command}",
+        size=size(count),
+        command=command,
+    )
+
+
 def rest_left_out(count: int, command: str) -> str:
     """Return that not everything fits into a message."""
-    lines = "line is" if count == 1 else "lines are"
-    return f"{count} more {lines} too much for a message. The operator can give you all: {command}"
+    return said_n(
+        "{n} more line is too much for a message. The operator can give you all: {command}",
+        "{n} more lines are too much for a message. The operator can give you all: {command}",
+        count,
+        command=command,
+    )
 
 
 # ---- being forgotten ----
@@ -118,6 +144,15 @@ NOT_ERASED_YET: Final = (
 NOBODY: Final = "There is nobody of that id, or they were erased before."
 
 
+def in_use(shown: str, who: str) -> str:
+    """Return why a robot's container cannot be erased now."""
+    return said(
+        "{robot} is in use now, by {who}. Nothing was erased. Try again when it is free.",
+        robot=shown,
+        who=who,
+    )
+
+
 def last_admin(name: str) -> str:
     """Return why the operator cannot erase somebody."""
     return f"{name} is the only admin here. Nothing was erased. Make somebody else admin first."
@@ -137,15 +172,20 @@ HOW_TO_ARCHIVE: Final = (
     "text, jsonl or xlsx."
 )
 NOT_YOURS: Final = "Only an admin decides whether messages are kept, and takes them out."
-SPREADSHEET_LATER: Final = (
-    "A spreadsheet cannot be sent in a message. The operator can make it: "
-    "rosic archive export --as xlsx"
-)
+
+
+def spreadsheet_later(command: str) -> str:
+    """Return who can make a spreadsheet where no file can be sent."""
+    return said(
+        "A spreadsheet cannot be sent in a message. The operator can make it: {command} --as xlsx",
+        command=command,
+    )
+
+
 NO_MESSAGES: Final = "No message of this chat is kept."
 ERASE_SURE: Final = "Shall every message of this chat that is kept be erased?"
 YES_ERASE: Final = "Erase them"
 ARCHIVE_ERASED: Final = "Every message of this chat that was kept is erased, and none is kept now."
-TO_EXPORT: Final = "rosic archive export"
 
 
 def begun(name: str, days: int) -> str:
@@ -194,30 +234,7 @@ HOW_TO_KEEP: Final = (
     "yourself, /data ROBOT NAME = VALUE to keep it with a robot you have now; an empty value "
     "removes it."
 )
+TO_EXPORT: Final = "rosic container export"
 DATA_STORED: Final = "Data stored."
 DATA_REMOVED: Final = "Data removed."
 YOU: Final = "Your container"
-
-
-# ---- for the operator ----
-
-
-def container_line(what: str, name: str, ident: str) -> str:
-    """Return one line of the list of containers."""
-    return f"{what:<8} {ident:<40} {name}".rstrip()
-
-
-def container_shown(title: str, sums: Iterable[Sum], used: str) -> str:
-    """Return what a container holds."""
-    lines = [f"  {s.kind}: {s.count} ({size(s.size)})" for s in sums]
-    return "\n".join([title, *(lines or ["  nothing"]), f"  {used}"])
-
-
-def used(names: int, names_most: int, kept: int, kept_most: int) -> str:
-    """Return how much of what a container may keep it keeps."""
-    return f"shared data: {names} of {names_most} names, {size(kept)} of {size(kept_most)}"
-
-
-def limit_set(name: str, names: int, most_bytes: int) -> str:
-    """Return what a container may keep from now on."""
-    return f"{name} may keep {names} names and {size(most_bytes)} from now on."

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from rosic.organiser.zones import Zone
     from rosic.pipeline.office import Asked
     from rosic.pipeline.people.admitting import Admitting
+    from rosic.pipeline.people.petitioning import Petitioning
     from rosic.pipeline.people.powers import Powers
     from rosic.pipeline.people.registry import Registry
 
@@ -45,6 +46,9 @@ class About:
         slots: Returns somebody's next slots, a line each; None if there are no slots here.
         zone_of: Returns the zone whose clocks somebody reads.
         shown: Returns how a robot is shown.
+
+    Attributes:
+        petitioning: Knows who has asked for a right; None: nobody can here.
     """
 
     def __init__(
@@ -63,6 +67,7 @@ class About:
         self._slots = slots
         self._zone_of = zone_of
         self._shown = shown
+        self.petitioning: Petitioning | None = None
 
     # ---- myself ----
 
@@ -80,6 +85,7 @@ class About:
         lines += self._robots(principal)
         lines += self._key(principal)
         lines.append(self._phone(asked))
+        lines += () if self.petitioning is None else self.petitioning.own(principal)
         slots = self._slots(principal)
         if slots is not None:
             lines += words.next_times(slots)
@@ -148,7 +154,11 @@ class About:
             lines.append(words.and_more(len(found) - MOST_LINES))
         waiting = self._admitting.waiting(by)
         lines += [words.waits(a.name, a.pending.given.words, a.words) for a in waiting[:MOST_LINES]]
-        return Reply(_cut(lines), tuple(buttons_for(a, a.name) for a in waiting[:MOST_BUTTONS]))
+        rows = [buttons_for(a, a.name) for a in waiting]
+        for _, line, row in () if self.petitioning is None else self.petitioning.questions(by):
+            lines.append(line)
+            rows.append(row)
+        return Reply(_cut(lines), tuple(rows[:MOST_BUTTONS]))
 
     def _fits(self, person: Principal, wanted: str) -> bool:
         """Whether to list somebody; those without access only if they are asked for."""

@@ -13,7 +13,7 @@ from rosic.pipeline.people import words
 from rosic.pipeline.people.powers import INVITE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from rosic.authoriser.admission import Applicant, Declined, Redeemed
     from rosic.core.identity import PrincipalId
@@ -32,6 +32,9 @@ class Admitting:
         powers: Who may let somebody in.
         doorstep: Reaches whoever is nobody yet.
         menu: What somebody who has just come in is shown besides the welcome.
+
+    Attributes:
+        forget: Erases what was kept of a newcomer who was not let in.
     """
 
     def __init__(
@@ -43,6 +46,7 @@ class Admitting:
         menu: Callable[[PrincipalId], Reply] = lambda _who: Reply(""),
     ) -> None:
         self.menu = menu
+        self.forget: Callable[[PrincipalId], Awaitable[None]] = _keep
         self._registry = registry
         self._enrolment = registry.enrolment
         self._powers = powers
@@ -64,7 +68,7 @@ class Admitting:
         asked = self._powers.admitters(applicant.pending.given)
         row = buttons_for(applicant)
         return self._registry.reach.tell(
-            asked, applicant.question, (row,), urgent=True, lifetime_s=PENDING_S
+            asked, applicant.question, (row,), urgent=True, lifetime_s=PENDING_S, still=True
         )
 
     def knows(self, said: str) -> bool:
@@ -104,7 +108,7 @@ class Admitting:
                 may_admit=self._powers.may_admit(by, applicant.pending.given),
             )  # fmt: skip
             await turn.write(declined.records)
-        self._doorstep.tell(declined.address, declined.sentence)
+        await self._turned_away(declined)
         told = words.was_not_let_in(self._registry.name(by), applicant.name)
         self._tell_others(applicant, by, told)
         return Reply(words.not_let_in(applicant.name))
@@ -113,7 +117,7 @@ class Admitting:
         """Turn away everybody for whom no admin tapped in time; call it every minute or so.
 
         Returns:
-            Who was turned away: what was kept of a newcomer among them can be erased.
+            Who was turned away.
 
         Raises:
             RecordUnavailable: Nothing was written; it is tried again with the next call.
@@ -123,8 +127,13 @@ class Admitting:
             for declined in late:
                 await turn.write(declined.records)
         for declined in late:
-            self._doorstep.tell(declined.address, declined.sentence)
+            await self._turned_away(declined)
         return late
+
+    async def _turned_away(self, declined: Declined) -> None:
+        self._doorstep.tell(declined.address, declined.sentence)
+        if declined.newcomer:
+            await self.forget(declined.principal)
 
     def waiting(self, by: PrincipalId) -> tuple[Applicant, ...]:
         """Return everybody who waits and whom this person may let in."""
@@ -167,6 +176,10 @@ class Admitting:
     def _tell_others(self, applicant: Applicant, by: PrincipalId, text: str) -> None:
         asked = self._powers.admitters(applicant.pending.given)
         self._registry.reach.tell((who for who in asked if who != by), text)
+
+
+async def _keep(_principal: PrincipalId) -> None:
+    return None
 
 
 def buttons_for(applicant: Applicant, name: str = "") -> tuple[Button, ...]:

@@ -12,7 +12,7 @@ from rosic.pipeline.people import words
 from rosic.pipeline.telling import Note
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
@@ -66,11 +66,17 @@ class Doorstep:
     """Buttons for an address, and telling something to an address."""
 
     def __init__(
-        self, teller: Teller, messengers: Iterable[Messenger], clock: Clock, entropy: Entropy
+        self,
+        teller: Teller,
+        messengers: Iterable[Messenger],
+        clock: Clock,
+        entropy: Entropy,
+        *,
+        count: Callable[[str], None] | None = None,
     ) -> None:
         self._teller = teller
         self._messengers = tuple(messengers)
-        self._buttons = Buttons(clock, entropy, at_most=2 * OFFERED_AT_MOST)
+        self._buttons = Buttons(clock, entropy, at_most=2 * OFFERED_AT_MOST, count=count)
         self._offered: OrderedDict[str, Offered] = OrderedDict()
 
     def offer(self, inbound: Inbound, offered: Offered) -> tuple[tuple[Button, ...], ...]:

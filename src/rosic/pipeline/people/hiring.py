@@ -9,7 +9,9 @@ import msgspec
 from rosic.pipeline.people.about import About
 from rosic.pipeline.people.admitting import Admitting
 from rosic.pipeline.people.custody import Custody
+from rosic.pipeline.people.granting import Granting
 from rosic.pipeline.people.inviting import Inviting
+from rosic.pipeline.people.petitioning import Petitioning
 from rosic.pipeline.people.proving import Proving
 
 if TYPE_CHECKING:
@@ -26,14 +28,22 @@ class Clerks(msgspec.Struct, frozen=True):
     custody: Custody
     inviting: Inviting
     proving: Proving
+    granting: Granting | None = None
+    petitioning: Petitioning | None = None
 
 
 class Answers:
-    """Brings a yes or a no to whoever asked: a second person is wanted, or somebody wants in."""
+    """Brings a yes or a no to whoever asked.
 
-    def __init__(self, admitting: Admitting, consent: Consent | None) -> None:
+    A second person is wanted, somebody wants in, or somebody asks for a right.
+    """
+
+    def __init__(
+        self, admitting: Admitting, consent: Consent | None, petitioning: Petitioning | None
+    ) -> None:
         self._admitting = admitting
         self._consent = consent
+        self._petitioning = petitioning
 
     async def approve(self, asked: Asked) -> Reply:
         """Take a yes."""
@@ -43,16 +53,19 @@ class Answers:
         """Take a no."""
         return await self._asker(asked).decline(asked)
 
-    def _asker(self, asked: Asked) -> Admitting | Consent:
-        consent = self._consent
-        if consent is not None and consent.is_one(asked.rest.strip()):
+    def _asker(self, asked: Asked) -> Admitting | Consent | Petitioning:
+        consent, petitioning, said = self._consent, self._petitioning, asked.rest.strip()
+        if consent is not None and consent.is_one(said):
             return consent
-        return self._admitting
+        if petitioning is None or (said and self._admitting.knows(said)):
+            return self._admitting
+        known = petitioning.knows(asked.caller.principal, said)
+        return petitioning if known else self._admitting
 
 
 def hire(office: Office, clerks: Clerks, consent: Consent | None = None) -> None:
     """Give each clerk their errands; yes and no are shared with whoever asks for consent."""
-    answers = Answers(clerks.admitting, consent)
+    answers = Answers(clerks.admitting, consent, clerks.petitioning)
     office.employ("me", clerks.about.me)
     office.employ("people", clerks.about.people)
     office.employ("security", clerks.about.security)
@@ -64,3 +77,7 @@ def hire(office: Office, clerks: Clerks, consent: Consent | None = None) -> None
     office.employ("invite", clerks.inviting.invite)
     office.employ("authenticator", clerks.proving.authenticator)
     office.employ("code", clerks.proving.code)
+    if clerks.granting is not None:
+        office.employ("grant", clerks.granting.grant)
+    if clerks.petitioning is not None:
+        office.employ("ask", clerks.petitioning.ask)

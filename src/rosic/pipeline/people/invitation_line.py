@@ -1,4 +1,4 @@
-"""``operator kuka1 for 2h code 10m as Cy Young``: what somebody is to be invited to.
+"""``operator kuka1 with speed <= 0.2 m/s for 2h code 10m as Cy Young``: what somebody is given.
 
 Total and linear: each word is looked at by a fixed number of rules.
 """
@@ -14,16 +14,21 @@ from rosic.core.language.cleaning import fold_word
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.when_said import Said, Unclear
 from rosic.core.reach import FLEET
+from rosic.core.roles import Grant
 from rosic.errors import NotUnderstood
-from rosic.pipeline.people import words
+from rosic.pipeline.people import words, words_asking
 
 if TYPE_CHECKING:
     from rosic.core.rights import Rights
 
 LONGEST_LINE = 300
 LENGTH_WORDS = 4
-_FILLERS = frozenset({"a", "an", "and", "as", "at", "everywhere", "on", "the", "with", ",", "&"})
-_LASTS, _CODE = "for", "code"
+_FILLERS = frozenset(
+    {"a", "an", "and", "as", "at", "everywhere", "on", "the", "with", "limit", ",", "&"}
+)
+_LASTS, _CODE, _CONFIRM = "for", "code", "confirm"
+_SIGNS = frozenset("<>=≤≥")
+_NUMBER = re.compile(r".*[<>=≤≥]\s*[+-]?\.?\d")
 _AS = re.compile(r"\s+as\s+", re.IGNORECASE)
 
 
@@ -47,39 +52,82 @@ def read_invitation(text: str, rights: Rights) -> Wanted:
     return reading.wanted()
 
 
+def read_grant(text: str, rights: Rights) -> Given:
+    """Read what somebody who is in already shall be given: roles, robots, limits, how long.
+
+    Raises:
+        NotUnderstood: Which word is none.
+    """
+    said = clean(text).replace("\n", " ").strip()
+    if len(said) > LONGEST_LINE:
+        raise NotUnderstood(words.LINE_TOO_LONG)
+    return _Reading(said, rights, inviting=False).wanted().given
+
+
 class _Reading:
     """Reads the words one after another."""
 
-    def __init__(self, before: str, rights: Rights) -> None:
+    def __init__(self, before: str, rights: Rights, *, inviting: bool = True) -> None:
         self._rights = rights
+        self._inviting = inviting
+        self._limits: list[str] = []
+        self._confirm: bool | None = None
         self._roles = {name.casefold(): name for name in rights.rulebook.roles}
         self._lengths: dict[str, float] = {}
         self._given: list[str] = []
         self._where: list[str] = []
         self._name = ""
         self._said = before
-        self._walk(_split(before))
+        self._walk(_raw(before))
 
-    def _walk(self, low: list[str]) -> None:
+    def _walk(self, raw: list[str]) -> None:
+        low = _folded(raw)
         at = 0
         while at < len(low):
             word = low[at]
-            if word in {_LASTS, _CODE}:
+            if self._is_length(word):
                 at += 1 + self._length(word, low[at + 1 : at + 1 + LENGTH_WORDS])
-                continue
-            if word in self._roles:
-                self._given.append(self._roles[word])
-            elif word != FLEET and self._rights.fleet.robots(word):
-                self._where.append(word)
-            elif word not in _FILLERS:
-                raise self._unknown(word)
-            at += 1
+            elif _begins_limit(low, at):
+                at += self._limit(raw, low, at)
+            else:
+                self._word(word)
+                at += 1
+
+    def _is_length(self, word: str) -> bool:
+        return word == _LASTS or (word == _CODE and self._inviting)
+
+    def _word(self, word: str) -> None:
+        if word in self._roles:
+            self._given.append(self._roles[word])
+        elif word != FLEET and self._rights.fleet.robots(word):
+            self._where.append(word)
+        elif word == _CONFIRM and self._inviting:
+            self._confirm = True
+        elif word not in _FILLERS:
+            raise self._unknown(word)
+
+    def _limit(self, raw: list[str], low: list[str], begin: int) -> int:
+        """Read ``speed <= 0.2 m/s``; return how many words it took."""
+        end = begin + 1
+        while end < len(low) and not _NUMBER.match(" ".join(low[begin:end])):
+            end += 1
+        while end < len(low) and not self._means(low[end]) and not _begins_limit(low, end):
+            end += 1
+        self._limits.append(" ".join([low[begin], *raw[begin + 1 : end]]))
+        return end - begin
+
+    def _means(self, word: str) -> bool:
+        """Whether a word says something by itself, so that it is no unit."""
+        known = {_LASTS, _CODE, _CONFIRM}
+        if word in known or word in self._roles or word in _FILLERS - {"a"}:
+            return True
+        return bool(self._rights.fleet.robots(word))
 
     def _length(self, which: str, low: list[str]) -> int:
         """Read how long; return how many words that took."""
         if which in self._lengths:
             raise NotUnderstood(words.twice_how_long(which))
-        seconds, used = _length(low)
+        seconds, used = length_said(low)
         if not used:
             raise NotUnderstood(words.no_length(which, " ".join(low[:1])))
         self._lengths[which] = seconds
@@ -87,15 +135,15 @@ class _Reading:
 
     def name(self, text: str) -> None:
         """Read a name; how long, and the code's time, may stand after it."""
-        low = _split(text)
-        raw = text.replace(",", " , ").split()
+        raw = _raw(text)
+        low = _folded(raw)
         ends = len(low)
         for at in range(1, len(low)):
-            if low[at] in {_LASTS, _CODE} and _length(low[at + 1 : at + 1 + LENGTH_WORDS])[1]:
+            if low[at] in {_LASTS, _CODE} and length_said(low[at + 1 : at + 1 + LENGTH_WORDS])[1]:
                 ends = at
                 break
         self._name = clean_name(" ".join(raw[:ends]))
-        self._walk(low[ends:])
+        self._walk(raw[ends:])
 
     def wanted(self) -> Wanted:
         """Return what was said."""
@@ -104,14 +152,32 @@ class _Reading:
         given = Given(
             roles=tuple(dict.fromkeys(self._given)),
             robots=tuple(dict.fromkeys(self._where)),
+            limits=tuple(dict.fromkeys(self._limits)),
             lasts_s=self._lengths.get(_LASTS),
         )
-        return Wanted(given=given, code_ttl_s=self._lengths.get(_CODE, CODE_TTL_S), name=self._name)
+        self._check(given)
+        return Wanted(
+            given=given, code_ttl_s=self._lengths.get(_CODE, CODE_TTL_S), name=self._name,
+            needs_confirmation=self._confirm,
+        )  # fmt: skip
+
+    def _check(self, given: Given) -> None:
+        """See that this can be given, in the words in which the command line says so.
+
+        Raises:
+            NotUnderstood: A limit that cannot be read, or limits nothing.
+        """
+        for role in given.roles:
+            grant = Grant(role=role, robots=given.robots, limits=given.limits)
+            for mistake in self._rights.mistakes(grant):
+                said = " ".join(filter(None, (mistake.sentence, mistake.hint)))
+                raise NotUnderstood(words_asking.nothing_done(said))
 
     def _unknown(self, word: str) -> NotUnderstood:
         fleet = self._rights.fleet
         close = did_you_mean(word, (*self._roles, *fleet.skills, *fleet.groups))
-        offers = tuple(f"/invite {_with(self._said, word, other)}" for other in close)
+        said = self._said if self._inviting else ""
+        offers = tuple(f"/invite {_with(said, word, other)}" for other in close) if said else ()
         return NotUnderstood(words.no_role_no_robot(word, close), offers=offers)
 
 
@@ -119,11 +185,23 @@ def _with(said: str, word: str, other: str) -> str:
     return " ".join(other if fold_word(w).casefold() == word else w for w in said.split())
 
 
-def _split(text: str) -> list[str]:
-    return [fold_word(word).casefold() for word in text.replace(",", " , ").split()]
+def _raw(text: str) -> list[str]:
+    return text.replace(",", " , ").split()
 
 
-def _length(low: list[str]) -> tuple[float, int]:
+def _folded(raw: list[str]) -> list[str]:
+    return [fold_word(word).casefold() for word in raw]
+
+
+def _begins_limit(low: list[str], at: int) -> bool:
+    """Whether a sign of comparison stands in this word or at the head of the next."""
+    if not low[at][0].isalpha():
+        return False
+    following = low[at + 1][:1] if at + 1 < len(low) else ""
+    return bool(_SIGNS & {*low[at], following})
+
+
+def length_said(low: list[str]) -> tuple[float, int]:
     """Return the length that the first words say, and how many words: as many as go."""
     ends = next((at for at, word in enumerate(low) if word in {_LASTS, _CODE}), len(low))
     for used in range(ends, 0, -1):

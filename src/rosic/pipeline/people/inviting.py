@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.authoriser.codes import join_text
-from rosic.authoriser.qr import qr_text
+from rosic.authoriser.qr import qr_png, qr_text
+from rosic.core.message import Attachment
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words
@@ -27,6 +28,14 @@ TERMINAL = "terminal"
 
 def _no_link(_messenger: Messenger, _code: Secret) -> str:
     return ""
+
+
+def qr_picture(messenger: Messenger, name: str, text: str) -> Attachment | None:
+    """Return a picture to be scanned; nothing where no file can be sent. It shows a secret."""
+    picture = qr_png(text)
+    if len(picture) > messenger.file_bytes:
+        return None
+    return Attachment(name, "image/png", picture)
 
 
 class Inviting:
@@ -80,9 +89,13 @@ class Inviting:
         link = self._link(asked.messenger, offer.code)
         text = join_text(offer.code)
         lines = [offer.sentence, words.how_to_join(link, text)]
+        picture = None
         if asked.messenger.platform == TERMINAL:
             lines.append(qr_text(link or text))
-        return Reply("\n".join(lines), ((words.take_back_button(offer.invitation.id),),))
+        else:
+            picture = qr_picture(asked.messenger, "invitation.png", link or text)
+        row = (words.take_back_button(offer.invitation.id),)
+        return Reply("\n".join(lines), (row,), picture)
 
     async def _take_back(self, asked: Asked, invitation: str) -> Reply:
         by, made = asked.caller.principal, self._registry.enrolment.invitations

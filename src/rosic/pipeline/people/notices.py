@@ -36,7 +36,7 @@ class Notices:
             self.revoked(person, by)
             return
         self._person(person, words_keys.KEY_TAKEN)
-        self._admins(by, PEOPLE, words.was_key_taken(self._name(by), person.name))
+        self._admins(by, PEOPLE, was_key_taken(self._name(by), person.name))
 
     def locked(self, person: Principal, by: PrincipalId) -> None:
         """Somebody is locked. Nothing is told to who did it in a chat: they read the answer."""
@@ -59,3 +59,8 @@ class Notices:
 
     def _admins(self, by: PrincipalId, verb: str, text: str) -> None:
         self._registry.reach.tell(self._powers.holders(verb, besides=by), text, urgent=True)
+
+
+def was_key_taken(by: str, name: str) -> str:
+    """Return what the other admins read."""
+    return f"{by} took a key of {name} back. {name} has another one."

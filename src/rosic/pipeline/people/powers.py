@@ -5,15 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.authoriser import words_keys
+from rosic.authoriser.invitation import Given
 from rosic.core.reach import FLEET, GRANT
 from rosic.core.tables import NEVER_NS
 from rosic.errors import NotPermitted
 from rosic.pipeline.people import words
 
 if TYPE_CHECKING:
-    from rosic.authoriser.invitation import Given
+    from collections.abc import Iterable
+
     from rosic.core.identity import PrincipalId
     from rosic.core.rights import Rights
+    from rosic.core.roles import Grant
     from rosic.pipeline.people.registry import Registry
 
 INVITE, LOCK, PEOPLE = "invite", "lock", "people"
@@ -55,17 +58,18 @@ class Powers:
         """Return the names of a few people who give rights here."""
         now_ns = self._registry.clock.wall_ns()
         found = self._registry.rights().givers(FLEET, now_ns, besides=besides)
-        return tuple(self._registry.name(p) for p in found if self._acts(p))
+        return tuple(self._registry.name(p) for p in found if self.acts(p))
 
     def holders(self, verb: str, besides: PrincipalId = "") -> tuple[PrincipalId, ...]:
         """Return everybody who has a right about the place and can use it; walks everybody."""
         return tuple(
             who
             for who in self._registry.rights().people()
-            if who != besides and self._acts(who) and self.holds(who, verb)
+            if who != besides and self.acts(who) and self.holds(who, verb)
         )
 
-    def _acts(self, principal: PrincipalId) -> bool:
+    def acts(self, principal: PrincipalId) -> bool:
+        """Whether somebody has access and is not locked."""
         return self._directory.has_good_key(principal) and not self._locks.locked(principal)
 
     def is_last_admin(self, principal: PrincipalId, *, for_good: bool) -> bool:
@@ -80,7 +84,7 @@ class Powers:
         rights = self._registry.rights()
         at_ns = NEVER_NS - 1 if for_good else self._registry.clock.wall_ns()
         return not any(
-            who != principal and self._acts(who) and rights.holds(who, FLEET, GRANT, at_ns)
+            who != principal and self.acts(who) and rights.holds(who, FLEET, GRANT, at_ns)
             for who in rights.people()
         )
 
@@ -88,18 +92,60 @@ class Powers:
         """Whether somebody may give all of this to somebody else.
 
         Whoever gives rights on the whole gives everything. Whoever gives them on some robots only
-        gives roles there, of at most the priority they have there themselves.
+        gives roles there, of at most the priority they have there themselves, and single skills
+        that are theirs without limits.
         """
         rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
         if rights.holds(principal, FLEET, GRANT, now_ns):
             return True
+        if not all(self._may_give_scope(principal, scope, now_ns) for scope in given.scopes):
+            return False
         robots = {robot for said in given.robots for robot in rights.fleet.robots(said)}
-        if given.scopes or not robots or FLEET in robots:
+        if not given.roles:
+            return bool(given.scopes)
+        if not robots or FLEET in robots:
             return False
         return all(
             rights.holds(principal, robot, GRANT, now_ns)
             and _highest(rights, given) <= rights.priority(principal, robot, now_ns)
             for robot in robots
+        )
+
+    def _may_give_scope(self, principal: PrincipalId, scope: str, now_ns: int) -> bool:
+        """Whether one skill of one robot is somebody's own, without limits, and theirs to give."""
+        rights = self._registry.rights()
+        robot, _, skill = scope.partition(":")
+        if robot == FLEET or skill == GRANT or not rights.holds(principal, robot, GRANT, now_ns):
+            return False
+        return any(
+            not way.limits and now_ns < holding.until_ns
+            for way, holding in rights.ways(principal, robot, skill)
+        )
+
+    def gives(self, principal: PrincipalId) -> bool:
+        """Whether somebody gives rights, on the whole or on any robot."""
+        rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
+        robots = (FLEET, *rights.fleet.skills)
+        return any(rights.holds(principal, robot, GRANT, now_ns) for robot in robots)
+
+    def givers_of(
+        self, grants: Iterable[Grant], *, besides: PrincipalId
+    ) -> tuple[PrincipalId, ...]:
+        """Return everybody else who may give these grants, and may take them back."""
+        grants = tuple(grants)
+        given = Given(
+            roles=tuple(grant.role for grant in grants if grant.role),
+            robots=grants[0].robots,
+            scopes=tuple(scope for grant in grants for scope in grant.scopes),
+        )
+        return self.givers(given, besides)
+
+    def givers(self, given: Given, besides: PrincipalId) -> tuple[PrincipalId, ...]:
+        """Return everybody else who may give this and can use that right; walks everybody."""
+        return tuple(
+            who
+            for who in self._registry.rights().people()
+            if who != besides and self.acts(who) and self.may_give(who, given)
         )
 
     def check_give(self, principal: PrincipalId, given: Given) -> None:

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 from rosic.authoriser import words_keys
 from rosic.authoriser.qr import qr_text
+from rosic.core.saying import joined
 from rosic.errors import RecordUnavailable
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words
-from rosic.pipeline.people.inviting import TERMINAL
+from rosic.pipeline.people.inviting import TERMINAL, qr_picture
 from rosic.pipeline.people.names import Names
 from rosic.pipeline.people.powers import PEOPLE
 
@@ -48,7 +49,11 @@ class Proving:
         lines = [words.set_up(uri, setup.key.reveal())]
         if asked.messenger.platform == TERMINAL:
             lines.append(qr_text(uri))
-        return Reply("\n".join(lines))
+            return Reply("\n".join(lines))
+        picture = qr_picture(asked.messenger, "authenticator.png", uri)
+        if picture is not None:
+            lines.append(words.SCAN)
+        return Reply(joined("\n", lines), attachment=picture)
 
     async def code(self, asked: Asked) -> Reply:
         """Finish setting up, or prove who holds the phone, for this chat.

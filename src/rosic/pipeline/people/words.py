@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.authoriser.words_entry import DAY_S, given, listed
 from rosic.core.language.cleaning import quote
 from rosic.core.message import Button
+from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -160,7 +161,8 @@ def how_to_invite(roles: Sequence[str], robots: Mapping[str, object]) -> str:
     return (
         f"Say as what, where, and for how long: /invite {role}{robot} for 2h\n"
         "Without a robot it is good everywhere, without a time until it is taken back. "
-        "Also: code 30 min (how long the code is good), as NAME (how they are shown).\n"
+        "Also: with speed <= 0.2 m/s (a limit), code 30 min (how long the code is good), as NAME "
+        "(how they are shown), confirm (an admin has to let them in).\n"
         f"Roles here: {listed(roles)}."
     )
 
@@ -261,11 +263,6 @@ def was_revoked(by: str, name: str) -> str:
     return f"{by} ended the access of {name}."
 
 
-def was_key_taken(by: str, name: str) -> str:
-    """Return what the other admins read."""
-    return f"{by} took a key of {name} back. {name} has another one."
-
-
 def was_locked(by: str, name: str) -> str:
     """Return what the other admins read."""
     return f"{by} locked {name}." if by != name else f"{by} locked their own access."
@@ -293,6 +290,9 @@ HOW_TO_RESET: Final = "Whose phone shall be forgotten? Write: /authenticator res
 NO_PHONE: Final = "Authenticator: not set up. /authenticator begins."
 PHONE_SET_UP: Final = "Authenticator: set up. I ask for a code before dangerous things."
 PHONE_PROVEN: Final = "Authenticator: set up, and your code was given in this chat lately."
+
+
+SCAN = said("Or let the app on another device scan the picture.")
 
 
 def set_up(uri: str, key: str) -> str:

@@ -166,5 +166,5 @@ class Queueing:
         robot, _ = self._naming.robot(asked, "wait", text)
         shown = self._times.shown(robot)
         if not self._keeper.keep(asked.caller.principal, robot):
-            raise NotPermitted(words.not_yours_now(shown))
+            raise NotPermitted(words.not_yours_now(shown), offers=(f"wait {robot}",))
         return Reply(words.kept(shown))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.civil import MINUTES_A_DAY, Local
 from rosic.core.language.compiled import fold
 from rosic.core.language.when import When, read_when
-from rosic.core.message import Button
+from rosic.core.message import Attachment, Button
 from rosic.core.robot import Slots
 from rosic.errors import NotUnderstood
 from rosic.organiser.icalendar import icalendar
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 MOST_LINES = 20
 FILE = "ics"
+FILE_NAME = "my-times.ics"
+MEDIA = "text/calendar"
 HOUR_S = 3600
 _ENDS = ".,;:!?"
 
@@ -46,7 +48,7 @@ class Showing:
         if not text:
             return self._mine(asked)
         if fold(text) == FILE and not self._naming.calls(asked, text):
-            return Reply(self._file(asked.caller.principal))
+            return self._file(asked)
         robot, rest = self._naming.robot(asked, "slots", text, nameless=self._is_day(asked, text))
         return self._day(asked, robot, self._which_day(asked, robot, rest))
 
@@ -66,11 +68,15 @@ class Showing:
         buttons = ((Button("Cancel one", "/cancel"),),) if slots else ()
         return Reply("\n".join(lines), buttons)
 
-    def _file(self, principal: PrincipalId) -> str:
-        times = self._times
+    def _file(self, asked: Asked) -> Reply:
+        """Return the calendar as a file; where none can be sent, as its text, to be copied."""
+        times, principal = self._times, asked.caller.principal
         name = times.calendar.name_of(principal)
         slots = times.upcoming(principal)
-        return icalendar(slots, name, lambda slot: times.shown(slot.robot)).decode()
+        content = icalendar(slots, name, lambda slot: times.shown(slot.robot))
+        if len(content) > asked.messenger.file_bytes:
+            return Reply(content.decode())
+        return Reply(words.CALENDAR_FILE, attachment=Attachment(FILE_NAME, MEDIA, content))
 
     # ---- a robot's day ----
 

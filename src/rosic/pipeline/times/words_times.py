@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.civil import MINUTE_NS, MONTHS, WEEKDAYS, Local, weekday_of
+from rosic.core.saying import said
 from rosic.organiser.words_calendar import length, moment
 
 if TYPE_CHECKING:
@@ -17,6 +18,10 @@ BEGUN = "somebody else's time has begun"
 
 NO_TIMES = "You have no times booked."
 WHICH_DAY = "Which day? Say it as tomorrow, mon or 2027-02-01."
+CALENDAR_FILE = said(
+    "Your times, for the calendar on your phone: open the file. A change in there changes nothing "
+    "here."
+)
 NOT_WAITING = "You are not waiting for any robot."
 
 

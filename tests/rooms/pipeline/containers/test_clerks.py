@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from rosic.core.message import ChatKind
@@ -115,14 +117,17 @@ async def test_an_admin_decides_everybody_may_ask_and_the_chat_is_told() -> None
         assert "Kept now: 2 entries, " in said
         for word in ("off", "erase", "export"):
             assert await ward.said("archive", word, account=BO, kind=GROUP) == only
-        text = await ward.said("archive", "export", kind=GROUP)
+        text = await ward.file("archive", "export", kind=GROUP)
         assert text.splitlines()[0] == "Sender ID: 2, Sender Username: Bo, Message: omni wave"
         assert text.splitlines()[1].startswith("Sender ID: rosic, Sender Username: ROSIC")
-        assert '"text":"omni wave"' in await ward.said("archive", "export jsonl", kind=GROUP)
-        assert await ward.said("archive", "export xlsx", kind=GROUP) == (
-            "A spreadsheet cannot be sent in a message. The operator can make it: "
-            "rosic archive export --as xlsx"
-        )
+        assert '"text":"omni wave"' in await ward.file("archive", "export jsonl", kind=GROUP)
+        book = (await ward.ask("archive", "export xlsx", kind=GROUP)).attachment
+        assert book is not None
+        assert (book.name, book.content[:2]) == ("messages.xlsx", b"PK")
+        ward.chat.file_bytes = 0
+        later = await ward.said("archive", "export xlsx", kind=GROUP)
+        assert later.startswith("A spreadsheet cannot be sent in a message. The operator can make")
+        assert re.search(r": rosic container export chat-[0-9a-f]{32} --as xlsx$", later)
         assert await ward.said("archive", "off", kind=GROUP) == (
             "From now on the messages of this chat are not kept: Ada decided so. "
             "Those kept before go after 30 days; /archive erase erases them at once."
@@ -138,7 +143,7 @@ async def test_an_archive_is_erased_after_one_question() -> None:
         reply = await ward.ask("archive", "erase")
         assert reply.text == "Shall every message of this chat that is kept be erased?"
         assert [b.label for row in reply.buttons for b in row] == ["Erase them", "Leave it"]
-        assert "a thing" in await ward.said("archive", "export")
+        assert "a thing" in await ward.file("archive", "export")
         assert (await ward.said("archive", "erase confirmed")).startswith("Every message of this")
         assert await ward.said("archive", "export") == "No message of this chat is kept."
         assert await ward.said("archive", "erase") == (
@@ -159,11 +164,13 @@ async def test_what_no_archive_can_do(rest: str) -> None:
 async def test_a_long_archive_shows_its_newest_lines_and_who_has_the_rest() -> None:
     async with a_ward() as ward:
         await ward.said("archive", "on")
+        ward.chat.file_bytes = 0
         for n in range(60):
             ward.chat.say(f"{n} " + "x" * 200, account=ADA, chat=ADA)
             await ward.quiet()
         text = await ward.said("archive", "export")
         assert len(text) < 3_900
+        assert text.startswith("I cannot send files here, so this is what fits into a message:\n")
         assert "lines are too much for a message. The operator can give you all: rosic" in text
         assert "59 xxx" in text
 
@@ -175,7 +182,7 @@ async def test_secrets_that_pass_are_not_kept() -> None:
         ward.chat.say("/authenticator", account=ADA, chat=ADA)
         await ward.quiet()
         assert any("otpauth://" in told.outbound.text for told in ward.chat.told)
-        text = await ward.said("archive", "export")
+        text = await ward.file("archive", "export")
         assert "123456" not in text
         assert "otpauth" not in text
         assert "/code (not kept)" in text

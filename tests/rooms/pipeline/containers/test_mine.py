@@ -10,10 +10,9 @@ import pytest
 from rosic.core.message import ChatKind
 from rosic.errors import RecordUnavailable, Refusal, StoreFault
 from rosic.pipeline.containers import inspecting
-from rosic.pipeline.containers.tidying import tidy
 from rosic.stores.database import DatabaseStore
 from rosic.testing.clock import ManualClock
-from tests.rooms.pipeline.containers.ward import Ward, a_ward
+from tests.rooms.pipeline.containers.ward import a_ward, used
 from tests.rooms.pipeline.place import ADA, BO, VI
 
 if TYPE_CHECKING:
@@ -23,21 +22,6 @@ if TYPE_CHECKING:
     from rosic.core.record import Fact
 
 OPERATOR = "operator"
-
-
-async def used(ward: Ward) -> str:
-    """Let Bo use everything; return his id."""
-    await ward.said("archive", "on", kind=ChatKind.GROUP)
-    await ward.say("omni wave", account=BO, chat=BO)
-    await ward.said("data", "omni offset = 0.3", account=BO)
-    await ward.said("data", "home = bay four", account=BO)
-    await ward.said("language", "de", account=BO)
-    await ward.say("omni fly", account=BO, chat=BO)
-    await ward.say("/book omni tomorrow 10:00 1h", account=BO, chat=BO)
-    ward.chat.say("hello from the left", account=BO, chat="g", kind=ChatKind.GROUP)
-    ward.chat.say("hello from the right", account=ADA, chat="g", kind=ChatKind.GROUP)
-    await ward.quiet()
-    return ward.id_of(BO)
 
 
 async def test_my_data_says_what_there_is_and_only_of_me(tmp_path: Path) -> None:
@@ -52,12 +36,12 @@ async def test_my_data_says_what_there_is_and_only_of_me(tmp_path: Path) -> None
         assert "  your settings: 1 (" in reply.text
         assert lines[-2] == "It is sealed with a key of your own. /forget me erases that key."
         assert [b.command for row in reply.buttons for b in row] == ["/mydata export", "/forget me"]
-        text = await ward.said("mydata", "export", account=BO)
+        text = await ward.file("mydata", "export", account=BO)
         things = [json.loads(line) for line in text.splitlines()]
         assert {"card", "command", "shelf", "archived", "preference"} <= {t["kind"] for t in things}
         assert "hello from the left" in text
         assert "hello from the right" not in text
-        assert bo not in await ward.said("mydata", "export", account=VI)
+        assert bo not in await ward.file("mydata", "export", account=VI)
         private = "Ask me that in a private chat with me, please."
         assert await ward.said("mydata", account=BO, kind=ChatKind.GROUP) == private
         assert await ward.said("forget", "me", account=BO, kind=ChatKind.GROUP) == private
@@ -110,7 +94,7 @@ async def test_whoever_is_forgotten_is_a_stranger_and_nothing_of_theirs_can_be_r
         assert ward.gateway.rooms.organiser.calendar.of(bo) == ()
         acts = [(d.act, d.by, d.about) for d in await ward.kept.decisions(50)]
         assert ("erase", bo, bo) in acts
-        text = await ward.said("archive", "export", kind=ChatKind.GROUP)
+        text = await ward.file("archive", "export", kind=ChatKind.GROUP)
         assert "hello from the left" not in text
         assert "hello from the right" in text
         assert "Message: (erased)" in text
@@ -245,62 +229,36 @@ async def readable(folder: Path, who: str, clock: ManualClock) -> AsyncIterator[
         yield name, sum(fact.letter is not None for fact in found)
 
 
-# ---- for the operator ----
-
-
-async def test_the_operator_lists_shows_exports_limits_and_erases(tmp_path: Path) -> None:
-    async with a_ward(tmp_path) as ward:
-        bo = await used(ward)
-        holdings = ward.holdings
-        listed = await inspecting.list_containers(holdings)
-        assert listed.splitlines()[0].split() == ["robot", "cf1", "cf1"]
-        assert f"person   {bo:<40} Bo" in listed
-        (chat,) = [line.split()[1] for line in listed.splitlines() if line.startswith("chat ")]
-        shown = await inspecting.show_container(holdings, bo)
-        assert shown.splitlines()[0] == "Bo"
-        assert shown.splitlines()[-1] == "  shared data: 1 of 64 names, 12 bytes of 64 KiB"
-        assert "bay four" in await inspecting.export_container(holdings, bo)
-        assert "hello" not in await inspecting.export_container(holdings, chat)
-        assert "archived: " in await inspecting.show_container(holdings, chat)
-        for form, what in (("text", "Message: hello"), ("jsonl", '"text":"hello')):
-            found = await inspecting.export_archive(holdings, chat, form)
-            assert isinstance(found, str)
-            assert what in found
-        assert isinstance(await inspecting.export_archive(holdings, chat, "xlsx"), bytes)
-        limited = await inspecting.limit_container(holdings, bo, OPERATOR, names=1, most_bytes=2048)
-        assert limited == "Bo may keep 1 names and 2.0 KiB from now on."
-        assert "at most 1 names" in await ward.said("data", "two = 2", account=BO)
-        assert await ward.said("data", "two = 2", account=VI) == "Data stored."
-        for name in ("nobody", "chat-nothing"):
-            with pytest.raises(Refusal, match="There is no such container"):
-                await inspecting.show_container(holdings, name)
-        with pytest.raises(Refusal, match="There is no such container"):
-            await inspecting.export_archive(holdings, "chat-nothing", "text")
-
-
-async def test_the_operator_erases_a_robot_s_a_chat_s_and_a_person_s(tmp_path: Path) -> None:
-    async with a_ward(tmp_path) as ward:
-        bo = await used(ward)
-        holdings, (key,) = ward.holdings, ward.archive.all()
-        chat = f"chat-{key}"
-        done = await inspecting.erase_container(holdings, ward.erasing, "omni", OPERATOR)
-        assert done.startswith("omni is erased.")
-        assert ward.shelf.names(bo, "omni") == ()
-        await inspecting.erase_container(holdings, ward.erasing, chat, OPERATOR)
-        assert not ward.archive.all()
-        done = await inspecting.erase_container(holdings, ward.erasing, bo, OPERATOR)
-        assert done == (
-            "Bo is erased. Copies of the record made before stay readable with their key."
-        )
-        with pytest.raises(Refusal):
-            await inspecting.erase_container(holdings, ward.erasing, "chat-nothing", OPERATOR)
-
-
-async def test_once_a_day_what_is_too_old_goes(tmp_path: Path) -> None:
-    async with a_ward(tmp_path) as ward:
-        await ward.said("archive", "on 1 day")
-        ward.chat.say("old", account=ADA, chat=ADA)
+async def test_all_of_it_comes_as_a_file_in_a_message_of_its_own() -> None:
+    async with a_ward() as ward:
+        ward.chat.say("/mydata", account=BO, chat=BO)
         await ward.quiet()
-        ward.clock.jump_wall(2 * 86_400)
-        assert await tidy(ward.holdings, ward.erasing) >= 1
-        assert await ward.said("archive", "export") == "No message of this chat is kept."
+        asked = ward.chat.told[-1]
+        button = next(
+            b for row in asked.outbound.buttons for b in row if b.label.startswith("Show")
+        )
+        ward.chat.tap(button, under=asked.message, account=BO)
+        await ward.quiet()
+        told = ward.chat.told[-1]
+        assert told.message != asked.message
+        assert not told.edited
+        assert told.outbound.attachment is not None
+        assert told.outbound.attachment.name == "my-data.jsonl"
+        assert "It is not sealed: whoever has it can read it." in told.outbound.text
+        assert "Bo" not in repr(told.outbound.attachment)
+
+
+async def test_somebody_else_s_order_holds_nobody_s_erasing_up() -> None:
+    async with a_ward() as ward:
+        ward.robot("omni").work_s = 30.0
+        await ward.say("omni wave", account=ADA, chat=ADA)
+        lives = ward.gateway.pipeline.lives
+        assert lives.busy(ward.id_of(ADA))
+        assert not lives.busy(ward.id_of(BO))
+        assert await ward.said("forget", "me confirmed", account=BO) == (
+            "You are forgotten here. Farewell."
+        )
+        assert len(lives) == 1
+        await ward.say("stop", account=ADA, chat=ADA)
+        await ward.quiet()
+        assert not lives.busy(ward.id_of(ADA))

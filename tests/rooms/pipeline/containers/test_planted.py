@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+import logging
 import random
 import re
+from base64 import b32decode, b32encode, b64encode
+from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
+from urllib.parse import parse_qs, urlsplit
 
 import msgspec
 
+from rosic.app.face import face_of
+from rosic.app.logs import OneLine
+from rosic.authoriser import totp
+from rosic.container import export
 from rosic.core.identity import Address, AuthorisationKey
 from rosic.core.message import ChatKind
 from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
+from rosic.pipeline.containers import inspecting
 from rosic.stores.folder import DATABASE
 from rosic.testing.clock import ManualClock
 from tests.rooms.pipeline.containers.ward import Ward, a_ward
 from tests.rooms.pipeline.place import ADA, BO
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
     from pathlib import Path
 
 COUNT = 1_000
@@ -65,6 +75,54 @@ def names_in(folder: Path) -> set[str]:
     return {path.name for path in folder.iterdir()}
 
 
+@asynccontextmanager
+async def logged(path: Path) -> AsyncIterator[None]:
+    """Write everything that is logged into a file, down to what finds faults."""
+    root, handler = logging.getLogger(), logging.FileHandler(path)
+    handler.setFormatter(OneLine(face_of(), traces=True))
+    before = root.level
+    root.addHandler(handler)
+    root.setLevel(logging.DEBUG)
+    logging.getLogger("rosic.test").debug("begun")
+    try:
+        yield
+    finally:
+        root.setLevel(before)
+        root.removeHandler(handler)
+        handler.close()
+
+
+async def a_phone(ward: Ward) -> bytes:
+    """Let Bo set a phone up; return the secret in it."""
+    said = await ward.said("authenticator", account=BO)
+    secret = b32decode(pad(parse_qs(urlsplit(said.splitlines()[1]).query)["secret"][0]))
+    code = totp.hotp(secret, totp.step_at(ward.clock.wall_ns()))
+    ready = await ward.said("code", code, account=BO)
+    assert ward.gateway.access.stepup.is_set_up(ward.id_of(BO)), ready
+    return secret
+
+
+def pad(text: str) -> str:
+    return text + "=" * (-len(text) % 8)
+
+
+def secret_in(folder: Path, secret: bytes) -> list[str]:
+    """Return which files hold a secret: as it is, in hex, and in the letters people type."""
+    forms = (secret, secret.hex().encode(), b32encode(secret).rstrip(b"="), b64encode(secret)[:-2])
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return [path.name for path in files if any(form in path.read_bytes() for form in forms)]
+
+
+async def taken_out(ward: Ward) -> None:
+    """Take everything out once: what is handed over leaves nothing behind on the disk."""
+    for one in await inspecting.list_containers(ward.holdings):
+        assert sum(map(len, await inspecting.export_container(ward.holdings, one.container))) >= 0
+    for form in export.ENDINGS:
+        reply = await ward.ask("archive", f"export {form}")
+        assert reply.attachment is not None, reply.text
+    assert (await ward.ask("mydata", "export")).attachment is not None
+
+
 def ways(text: str, account: str, group: str) -> dict[int, tuple[str, str, ChatKind]]:
     """Return ways to say something, and where."""
     return {
@@ -89,7 +147,12 @@ async def use(ward: Ward, planted: list[str]) -> None:
     await ward.say("omni wave", account=BO, chat=BO)
     for place, text in enumerate(words):
         account = people[place % PEOPLE][1]
-        if place % 6 == 3:
+        if place % 120 == 3:
+            await ward.said("invite", f"viewer as {text}", account=ADA)
+        elif place % 12 == 3:
+            await ward.said("data", f"{text} = {text}", account=account)
+            await ward.said("share", f"{text} with omni for 2h", account=account)
+        elif place % 12 == 9:
             await ward.said("data", f"{text} = {text}", account=account)
         else:
             said, chat, kind = ways(text, account, group)[place % 6]
@@ -103,11 +166,14 @@ async def use(ward: Ward, planted: list[str]) -> None:
 
 async def test_a_thousand_planted_strings_are_found_in_no_file(tmp_path: Path) -> None:
     planted, clock = phrases(), ManualClock()
-    async with a_ward(tmp_path, clock=clock) as ward:
+    async with logged(tmp_path / "gateway.log"), a_ward(tmp_path, clock=clock) as ward:
+        secret = await a_phone(ward)
         await use(ward, planted)
+        await taken_out(ward)
         wal = tmp_path / f"{DATABASE}-wal"
         assert wal.stat().st_size > 0
         assert found_in(tmp_path, planted) == {}  # while it runs: the log file is full
+        assert not secret_in(tmp_path, secret)
         assert {DATABASE, "latch", "root.key"} <= names_in(tmp_path)
         everything = [await ward.kept.belongings(name) for name in await ward.kept.containers()]
         said = msgspec.json.encode(
@@ -116,6 +182,9 @@ async def test_a_thousand_planted_strings_are_found_in_no_file(tmp_path: Path) -
         ).decode()  # fmt: skip
         assert [text for text in planted if text not in said] == []  # all of them were kept
     assert found_in(tmp_path, planted) == {}
+    assert (tmp_path / "gateway.log").stat().st_size > 0
     async with a_ward(tmp_path, clock=clock) as ward:
         await ward.quiet()
+        assert ward.gateway.access.stepup.is_set_up(ward.id_of(BO))
+        assert not secret_in(tmp_path, secret)
         assert found_in(tmp_path, planted) == {}

@@ -28,7 +28,7 @@ from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import FileLatch
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
-from tests.rooms.pipeline.place import Place
+from tests.rooms.pipeline.place import ADA, BO, Place
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable
@@ -103,13 +103,16 @@ class Ward(Place):
         self.shelf.sees = lambda who, robot: robot in organiser.visible(who)
         self.shelf.works_with = lambda who, robot: organiser.holder(robot) == who
         self.holdings = Holdings(
-            preferences=self.book, shelf=self.shelf, archive=self.archive, vault=self.kept,
+            preferences=self.book, shelf=self.shelf, habits=gateway.pipeline.habits,
+            archive=self.archive, vault=self.kept,
             changes=access.changes, clock=clock, name=directory.name,
             shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
             visible=organiser.visible, choices=organiser.visible,
             zone_of=lambda who: zone_named(self.book.of(who).zone or "UTC"),
             may_archive=lambda who: authority.rights.holds(who, FLEET, "archive", clock.wall_ns()),
             robots=frozenset(rooms.profiles),
+            find=lambda name: tuple(person.id for person in directory.named(name)),
+            tell=gateway.furnishing.reach.tell,
         )  # fmt: skip
         self.erasing = Erasing(self.holdings, self.sides())
         employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
@@ -154,7 +157,11 @@ class Ward(Place):
             is_last_admin=access.is_only_admin,
             ends=ends,
             ended=ended,
-            busy=lambda _: bool(len(gateway.pipeline.lives)),
+            busy=gateway.pipeline.lives.busy,
+            in_use=lambda robot: (
+                directory.name(who) if (who := rooms.organiser.holder(robot)) else ""
+            ),
+            stray=lambda name: name.startswith("p-") and directory.person(name) is None,
             forget=forget,
             theirs=theirs,
         )
@@ -191,8 +198,29 @@ class Ward(Place):
         except Refusal as refusal:
             return Reply(str(refusal))
 
+    async def file(self, verb: str, rest: str = "", **how: Any) -> str:  # noqa: ANN401 - as `ask`
+        """Return what is in the file that a reply brings."""
+        reply = await self.ask(verb, rest, **how)
+        assert reply.attachment is not None, reply.text
+        return reply.attachment.content.decode()
+
     async def said(self, verb: str, rest: str = "", **how: Any) -> str:  # noqa: ANN401 - as `ask`
         return (await self.ask(verb, rest, **how)).text
+
+
+async def used(ward: Ward) -> str:
+    """Let Bo use everything; return his id."""
+    await ward.said("archive", "on", kind=ChatKind.GROUP)
+    await ward.say("omni wave", account=BO, chat=BO)
+    await ward.said("data", "omni offset = 0.3", account=BO)
+    await ward.said("data", "home = bay four", account=BO)
+    await ward.said("language", "de", account=BO)
+    await ward.say("omni fly", account=BO, chat=BO)
+    await ward.say("/book omni tomorrow 10:00 1h", account=BO, chat=BO)
+    ward.chat.say("hello from the left", account=BO, chat="g", kind=ChatKind.GROUP)
+    ward.chat.say("hello from the right", account=ADA, chat="g", kind=ChatKind.GROUP)
+    await ward.quiet()
+    return ward.id_of(BO)
 
 
 @asynccontextmanager

@@ -151,7 +151,7 @@ class Hall:
     def _employ(self, entropy: SeededEntropy) -> None:
         registry = self.registry
         self.powers = Powers(registry)
-        doorstep = Doorstep(self.teller, (self.chat,), self.clock, entropy)
+        doorstep = Doorstep(self.teller, (self.chat,), self.clock, entropy, count=self.tally.count)
         self.admitting = Admitting(registry, self.powers, doorstep, menu=self.menu)
         self.joining = Joining(
             registry,
@@ -209,7 +209,10 @@ class Hall:
             rows = tuple((Button(offer, offer),) for offer in refusal.offers)
             reply = self._bound(inbound, Reply(str(refusal), rows))
         if reply.text:
-            outbound = Outbound(chat=inbound.chat, text=reply.text, buttons=reply.buttons)
+            outbound = Outbound(
+                chat=inbound.chat, text=reply.text, buttons=reply.buttons,
+                attachment=reply.attachment,
+            )  # fmt: skip
             self.teller.say(Note(self.chat, outbound, None, inbound.under))
 
     def _bound(self, inbound: Inbound, reply: Reply) -> Reply:
@@ -217,7 +220,8 @@ class Hall:
         if known is None:
             return Reply(reply.text)
         issue = partial(self.authoriser.buttons.issue, principal=known[0].id, chat=inbound.chat.id)
-        return Reply(reply.text, tuple(tuple(issue(b) for b in row) for row in reply.buttons))
+        rows = tuple(tuple(issue(b) for b in row) for row in reply.buttons)
+        return Reply(reply.text, rows, reply.attachment)
 
     async def _recognised(self, inbound: Inbound) -> Reply:
         try:

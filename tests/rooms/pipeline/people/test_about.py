@@ -123,5 +123,5 @@ async def test_the_security_report() -> None:
         said = await hall.say(BO, "/security")
         assert said.startswith("Authentication: p50 0.000 ms, p99 0.000 ms, over the last")
         assert "  codes that never were: 1" in said
-        assert "  Cy Young, by Ada, since 1 second" in said
+        assert "  Cy Young, by Ada, for 1 second now" in said
         assert "  operator on kuka1 for 2 hours, by Ada, i" in said

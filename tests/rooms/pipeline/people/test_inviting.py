@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rosic.authoriser.invitation import Given
+from rosic.authoriser.qr import qr_png
 from rosic.core.roles import Grant
 from rosic.errors import NotUnderstood
 from rosic.pipeline.office import ONLY_IN_PRIVATE
@@ -52,12 +53,37 @@ RIGHTS = Hall().rights
         ("viewer as Cy  Young", Given(roles=("viewer",)), 600, "Cy Young"),
         ("viewer as Cy for 2h code 1h", Given(roles=("viewer",), lasts_s=7200.0), 3600, "Cy"),
         ("viewer as Code for Good", Given(roles=("viewer",)), 600, "Code for Good"),
+        (
+            "operator kuka1 with distance <= 1 m for 2h",
+            Given(roles=("operator",), robots=("kuka1",), limits=("distance <= 1 m",),
+                  lasts_s=7200.0),
+            600,
+            "",
+        ),
+        (
+            "operator with distance<=50 cm and distance >= 10 cm on kuka1 code 1h as Cy",
+            Given(roles=("operator",), robots=("kuka1",),
+                  limits=("distance<=50 cm", "distance >= 10 cm")),
+            3600,
+            "Cy",
+        ),
+        (
+            "operator limit distance = 1 m, kuka1",
+            Given(roles=("operator",), robots=("kuka1",), limits=("distance = 1 m",)),
+            600,
+            "",
+        ),
         ("viewer for half an hour", Given(roles=("viewer",), lasts_s=1800.0), 600, ""),
     ],
 )  # fmt: skip
 def test_what_is_understood(line: str, given: Given, code_s: float, name: str) -> None:
     wanted = read_invitation(line, RIGHTS)
     assert (wanted.given, wanted.code_ttl_s, wanted.name) == (given, code_s, name)
+
+
+def test_an_admin_may_be_asked_for_a_tap() -> None:
+    assert read_invitation("viewer confirm for 2h", RIGHTS).needs_confirmation
+    assert read_invitation("viewer for 2h", RIGHTS).needs_confirmation is None
 
 
 @pytest.mark.parametrize(
@@ -111,6 +137,27 @@ def test_what_is_understood(line: str, given: Given, code_s: float, name: str) -
             ),
             (),
         ),
+        (
+            "operator kuka1 with force <= 20 N",
+            (
+                "No skill given here has a parameter 'force', so 'force <= 20 N' limits nothing. "
+                "Known here: direction, distance. Nothing was done."
+            ),
+            (),
+        ),
+        (
+            "operator kuka1 with distance <= 20 kg",
+            (
+                "On kuka1, 'distance <= 20 kg' does not fit distance of move: 'kg' does not fit, "
+                "it is given in m. Nothing was done."
+            ),
+            (),
+        ),
+        (
+            "operator kuka1 with distance <",
+            ("'distance <' is not a limit: write for example speed <= 0.2 m/s. Nothing was done."),
+            (),
+        ),
         ("operator for 2h for 3h", 'That says "for" twice. Nothing was done.', ()),
         ("x" * 301, "That line is longer than any invitation. Nothing was done.", ()),
     ],
@@ -155,7 +202,15 @@ async def test_only_the_terminal_draws() -> None:
     async with a_hall(platform="terminal", assurance="local") as hall:
         assert "█" in await hall.say(ADA, "/invite viewer")
     async with a_hall() as hall:
-        assert "█" not in await hall.say(ADA, "/invite viewer")
+        said = await hall.say(ADA, "/invite viewer")
+        assert "█" not in said
+        picture = hall.last(ADA).attachment
+        assert picture is not None
+        (link,) = [line for line in said.splitlines() if line.startswith("https://")]
+        assert (picture.media_type, picture.content) == ("image/png", qr_png(link))
+        hall.chat.file_bytes = 0
+        await hall.say(ADA, "/invite viewer")
+        assert hall.last(ADA).attachment is None
 
 
 async def test_without_a_link_there_is_what_to_type() -> None:

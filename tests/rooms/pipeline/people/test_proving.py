@@ -5,6 +5,7 @@ from __future__ import annotations
 from base64 import b32decode
 
 from rosic.authoriser import totp, words_keys
+from rosic.authoriser.qr import qr_png
 from rosic.core.message import Chat, ChatKind
 from rosic.pipeline.office import ONLY_IN_PRIVATE
 from rosic.pipeline.people import words
@@ -43,6 +44,10 @@ async def test_a_phone_is_set_up_by_a_link_and_its_first_code() -> None:
         assert lines[2].startswith("Or type this key there: ")
         assert lines[3].startswith("Then send me the six digits that it shows, so: /code 123456.")
         assert "█" not in said
+        picture = hall.last(CY).attachment
+        assert picture is not None
+        assert (picture.media_type, picture.content) == ("image/png", qr_png(lines[1]))
+        assert lines[4] == words.SCAN
         assert not hall.stepup.is_set_up("p-3")
         code = code_now(hall, secret_in(said))
         assert await hall.say(CY, f"/code {code[:3]} {code[3:]}") == words_keys.PHONE_READY

@@ -89,10 +89,17 @@ async def test_the_calendar_file() -> None:
     async with Lab().open() as lab:
         slot = await lab.book(ANN, "kuka1 tomorrow 14:00 1h")
         await lab.book(BEN, "kuka1 tomorrow 15:00 1h")
-        said = await lab.say(ANN, "/slots ics")
+        assert (await lab.say(ANN, "/slots ics")).startswith("Your times, for the calendar")
+        assert lab.reply is not None
+        file = lab.reply.attachment
+        assert file is not None
+        assert (file.name, file.media_type) == ("my-times.ics", "text/calendar")
+        said = file.content.decode()
         assert said.startswith("BEGIN:VCALENDAR\r\n")
         assert said.endswith("END:VCALENDAR\r\n")
         assert said.count("BEGIN:VEVENT") == 1
         assert f"UID:{slot.id}@rosic\r\n" in said
         assert "DTSTART:20261122T130000Z\r\nDTEND:20261122T140000Z\r\nSUMMARY:KUKA iiwa" in said
         assert "X-WR-CALNAME:Ann\r\n" in said
+        lab.chat.file_bytes = 0
+        assert await lab.say(ANN, "/slots ics") == said  # to be copied, where no file can be sent

@@ -1,0 +1,61 @@
+"""Where a terminal puts the files it is sent: a folder that only its own user may look into.
+
+Not in the data folder: a file that was asked for is in the open, and would go into every backup.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rosic.core.saying import said
+from rosic.errors import MessengerFault
+
+if TYPE_CHECKING:
+    from rosic.core.message import Attachment
+
+FILE_BYTES = 50_000_000
+TRIES = 1_000
+
+
+class Drawer:
+    """Makes its folder when the first file comes."""
+
+    def __init__(self) -> None:
+        self._folder: Path | None = None
+
+    def put(self, attachment: Attachment) -> str:
+        """Write a file, over none that is there, and return a sentence about where it lies.
+
+        Raises:
+            MessengerFault: It is too large, or cannot be written. There is no part of it.
+        """
+        if len(attachment.content) > FILE_BYTES:
+            raise MessengerFault("The file is too large. It was not written.")
+        try:
+            path = self._written(attachment)
+        except OSError as error:
+            raise MessengerFault(f"The file cannot be written ({error.strerror}).") from error
+        return said("It lies in {path}: only you can read it. Delete it when you are done.",
+                    path=path)  # fmt: skip
+
+    def _written(self, attachment: Attachment) -> Path:
+        if self._folder is None or not self._folder.is_dir():
+            self._folder = Path(tempfile.mkdtemp(prefix="rosic-"))
+        name = Path(attachment.name)
+        for number in range(TRIES):
+            path = self._folder / (f"{name.stem}-{number}{name.suffix}" if number else name)
+            try:
+                opened = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            except FileExistsError:
+                continue
+            try:
+                with os.fdopen(opened, "wb") as file:
+                    file.write(attachment.content)
+            except OSError:
+                path.unlink(missing_ok=True)
+                raise
+            return path
+        raise OSError(0, "there are too many of that name")

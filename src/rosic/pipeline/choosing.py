@@ -1,0 +1,166 @@
+"""Putting a command together by tapping: one question, asked anew with every tap.
+
+The question carries its own state: each of its buttons says the whole command as it would be then.
+So nothing is remembered here, and nothing can come between what is shown and what is done.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language import Do, Misunderstood
+from rosic.core.language.binding import place
+from rosic.core.language.showing import show, show_value
+from rosic.core.language.stepping import beginning, stepped
+from rosic.core.message import Button
+from rosic.core.saying import said
+from rosic.errors import NotUnderstood, Refusal
+from rosic.pipeline.desk import Reply, rows
+from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.container.habits import Habits
+    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.language import Reader
+    from rosic.core.language.compiled import CompiledParameter, CompiledSkill
+    from rosic.core.message import Chat
+    from rosic.core.robot import RobotId
+    from rosic.core.skill import Argument
+
+SMALLER, LARGER = "−", "+"  # noqa: RUF001 - a minus sign is as wide as a plus
+CHOSEN = "• "
+OFTEN = "★"
+# More rows than this do not fit beside the keyboard of a phone; such a skill is typed.
+ROWS_AT_MOST = 6
+# Of these, a row of choices holds as many as can be read.
+CHOICES_AT_MOST = 12
+
+
+NOTHING_TO_DO = said("There is nothing to do again here yet.")
+
+
+class Choosing:
+    """Asks before anything that was tapped moves a robot, and lets its values be changed first."""
+
+    def __init__(self, reader: Reader, habits: Habits) -> None:
+        self._reader = reader
+        self._habits = habits
+
+    def ask(self, command: str, visible: frozenset[RobotId], selected: str = "") -> Reply:
+        """Return the question whether a command is meant, with its values to step through.
+
+        Args:
+            command: As typed.
+            visible: What the person may see.
+            selected: Who is meant where the command names nobody.
+
+        Raises:
+            NotUnderstood: The command means nothing any more, or needs a text that is to be typed.
+            OutOfBounds: It holds a value that its robot does not allow.
+        """
+        line = self._reader.lines(command, selected, visible)[0]
+        if isinstance(line, Misunderstood):
+            raise NotUnderstood(line.sentence, offers=line.offers)
+        if not isinstance(line, Do):
+            raise NotUnderstood(NOTHING_TO_DO)
+        if line.group:
+            said_whole = command if line.group in command.casefold() else f"{line.group} {command}"
+            return _question(said_whole, said_whole, ())
+        vocabulary, robot = self._reader.vocabulary, line.robots[0]
+        compiled, given = place(vocabulary, robot, line.skills[0], line.spoken)
+        arguments: dict[str, Argument] = {}
+        for parameter in compiled.parameters:
+            value = given.get(parameter.name, beginning(parameter))
+            if value is None:
+                raise NotUnderstood(
+                    said(
+                        "Say what: {example} ...", example=f"{robot} {compiled.spoken}",
+                    )
+                )  # fmt: skip
+            arguments[parameter.name] = value
+        shown = vocabulary.robots[robot].shown
+        title = f"{shown}: {show(vocabulary, robot, line.skills[0], arguments)}"
+        return _question(
+            title, _command(robot, compiled, arguments), _steppers(robot, compiled, arguments)
+        )
+
+    def again(self, caller: Caller, chat: Chat, visible: frozenset[RobotId]) -> Reply:
+        """Ask whether the last command of somebody in this chat is to be done again.
+
+        Raises:
+            NotUnderstood: There was none since the start.
+        """
+        last = self._habits.last(caller.principal, chat)
+        if last is None:
+            raise NotUnderstood(NOTHING_TO_DO)
+        return self.ask(last[1], visible, last[0])
+
+    def favourites(
+        self, principal: PrincipalId, robot: RobotId, visible: frozenset[RobotId]
+    ) -> list[Button]:
+        """Return what somebody often asks of a robot, as buttons that ask whether it is meant."""
+        vocabulary = self._reader.vocabulary
+        found: dict[str, Button] = {}
+        for said_before in self._habits.favourites(principal, robot):
+            line = self._reader.lines(said_before, robot, visible)[0]
+            if isinstance(line, Do) and not line.group and line.robots == (robot,):
+                try:
+                    compiled, given = place(vocabulary, robot, line.skills[0], line.spoken)
+                except Refusal:
+                    continue  # the profile has changed since
+                command = _command(robot, compiled, given)
+                label = show(vocabulary, robot, line.skills[0], given)
+                found.setdefault(command, Button(f"{OFTEN} {label}", f"{ASK_FIRST}{command}"))
+        return list(found.values())
+
+
+def _question(title: str, command: str, steppers: tuple[tuple[Button, ...], ...]) -> Reply:
+    last = (Button("Do it", f"{CONFIRMED}{command}"), Button("Leave it", LEAVE))
+    return Reply(f"{title}?", (*steppers, last))
+
+
+def _steppers(
+    robot: RobotId, compiled: CompiledSkill, arguments: Mapping[str, Argument]
+) -> tuple[tuple[Button, ...], ...]:
+    """Return a row for each number and some for each choice; none for what is better typed."""
+
+    def becoming(parameter: CompiledParameter, value: Argument) -> str:
+        return f"{ASK_FIRST}{_command(robot, compiled, {**arguments, parameter.name: value})}"
+
+    steppers: list[tuple[Button, ...]] = []
+    for parameter in compiled.parameters:
+        value = arguments[parameter.name]
+        if parameter.is_number:
+            smaller, larger = stepped(parameter, float(value))
+            label = show_value(float(value), parameter.unit)
+            if len(compiled.numbers) > 1:
+                label = f"{parameter.shown}: {label}"
+            steppers.append((
+                Button(SMALLER, becoming(parameter, smaller)),
+                Button(label, becoming(parameter, value)),
+                Button(LARGER, becoming(parameter, larger)),
+            ))  # fmt: skip
+        elif parameter.words is not None:
+            choices = list(dict.fromkeys(parameter.words.values()))
+            if len(choices) in range(2, CHOICES_AT_MOST + 1):
+                steppers.extend(rows([
+                    Button(f"{CHOSEN * (choice == value)}{choice.replace('_', ' ')}",
+                           becoming(parameter, choice))
+                    for choice in choices
+                ]))  # fmt: skip
+    return tuple(steppers) if len(steppers) <= ROWS_AT_MOST else ()
+
+
+def _command(robot: RobotId, compiled: CompiledSkill, arguments: Mapping[str, Argument]) -> str:
+    """Return a command as it could be typed, every value by its name and in its declared unit."""
+    values = [_value(p, arguments[p.name]) for p in compiled.parameters if p.name in arguments]
+    return " ".join([robot, compiled.spoken, *values])
+
+
+def _value(parameter: CompiledParameter, value: Argument) -> str:
+    if not parameter.is_number:
+        return f"{parameter.name}={value}"
+    number = (float(value) - parameter.unit.offset) / parameter.unit.factor
+    return f"{parameter.name}={number:.10g}"

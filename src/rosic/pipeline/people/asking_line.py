@@ -1,0 +1,158 @@
+"""``kuka1 grasp for 1h``: which right somebody asks for, where, and for how long."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.authoriser.invitation import Given
+from rosic.core.authority import RESUME
+from rosic.core.identity import PrincipalId
+from rosic.core.language import Vocabulary, clean
+from rosic.core.language.cleaning import fold_word
+from rosic.core.language.suggestions import did_you_mean
+from rosic.core.robot import RobotId
+from rosic.core.words import spoken
+from rosic.errors import NotUnderstood
+from rosic.organiser.petitions import Want
+from rosic.organiser.zones import Zone
+from rosic.pipeline.office import Asked
+from rosic.pipeline.people import words, words_asking
+from rosic.pipeline.people.invitation_line import length_said
+
+if TYPE_CHECKING:
+    from rosic.core.rights import Rights
+    from rosic.core.skill import Skill
+
+LASTS_S: Final = 3600.0
+LONGEST_LINE: Final = 200
+_FOR: Final = "for"
+
+
+class Places(msgspec.Struct, frozen=True, kw_only=True):
+    """How robots are named and shown, and where people read times.
+
+    Attributes:
+        naming: Returns the robot that is meant, of those the person sees, and the rest of the
+            line; refuses what names none.
+        shown: Returns a robot's title.
+        zone_of: Returns the zone whose clocks somebody reads.
+    """
+
+    vocabulary: Vocabulary
+    naming: Callable[[Asked, str], tuple[RobotId, str]]
+    shown: Callable[[RobotId], str]
+    zone_of: Callable[[PrincipalId], Zone]
+
+    def given(self, want: Want) -> Given:
+        """Return what somebody would be given; without an end of its own."""
+        if want.role:
+            return Given(roles=(want.role,), robots=(want.robot,))
+        return Given(scopes=(f"{want.robot}:{want.skill}",))
+
+    def what(self, given: Given) -> str:
+        """Return it as people read it: ``grasp on KUKA iiwa``."""
+        if given.roles:
+            [role], [robot] = given.roles, given.robots
+            return words_asking.thing(role, self.shown(robot))
+        robot, _, skill = given.scopes[0].partition(":")
+        return words_asking.thing(skill.replace("_", " "), self.shown(robot))
+
+    def lacks(self, rights: Rights, principal: PrincipalId, given: Given, now_ns: int) -> bool:
+        """Whether somebody would gain anything by this: it is not theirs, or only with limits."""
+        return any(
+            not any(
+                not way.limits and now_ns < holding.until_ns
+                for way, holding in rights.ways(principal, robot, skill)
+            )
+            for robot, skill in self._rights(rights, given)
+        )
+
+    def limits(self, rights: Rights, principal: PrincipalId, given: Given, now_ns: int) -> str:
+        """Return the limits under which somebody has this now; empty without any."""
+        found = [
+            limit.said
+            for robot, skill in self._rights(rights, given)
+            for way, holding in rights.ways(principal, robot, skill)
+            if now_ns < holding.until_ns
+            for limit in way.limits
+        ]
+        return ", ".join(dict.fromkeys(found))
+
+    def _rights(self, rights: Rights, given: Given) -> list[tuple[RobotId, str]]:
+        if given.scopes:
+            robot, _, skill = given.scopes[0].partition(":")
+            return [(robot, skill)]
+        [role], [robot] = given.roles, given.robots
+        return [
+            (robot, skill)
+            for skill in _moving(rights, robot)
+            if role in rights.roles_giving(robot, skill)
+        ]
+
+
+def want_of(asked: Asked, rights: Rights, places: Places) -> Want:
+    """Read what somebody asks for; without a skill it is the least role that moves the robot.
+
+    Raises:
+        NotUnderstood: No such robot that they see, no such skill, or no time.
+    """
+    said, lasts_s = read_tail(asked.rest)
+    robot, rest = places.naming(asked, said)
+    lasts_s = LASTS_S if lasts_s is None else lasts_s
+    low = rest.split()
+    if not low:
+        return Want(robot=robot, role=_least_role(rights, robot, places), lasts_s=lasts_s)
+    for count in range(len(low), 0, -1):
+        skill = places.vocabulary.skill(robot, " ".join(low[:count]))
+        if skill is not None:
+            return Want(robot=robot, skill=skill.id, lasts_s=lasts_s)
+    if low[0].casefold() == RESUME:
+        return Want(robot=robot, skill=RESUME, lasts_s=lasts_s)
+    raise _no_such_skill(robot, low[0], places)
+
+
+def read_tail(text: str) -> tuple[str, float | None]:
+    """Return a line without ``for 2h`` at its end, and the seconds; None if it says none.
+
+    Raises:
+        NotUnderstood: What stands there is no length of time.
+    """
+    raw = clean(text).replace("\n", " ").strip()[:LONGEST_LINE].split()
+    low = [fold_word(word).casefold() for word in raw]
+    if _FOR not in low:
+        return " ".join(raw), None
+    at = len(low) - 1 - low[::-1].index(_FOR)
+    seconds, used = length_said(low[at + 1 :])
+    if not used or used < len(low) - at - 1:
+        raise NotUnderstood(words.no_length(_FOR, " ".join(low[at + 1 :][:1])))
+    return " ".join(raw[:at]), seconds
+
+
+def _least_role(rights: Rights, robot: RobotId, places: Places) -> str:
+    """Return the least role under which a robot does everything it can."""
+    moving = _moving(rights, robot)
+    lists = [rights.roles_giving(robot, skill) for skill in moving]
+    for role in lists[0] if lists else ():
+        if all(role in roles for roles in lists):
+            return role
+    raise NotUnderstood(
+        words_asking.no_such_right(places.shown(robot)),
+        offers=tuple(f"/ask {robot} {spoken(_skill(rights, robot, s))}" for s in moving[:3]),
+    )
+
+
+def _moving(rights: Rights, robot: RobotId) -> list[str]:
+    return [skill for skill in rights.fleet.skills[robot] if rights.actuates(robot, skill)]
+
+
+def _skill(rights: Rights, robot: RobotId, skill: str) -> Skill:
+    return rights.fleet.skills[robot][skill]
+
+
+def _no_such_skill(robot: RobotId, word: str, places: Places) -> NotUnderstood:
+    known = {spoken(s): s for s in places.vocabulary.profiles[robot].skills.values()}
+    offers = tuple(f"/ask {robot} {name}" for name in did_you_mean(word, known))
+    return NotUnderstood(words_asking.no_such_skill(places.shown(robot), word), offers=offers)

@@ -1,0 +1,225 @@
+"""``/grant Cy operator kuka1 for 2h``: a right for somebody who is in already, for a while."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language import clean_name
+from rosic.core.message import Button
+from rosic.core.roles import Grant
+from rosic.errors import Expired, NotPermitted
+from rosic.organiser.words_calendar import moment
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.office import check_private
+from rosic.pipeline.people import words, words_asking
+from rosic.pipeline.people.invitation_line import read_grant
+from rosic.pipeline.people.names import CONFIRMED, Names, confirmed
+from rosic.pipeline.replies import LEAVE
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from rosic.authoriser.invitation import Given
+    from rosic.contracts.entropy import Entropy
+    from rosic.core.identity import Principal, PrincipalId
+    from rosic.core.record import Record
+    from rosic.organiser.zones import Zone
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.people.powers import Powers
+    from rosic.pipeline.people.registry import Registry
+
+BACK = "back"
+_ID_BYTES = 8
+_SECOND_NS = 1_000_000_000
+
+
+class Granting:
+    """Gives rights, takes single ones back, and tells when one has ended.
+
+    Args:
+        registry: Who knows people.
+        powers: Who may give what.
+        entropy: For ids.
+        zone_of: Returns the zone whose clocks somebody reads.
+    """
+
+    def __init__(
+        self,
+        registry: Registry,
+        powers: Powers,
+        entropy: Entropy,
+        zone_of: Callable[[PrincipalId], Zone],
+    ) -> None:
+        self._registry = registry
+        self._powers = powers
+        self._entropy = entropy
+        self._zone_of = zone_of
+        self._names = Names(registry)
+
+    def granted(
+        self, principal: PrincipalId, given: Given, until_ns: int | None, by: PrincipalId
+    ) -> tuple[tuple[Grant, ...], tuple[Record, ...]]:
+        """Return grants, and the records that give them.
+
+        Raises:
+            NotUnderstood: They have too many rights already; nothing changed.
+        """
+        ids = iter(lambda: f"g{self._entropy.token(_ID_BYTES).hex()}", "")
+        grants = tuple(
+            Grant(
+                id=next(ids), role=role, robots=given.robots, limits=given.limits,
+                expires_ns=until_ns,
+            )
+            for role in given.roles
+        )  # fmt: skip
+        if given.scopes:
+            bare = Grant(
+                id=next(ids), scopes=given.scopes, limits=given.limits, expires_ns=until_ns
+            )
+            grants = (*grants, bare)
+        return grants, self._registry.roster.give(principal, grants, by)
+
+    # ---- giving ----
+
+    async def grant(self, asked: Asked) -> Reply:
+        """Give somebody a right, or take a single one back.
+
+        Raises:
+            Refusal: Not theirs to give, not understood, or others read along.
+        """
+        check_private(asked)
+        by, rest = asked.caller.principal, asked.rest.strip()
+        self._check_gives(by)
+        if not rest:
+            return self._how()
+        first, _, other = rest.partition(" ")
+        if first == BACK:
+            return await self._take_back(by, other.split())
+        said, sure = confirmed(rest)
+        return await self._give(by, said, sure=sure)
+
+    def _how(self) -> Reply:
+        rights = self._registry.rights()
+        roles = tuple(rights.rulebook.roles)
+        role = "operator" if "operator" in roles else next(iter(roles), "viewer")
+        return Reply(words_asking.how_to_grant(role, next(iter(rights.fleet.skills), "")))
+
+    def _check_gives(self, by: PrincipalId) -> None:
+        """See that somebody gives rights at all: nobody else learns who is who here.
+
+        Raises:
+            NotPermitted: They do not.
+        """
+        self._powers.check_not_locked(by)
+        if not self._powers.gives(by):
+            raise NotPermitted(words_asking.not_yours(self._powers.helpers(by)))
+
+    async def _give(self, by: PrincipalId, said: str, *, sure: bool) -> Reply:
+        found, rest = self._whom(said)
+        if isinstance(found, Reply):
+            return found
+        given = read_grant(rest, self._registry.rights())
+        if found.id == by:
+            raise NotPermitted(words_asking.not_to_yourself())
+        self._powers.check_give(by, given)
+        if given.lasts_s is None and not sure:
+            yes = Button(words_asking.give_label(), f"/grant {found.id} {rest} {CONFIRMED}")
+            question = words_asking.give_question(found.name, given.words)
+            return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+        grants = await self._write(by, found, given)
+        return self._told(by, found, grants)
+
+    async def _write(self, by: PrincipalId, person: Principal, given: Given) -> tuple[Grant, ...]:
+        lasts_s, now_ns = given.lasts_s, self._registry.clock.wall_ns()
+        until_ns = None if lasts_s is None else now_ns + int(lasts_s * _SECOND_NS)
+        async with self._registry.changes.turn() as turn:
+            self._powers.check_give(by, given)
+            if not self._powers.acts(person.id):
+                raise NotPermitted(words_asking.no_access(person.name))
+            grants, records = self.granted(person.id, given, until_ns, by)
+            await turn.write(records)
+        return grants
+
+    def _told(self, by: PrincipalId, person: Principal, grants: tuple[Grant, ...]) -> Reply:
+        name, tell = self._registry.name(by), self._registry.reach.tell
+        tell((person.id,), words_asking.was_given(name, self.said(grants, person.id)))
+        for other in self._powers.givers_of(grants, besides=person.id):
+            if other != by:
+                text = words_asking.was_given_to(name, person.name, self.said(grants, other))
+                tell((other,), text)
+        text = words_asking.gave(person.name, self.said(grants, by))
+        return Reply(text, ((self.take_button(grants),),))
+
+    def _whom(self, said: str) -> tuple[Principal | Reply, str]:
+        """Return who is meant by the first words, as many as go, and the rest of the line.
+
+        Raises:
+            NotUnderstood: Nobody.
+        """
+        low = said.split()
+        directory = self._registry.authoriser.directory
+        for count in range(len(low) - 1, 0, -1):
+            name, rest = " ".join(low[:count]), " ".join(low[count:])
+            if directory.person(name) is not None or directory.named(clean_name(name)):
+                found = self._names.find(name, "grant", self._has_access, private=True)
+                if isinstance(found, Reply):
+                    found = _with_rest(found, rest)
+                return found, rest
+        return self._names.find(low[0], "grant", self._has_access, private=False), ""
+
+    def _has_access(self, person: Principal) -> bool:
+        return self._powers.acts(person.id)
+
+    # ---- taking back ----
+
+    def take_button(self, grants: tuple[Grant, ...]) -> Button:
+        """Return the button that takes back what was just given."""
+        ids = " ".join(grant.id for grant in grants)
+        return Button(words_asking.take_label(), f"/grant {BACK} {ids}")
+
+    async def _take_back(self, by: PrincipalId, ids: list[str]) -> Reply:
+        async with self._registry.changes.turn() as turn:
+            held = [one for one in map(self._registry.roster.holder, ids) if one is not None]
+            if not held:
+                raise Expired(words_asking.gone())
+            principal, grants = held[0][0], tuple(grant for _, grant in held)
+            if by not in self._powers.givers_of(grants, besides=principal):
+                raise NotPermitted(words_asking.not_yours(self._powers.helpers(by)))
+            records = [self._registry.roster.take_one(principal, g.id, by) for g in grants]
+            await turn.act(record for some in records for record in some)
+        name, who = self._registry.name(by), self._registry.name(principal)
+        told = words_asking.was_taken(name, self.said(grants, principal))
+        self._registry.reach.tell((principal,), told)
+        return Reply(words_asking.taken(who, self.said(grants, by)))
+
+    # ---- the end ----
+
+    def announce(self, ended: Iterable[tuple[PrincipalId, Grant]]) -> None:
+        """Tell people what has ended by itself."""
+        by_person: dict[PrincipalId, list[Grant]] = {}
+        for principal, grant in ended:
+            by_person.setdefault(principal, []).append(grant)
+        for principal, grants in by_person.items():
+            if self._powers.acts(principal):
+                what = self._what(grants)
+                self._registry.reach.tell((principal,), words_asking.has_ended(what))
+
+    def said(self, grants: Iterable[Grant], reader: PrincipalId) -> str:
+        """Return what was given, and until when on the reader's clocks."""
+        grants = tuple(grants)
+        what, ends_ns = self._what(grants), grants[0].expires_ns
+        if ends_ns is None:
+            return what
+        now_ns = self._registry.clock.wall_ns()
+        return words_asking.until(what, moment(ends_ns, now_ns, self._zone_of(reader)))
+
+    def _what(self, grants: Iterable[Grant]) -> str:
+        return "; ".join(words.grant(grant, grant.limits, "") for grant in grants)
+
+
+def _with_rest(reply: Reply, rest: str) -> Reply:
+    """Let the buttons that tell people apart say the rest of the line as well."""
+    rows = tuple(
+        tuple(Button(b.label, f"{b.command} {rest}") for b in row) for row in reply.buttons
+    )
+    return Reply(reply.text, rows)

@@ -1,0 +1,298 @@
+"""``/ask kuka1 grasp for 1h``: a right one lacks, for a while, if somebody else allows it."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.core.civil import Local
+from rosic.core.message import Button
+from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds
+from rosic.organiser import words_petitions
+from rosic.organiser.petitions import LONGEST_S, REMEMBERED_S, SHORTEST_S, WAITS_S, State
+from rosic.organiser.words_calendar import length, moment
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.people import words_asking as words
+from rosic.pipeline.people.asking_line import read_tail, want_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.authoriser.invitation import Given
+    from rosic.core.identity import PrincipalId
+    from rosic.organiser.petitions import Petition, Petitions
+    from rosic.organiser.zones import Zone
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.people.asking_line import Places
+    from rosic.pipeline.people.granting import Granting
+    from rosic.pipeline.people.powers import Powers
+    from rosic.pipeline.people.registry import Registry
+
+MOST_NAMED = 6
+TODAY = "today"
+_NUMBER = re.compile(r"\d{1,9}(?:\.\d{1,3})?")
+
+
+class Answer(NamedTuple):
+    """What somebody says to a petition: which, and until when."""
+
+    petition: Petition
+    how: str
+
+
+class Petitioning:
+    """Takes questions to whoever may give the right, and their answers back.
+
+    Args:
+        registry: Who knows people.
+        powers: Who may give what.
+        petitions: What is open.
+        granting: Gives it.
+        places: How robots are named and shown, and where people read times.
+    """
+
+    def __init__(
+        self,
+        registry: Registry,
+        powers: Powers,
+        petitions: Petitions,
+        granting: Granting,
+        places: Places,
+    ) -> None:
+        self._registry = registry
+        self._powers = powers
+        self._petitions = petitions
+        self._granting = granting
+        self._places = places
+
+    # ---- asking ----
+
+    async def ask(self, asked: Asked) -> Reply:
+        """Ask whoever may give a right for it.
+
+        Raises:
+            Refusal: Not understood, theirs already, asked too often, or nobody can give it.
+        """
+        if not asked.rest.strip():
+            return Reply(words.how_to_ask())
+        principal = asked.caller.principal
+        want = want_of(asked, self._registry.rights(), self._places)
+        self._check_lacking(principal, self._places.given(want))
+        async with self._registry.changes.turn() as turn:
+            petition, records = self._petitions.ask(principal, want)
+            others = self._answerers(petition)
+            if not others:
+                raise NotPermitted(words.nobody_gives())
+            await turn.write(records)
+        names = self._names(others)
+        told = self._registry.reach.tell(
+            others, self._question(petition), (self._buttons(petition),), urgent=True,
+            lifetime_s=WAITS_S, still=True,
+        )  # fmt: skip
+        if not told:
+            return Reply(words.reach_nobody(names))
+        return Reply(words.have_asked(names, self._asked_for(petition), WAITS_S))
+
+    def _check_lacking(self, principal: PrincipalId, given: Given) -> None:
+        """See that somebody does not have all of this already, without limits.
+
+        Raises:
+            NotUnderstood: They have.
+        """
+        now_ns = self._registry.clock.wall_ns()
+        if self._places.lacks(self._registry.rights(), principal, given, now_ns):
+            return
+        raise NotUnderstood(words.may_already(self._places.what(given)))
+
+    # ---- answering ----
+
+    def knows(self, by: PrincipalId, said: str) -> bool:
+        """Whether an answer is about a petition: an id, or somebody who asks this person."""
+        return self._meant(by, said) is not None
+
+    async def approve(self, asked: Asked) -> Reply:
+        """Allow it: the button, or ``/approve Cy for 30 min``.
+
+        Raises:
+            Refusal: Not theirs to give, settled before, too late, or nobody is there any more.
+        """
+        by = asked.caller.principal
+        answer = self._checked(by, asked.rest)
+        petition = answer.petition
+        until_ns = self._until_ns(answer, self._places.zone_of(by))
+        given = self._places.given(petition.want)
+        async with self._registry.changes.turn() as turn:
+            self._check(by, petition)
+            grant, records = self._granting.granted(petition.principal, given, until_ns, by)
+            await turn.write((*self._petitions.allow(petition, by), *records))
+        name, who = self._registry.name(by), self._registry.name(petition.principal)
+        what = self._places.what(given)
+        use = Button(self._places.shown(petition.want.robot), f"/use {petition.want.robot}")
+        told = words.you_may(name, self._until(what, until_ns, petition.principal))
+        self._registry.reach.tell((petition.principal,), told, ((use,),))
+        for other in self._answerers(petition):
+            if other != by:
+                text = words.was_allowed(name, who, self._until(what, until_ns, other))
+                self._registry.reach.tell((other,), text)
+        back = self._granting.take_button(grant)
+        return Reply(words.allowed(who, self._until(what, until_ns, by)), ((back,),))
+
+    async def decline(self, asked: Asked) -> Reply:
+        """Do not allow it: the button, or ``/decline Cy``.
+
+        Raises:
+            Refusal: Not theirs to give, settled before, or too late.
+        """
+        by = asked.caller.principal
+        petition = self._checked(by, asked.rest).petition
+        async with self._registry.changes.turn() as turn:
+            self._check(by, petition)
+            await turn.write(self._petitions.deny(petition, by))
+        name, who = self._registry.name(by), self._registry.name(petition.principal)
+        what = self._asked_for(petition)
+        told = words.you_may_not(name, what, REMEMBERED_S)
+        self._registry.reach.tell((petition.principal,), told)
+        others = (other for other in self._answerers(petition) if other != by)
+        self._registry.reach.tell(others, words.was_denied(name, who, what))
+        return Reply(words.denied(who))
+
+    def _checked(self, by: PrincipalId, said: str) -> Answer:
+        answer = self._meant(by, said)
+        if answer is None:
+            raise Expired(words_petitions.settled())
+        self._check(by, answer.petition)
+        return answer
+
+    def _check(self, by: PrincipalId, petition: Petition) -> None:
+        """See that somebody may answer, and that there is something to answer.
+
+        Raises:
+            NotPermitted: It is their own question, or not theirs to give; or the asker is gone.
+            Expired: It is settled.
+        """
+        self._powers.check_not_locked(by)
+        if by == petition.principal:
+            raise NotPermitted(words.own_question())
+        if not self._powers.may_give(by, self._places.given(petition.want)):
+            raise NotPermitted(words.not_yours(self._powers.helpers(by)))
+        now = self._petitions.get(petition.id)
+        if now is not None and now.by:
+            name, allowed = self._registry.name(now.by), now.state is State.ALLOWED
+            raise Expired(words.answered_before(name, allowed=allowed))
+        if not self._powers.acts(petition.principal):
+            raise NotPermitted(words.no_access(self._registry.name(petition.principal)))
+
+    def _meant(self, by: PrincipalId, said: str) -> Answer | None:
+        first, _, how = said.strip().partition(" ")
+        known = self._petitions.get(first)
+        if known is not None:
+            return Answer(known, how.strip())
+        name, lasts = read_tail(said)
+        wanted = name.casefold()
+        found = [
+            petition
+            for petition in self.waiting(by)
+            if self._registry.name(petition.principal).casefold() == wanted
+        ]
+        return Answer(found[0], "" if lasts is None else str(lasts)) if found else None
+
+    def _until_ns(self, answer: Answer, zone: Zone) -> int:
+        now_ns = self._registry.clock.wall_ns()
+        if answer.how == TODAY:
+            return midnight_ns(now_ns, zone)
+        lasts_s = _seconds(answer.how) if answer.how else answer.petition.want.lasts_s
+        return now_ns + int(lasts_s * 1e9)
+
+    # ---- time ----
+
+    async def lapse(self) -> None:
+        """Settle what nobody answered in time, and say so; call it every minute or so.
+
+        Raises:
+            RecordUnavailable: Nothing was written; it is tried again with the next call.
+        """
+        async with self._registry.changes.turn() as turn:
+            late = self._petitions.late()
+            await turn.write((*map(self._petitions.lapse, late), *self._petitions.stale()))
+        for petition in late:
+            others, what = self._answerers(petition), self._asked_for(petition)
+            names = self._names(others)
+            asker = petition.principal
+            self._registry.reach.tell((asker,), words.nobody_answered(what, names))
+            self._registry.reach.tell(others, words.lapsed(self._registry.name(asker), what))
+
+    # ---- lists ----
+
+    def waiting(self, by: PrincipalId) -> tuple[Petition, ...]:
+        """Return every open petition that this person may answer."""
+        return tuple(
+            petition
+            for petition in self._petitions.open()
+            if petition.principal != by
+            and self._powers.may_give(by, self._places.given(petition.want))
+        )
+
+    def questions(self, by: PrincipalId) -> tuple[tuple[str, str, tuple[Button, ...]], ...]:
+        """Return what waits for somebody's answer: who asks, a line and its buttons, each."""
+        named = [(self._registry.name(p.principal), p) for p in self.waiting(by)]
+        return tuple(
+            (name, words.asks(name, self._asked_for(petition)), self._buttons(petition, name))
+            for name, petition in named
+        )
+
+    def own(self, principal: PrincipalId) -> tuple[str, ...]:
+        """Return what somebody waits for, a line each."""
+        return tuple(
+            words.you_wait(self._asked_for(petition))
+            for petition in self._petitions.open()
+            if petition.principal == principal
+        )
+
+    def _answerers(self, petition: Petition) -> tuple[PrincipalId, ...]:
+        return self._powers.givers(self._places.given(petition.want), petition.principal)
+
+    # ---- words ----
+
+    def _names(self, people: Iterable[PrincipalId]) -> list[str]:
+        return sorted(map(self._registry.name, people))[:MOST_NAMED]
+
+    def _question(self, petition: Petition) -> str:
+        given, rights = self._places.given(petition.want), self._registry.rights()
+        now_ns = self._registry.clock.wall_ns()
+        limits = self._places.limits(rights, petition.principal, given, now_ns)
+        name = self._registry.name(petition.principal)
+        return words.wants(name, self._asked_for(petition), limits)
+
+    def _asked_for(self, petition: Petition) -> str:
+        what = self._places.what(self._places.given(petition.want))
+        return words.for_a_time(what, int(petition.want.lasts_s))
+
+    def _until(self, what: str, until_ns: int, reader: PrincipalId) -> str:
+        now_ns, zone = self._registry.clock.wall_ns(), self._places.zone_of(reader)
+        return words.until(what, moment(until_ns, now_ns, zone))
+
+    def _buttons(self, petition: Petition, name: str = "") -> tuple[Button, ...]:
+        number, lasts_s = petition.id, petition.want.lasts_s
+        yes = words.allow_label(length(int(lasts_s)), name)
+        return (
+            Button(yes, f"/approve {number} {lasts_s:.0f}"),
+            Button(words.allow_today_label(name), f"/approve {number} {TODAY}"),
+            Button(words.no_label(name), f"/decline {number}"),
+        )
+
+
+def _seconds(said: str) -> float:
+    """Read what a button says, or what somebody typed after an id.
+
+    Raises:
+        OutOfBounds: No time, or for longer than anything is given on request.
+    """
+    _, lasts_s = (said, float(said)) if _NUMBER.fullmatch(said) else read_tail(said)
+    if lasts_s is None or not SHORTEST_S <= lasts_s <= LONGEST_S:
+        raise OutOfBounds(words_petitions.no_such_time())
+    return lasts_s
+
+
+def midnight_ns(now_ns: int, zone: Zone) -> int:
+    """Return when today ends in a zone, wall clock."""
+    return zone.instant(Local.at(zone.local(now_ns).day_number + 1)).start_ns

@@ -1,0 +1,68 @@
+"""From a line that was understood to what it asks of each robot, while it is fresh (I2, I5)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.identity import robot_command_id
+from rosic.core.order import Request
+from rosic.errors import Expired
+from rosic.pipeline.freshness import check_fresh
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import CommandId
+    from rosic.core.language import Do
+    from rosic.core.message import Inbound
+    from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.said import Said
+
+
+class Requesting:
+    """Makes requests of lines."""
+
+    def __init__(self, rooms: Rooms, clock: Clock) -> None:
+        self._board = rooms.board
+        self._profiles = rooms.profiles
+        self._clock = clock
+
+    def requests(self, said: Said, line: Do, cid: CommandId, now_ns: int) -> list[Request]:
+        """Return what the line asks of each robot, as long as it is fresh."""
+        inbound = said.inbound
+        received_ns = inbound.received_ns
+        sent_ns = min(inbound.sent_ns, received_ns)
+        age_ns = received_ns - sent_ns
+        waited_ns = max(0, self._clock.wall_ns() - received_ns)
+        # Whichever clock says that it is older: the wall clock may have been set back meanwhile.
+        asked_ns = min(said.arrived_ns, now_ns - waited_ns) - age_ns
+        requests: list[Request] = []
+        for robot, skill in zip(line.robots, line.skills, strict=True):
+            request = Request(
+                # The first carries the line's own id: understood anew, it is found all the same.
+                robot_command_id(cid, robot) if requests else cid,
+                robot,
+                skill,
+                line.spoken,
+                line.text,
+                sent_ns,
+                age_ns,
+                asked_ns + skill.order_lifetime_ns,
+                line.group,
+                robot in said.asked,
+            )
+            if now_ns > request.deadline_ns or sent_ns < inbound.listening_since_ns:
+                check_fresh(inbound, request, now_ns)
+            if received_ns <= self._board[robot].at_ns:
+                self._check_later_than_stop(inbound, request)
+            requests.append(request)
+        return requests
+
+    def _check_later_than_stop(self, inbound: Inbound, request: Request) -> None:
+        """Refuse motion received before its robot's last stop, wherever it waited since (I5)."""
+        stopped = self._board[request.robot]
+        if inbound.received_ns <= stopped.at_ns and not stopped.latched and request.skill.actuates:
+            shown = self._profiles[request.robot].shown
+            raise Expired(
+                f"{shown} was stopped after you sent this. Nothing was done.",
+                offers=(request.text,),
+            )

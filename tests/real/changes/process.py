@@ -1,0 +1,137 @@
+"""A gateway whose admins change things without a pause, until it is killed.
+
+``process.py FOLDER FIRST [piecemeal]``: people numbered from FIRST are let in with two rights each,
+get a series of times and another key, are locked, and every third is revoked again. What was
+acknowledged is said on standard output. With ``piecemeal`` records are written one by one: the
+fault that the test must find.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from itertools import count
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rosic.app.face import face_of
+from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.people import Seed
+from rosic.app.profiles import known_units
+from rosic.authoriser.admission import Redeemed
+from rosic.authoriser.invitation import Given, Wanted
+from rosic.core.civil import Local
+from rosic.core.identity import Address
+from rosic.core.robot import Link, Profile
+from rosic.core.skill import Skill
+from rosic.core.slot import Pattern
+from rosic.robots.memory import MemoryRobot
+from rosic.stores.database import DatabaseStore
+from rosic.stores.latch import MemoryLatch
+from rosic.system import SystemClock, SystemEntropy
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.core.record import Record
+
+AT_ONCE = 4
+TIMES = 10
+ROBOTS = ("omni", "kuka1")
+ADA = Seed("Ada", (Address("memory", "1"),), ("admin",))
+
+
+class Piecemeal(DatabaseStore):
+    """Writes what belongs together one by one."""
+
+    async def write(self, *records: Record) -> None:
+        for record in records:
+            await super().write(record)
+
+
+def a_gateway(store: DatabaseStore) -> Gateway:
+    """Return a gateway over a record; nothing is opened."""
+    profiles = tuple(
+        Profile(id=name, link=Link(kind="memory"), skills={"wave": Skill(id="wave")})
+        for name in ROBOTS
+    )
+    parts = Parts(
+        messengers=(), robot_factory=lambda _kind: MemoryRobot, store=store, latch=MemoryLatch(),
+        clock=SystemClock(), entropy=SystemEntropy(), units=known_units(), face=face_of(),
+    )  # fmt: skip
+    return Gateway(Settings(profiles=profiles, people=(ADA,)), parts)
+
+
+def say(*words: object) -> None:
+    """In one piece, at once: what is in the pipe outlives this process."""
+    os.write(1, (" ".join(map(str, words)) + "\n").encode())
+
+
+class Admin:
+    """Does to one person after another what admins do."""
+
+    def __init__(self, gateway: Gateway, numbers: Iterator[int]) -> None:
+        self._gateway = gateway
+        self._access = gateway.access
+        self._numbers = numbers
+        self._ada = gateway.rooms.authoriser.directory.named("Ada")[0].id
+
+    async def run(self) -> None:
+        """Go on until killed."""
+        for number in self._numbers:
+            who = await self._join(number)
+            await self._book(number, who)
+            async with self._access.changes.turn() as turn:
+                await turn.write(self._access.keys.rotate(who, self._ada).records)
+            say("rotated", number)
+            async with self._access.changes.turn() as turn:
+                await turn.act(self._access.locks.lock(who, self._ada))
+            say("locked", number)
+            if number % 3 == 0:
+                await self._gateway.revoke(who, self._ada)
+                say("revoked", number)
+
+    async def _join(self, number: int) -> str:
+        access, enrolment = self._access, self._access.enrolment
+        given = Given(roles=("operator", "viewer"), robots=ROBOTS, lasts_s=86_400.0)
+        async with access.changes.turn() as turn:
+            wanted = Wanted(given=given, needs_confirmation=False)
+            offer = enrolment.invitations.invite(wanted, self._ada)
+            await turn.write(offer.records)
+        async with access.changes.turn() as turn:
+            answer = enrolment.redeem(
+                offer.code.reveal(), Address("memory", f"x{number}"), private=True,
+                name=f"Person {number}",
+            )  # fmt: skip
+            assert isinstance(answer, Redeemed)
+            await turn.write(self._gateway.furnishing.admitting.records(answer, self._ada))
+        say("joined", number)
+        return answer.person.id
+
+    async def _book(self, number: int, who: str) -> None:
+        calendar = self._gateway.rooms.organiser.calendar
+        minute, far = number % 1_440, number // 1_440
+        first = Local.at(_today() + 1 + far * TIMES)
+        first = Local(first.year, first.month, first.day, minute // 60, minute % 60)
+        pattern = Pattern(first, 60, f"FREQ=DAILY;COUNT={TIMES}", "UTC")
+        async with self._access.changes.turn() as turn:
+            await turn.write(calendar.book_series(who, ROBOTS[number % 2], pattern, who))
+        say("booked", number)
+
+
+def _today() -> int:
+    return SystemClock().wall_ns() // 86_400_000_000_000
+
+
+async def main(folder: Path, first: int, *, piecemeal: bool) -> None:
+    kind = Piecemeal if piecemeal else DatabaseStore
+    gateway = a_gateway(kind(folder, clock=SystemClock()))
+    await gateway.open()
+    say("open")
+    numbers = count(first)
+    await asyncio.gather(*(Admin(gateway, numbers).run() for _ in range(AT_ONCE)))
+
+
+if __name__ == "__main__":
+    asyncio.run(main(Path(sys.argv[1]), int(sys.argv[2]), piecemeal="piecemeal" in sys.argv))

@@ -1,0 +1,76 @@
+"""A question that is not answered loses its buttons; one that is becomes its answer."""
+
+from __future__ import annotations
+
+from tests.rooms.pipeline.place import Place
+
+
+def _labels(place: Place, message: str) -> list[str]:
+    return [button.label for row in place.chat.shown(message).buttons for button in row]
+
+
+async def test_a_question_that_nobody_answers_loses_its_buttons() -> None:
+    async with Place().open() as place:
+        await place.say("/start omni__wave")
+        message, shown = place.last()
+        await place.clock.advance(59.0)
+        await place.quiet()
+        assert "Do it" in _labels(place, message)
+        await place.clock.advance(3.0)
+        await place.quiet()
+        assert _labels(place, message) == []
+        assert place.chat.shown(message).text == shown.text
+
+
+async def test_a_menu_lies_open_for_longer_and_keeps_what_stops() -> None:
+    async with Place().open() as place:
+        await place.say("use omni")
+        message = place.last()[0]
+        await place.clock.advance(120.0)
+        await place.quiet()
+        await place.tap(*place.button("Wave"))
+        await place.say("use omni")
+        later = place.last()[0]
+        await place.clock.advance(601.0)
+        await place.quiet()
+        assert _labels(place, later) == ["STOP"]
+        assert message != later
+
+
+async def test_an_answer_is_not_stripped_when_the_questions_time_is_over() -> None:
+    async with Place().open() as place:
+        place.robot("omni").work_s = 10_000.0
+        await place.say("/start omni__wave")
+        await place.tap(*place.button("Do it"))
+        message, shown = place.last()
+        assert "sent" in shown.text
+        before = len(place.chat.told)
+        await place.clock.advance(700.0)
+        await place.quiet()
+        assert len(place.chat.told) == before
+        assert _labels(place, message) == ["STOP"]
+
+
+async def test_the_question_becomes_the_life_it_asked_for() -> None:
+    async with Place().open() as place:
+        await place.say("/start omni__wave")
+        question = place.last()[0]
+        await place.tap(*place.button("Do it"))
+        assert place.last()[0] == question
+        assert "done" in place.last()[1].text
+        assert _labels(place, question) == []
+
+
+async def test_where_the_question_is_gone_the_life_has_a_message_of_its_own() -> None:
+    async with Place().open() as place:
+        await place.say("/start omni__wave")
+        button, question = place.button("Do it")
+        place.chat.tap(button, under=question)
+        place.chat.delete(question)
+        for _ in range(3):
+            await place.clock.advance(1.0)
+            await place.quiet()
+        message, shown = place.last()
+        assert message != question
+        assert "done" in shown.text
+        assert place.acted() == 1
