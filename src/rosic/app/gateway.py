@@ -330,18 +330,14 @@ class Gateway:
         """
         begun_ns = self._parts.clock.monotonic_ns()
         await self._fall_deaf()
+        leaving = asyncio.create_task(self._write_down())  # before what may take too long
         ending = asyncio.create_task(self._end_lives(begun_ns))
         await asyncio.sleep(0)  # from here on no order begins
         idle = self._idle()
         await asyncio.gather(ending, *map(self._part, idle))
         await asyncio.gather(*map(self._part, tuple(self._opened)))
-        if hasattr(self, "rooms"):
-            save(self.rooms.organiser.rates, self._parts.store)
-            self._parts.store.note(self.access.time.mark())
-        if hasattr(self, "access"):
-            leaving = asyncio.ensure_future(self._write_down())
-            await asyncio.wait((leaving,), timeout=HOLD_WITHIN_S)
-            leaving.cancel()
+        await asyncio.wait((leaving,), timeout=HOLD_WITHIN_S)
+        leaving.cancel()
         await self._parts.store.close()
 
     async def _part(self, robot: Robot) -> None:
@@ -362,8 +358,12 @@ class Gateway:
         return all(k.done() and not k.cancelled() and k.exception() is None for k in keeping)
 
     async def _write_down(self) -> None:
-        """Keep what was only counted so far."""
-        await self.access.leave()
+        """Keep what was only counted so far. Nobody is heard any more, so it is the last."""
+        if hasattr(self, "rooms"):
+            save(self.rooms.organiser.rates, self._parts.store)
+        if hasattr(self, "access"):
+            self._parts.store.note(self.access.time.mark())
+            await self.access.leave()
         if hasattr(self, "holding"):
             await self.holding.leave()
 
