@@ -135,13 +135,15 @@ class TooManyRequests(Refusal):
 
     Attributes:
         retry_after_s: Seconds until one request would be admitted.
+        own: It is the person's own limit; others' are no misuse.
     """
 
     code = "too-many-requests"
 
-    def __init__(self, sentence: str, *, retry_after_s: float) -> None:
+    def __init__(self, sentence: str, *, retry_after_s: float, own: bool = True) -> None:
         super().__init__(sentence)
         self.retry_after_s = retry_after_s
+        self.own = own
 
 
 class RobotTaken(Refusal):

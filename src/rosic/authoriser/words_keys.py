@@ -7,6 +7,7 @@ from rosic.core.saying import joined, said
 
 ENDED = said("Your access here has ended. The admin of this place can renew it.")
 NO_KEY = said("There is no such key. Nothing was done.")
+KEY_TAKEN = said("One of your keys was taken back. You can go on as before.")
 KEY_GONE = said("This key was taken back before. Nothing was done.")
 NOTHING_TO_ROTATE = said(
     "There is no good key to replace. Invite the person again. Nothing was done."
@@ -31,6 +32,11 @@ PHONE_BROKEN = said("What I know about your phone cannot be read. An admin has t
 OWN_RESET = said("Another admin has to reset your codes. Nothing was done.")
 NOTHING_TO_RESET = said("No phone is set up for this person. Nothing was done.")
 PHONE_READY = said("Your phone is set up. I ask for a code before dangerous things.")
+CLOCK_GOOD = "The clock of this machine shows the latest time that was seen here. All is well."
+CLOCK_ACCEPTED = (
+    "The clock of this machine counts again. What ended in the meantime may be good again: "
+    "look at rosic people and rosic key list."
+)
 CODE_TAKEN = said("Thank you. I ask again after an hour without use.")
 
 
@@ -47,6 +53,15 @@ def too_many_codes(seconds: float) -> str:
     """Return what is said after five wrong codes."""
     return said(
         "Too many wrong codes. Try again in {lasting}. Nothing was done.", lasting=lasting(seconds)
+    )
+
+
+def clock_behind(seconds: float) -> str:
+    """Return what the operator reads when the machine's clock was set back."""
+    return (
+        f"The clock of this machine is {lasting(seconds)} behind the latest time that was seen "
+        "here. What has ended stays ended, and times are counted from the later one. If the clock "
+        "is right now and was wrong before: rosic clock --accept"
     )
 
 

@@ -17,6 +17,10 @@ _FEW: Final = 10
 # ---- settings ----
 
 HOW_FAST: Final = said("Say how fast you want to go at most, with its unit: 0.2 m/s. Or say none.")
+SETTINGS_DAMAGED: Final = said(
+    "Your settings cannot be read any more, and a highest speed may be among them. Until you say "
+    "one, you go slowly: /settings speed 0.2 m/s, or /settings speed none."
+)
 SPEED_NOT_POSITIVE: Final = said("A highest speed must be above 0. To go nowhere, say stop.")
 WHICH_UNITS: Final = said(
     "Lengths and speeds can be shown in metric or in imperial units. Say which."

@@ -159,13 +159,14 @@ class Handover:
 
     def _in_the_way(self, robot: RobotId) -> list[PrincipalId]:
         organiser = self._rooms.organiser
-        slot = organiser.calendar.present(robot, self._clock.wall_ns())
+        slot = organiser.calendar.present(robot, organiser.wall_ns())
         found = [organiser.holder(robot), slot.principal if slot is not None else None]
         return list(dict.fromkeys(p for p in found if p is not None))
 
     def outranks(self, who: PrincipalId, other: PrincipalId, robot: RobotId) -> bool:
         """Whether somebody may take a robot over from somebody else, by the rules of the place."""
-        rights, now_ns = self._rooms.organiser.rights, self._clock.wall_ns()
+        organiser = self._rooms.organiser
+        rights, now_ns = organiser.rights, organiser.wall_ns()
         return rights.may_take_over(robot) and rights.priority(
             who, robot, now_ns
         ) > rights.priority(other, robot, now_ns)

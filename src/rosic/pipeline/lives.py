@@ -19,11 +19,12 @@ if TYPE_CHECKING:
 
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
-    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.identity import PrincipalId
     from rosic.core.life import Life
     from rosic.core.robot import RobotId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.cards import Card
+    from rosic.pipeline.said import Said
     from rosic.pipeline.telling import Teller
 
 AT_MOST = 20_000
@@ -40,16 +41,17 @@ class OrderLife:
     """One order from its claim to its end.
 
     Attributes:
+        said: The message that asked for it.
         shown: How it reads on its card.
         begun: It has been relayed.
         words: How it ended, once it has.
     """
 
-    __slots__ = ("_lives", "begun", "caller", "card", "order", "shown", "words")
+    __slots__ = ("_lives", "begun", "card", "order", "said", "shown", "words")
 
-    def __init__(self, order: Order, caller: Caller, card: Card, shown: Life, lives: Lives) -> None:
+    def __init__(self, order: Order, said: Said, card: Card, shown: Life, lives: Lives) -> None:
         self.order = order
-        self.caller = caller
+        self.said = said
         self.card = card
         self.begun = False
         self.words = ""
@@ -127,12 +129,12 @@ class Lives:
     def __len__(self) -> int:
         return self._under_way
 
-    def begin(self, order: Order, caller: Caller, card: Card, shown: Life) -> None:
+    def begin(self, order: Order, said: Said, card: Card, shown: Life) -> None:
         """Let a claimed order live. It will end, and its end will be told."""
         self._under_way += 1
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
-        life = OrderLife(order, caller, card, shown, self)
+        life = OrderLife(order, said, card, shown, self)
         if self._under_way > AT_MOST:
             self.ended(life, FULL)
         elif self._closing:
@@ -207,7 +209,8 @@ class Lives:
     async def _relay_anew(self, life: OrderLife) -> Outcome:
         """Admit an order once more under the present policy, and relay it; its turn is kept."""
         while True:
-            permit = self._organiser.readmit(life.caller, life.order)
+            said = life.said
+            permit = self._organiser.readmit(said.caller, life.order, said.grounds())
             try:
                 renewed = msgspec.structs.replace(life.order, permit=permit)
                 return await self._linker.dispatch(renewed, life.tell)

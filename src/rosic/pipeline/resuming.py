@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from rosic.core.stopboard import StopBoard
     from rosic.linker.linker import Linker
     from rosic.organiser.organiser import Organiser
+    from rosic.pipeline.said import Said
 
 
 RESUME_LIFETIME_NS = 30_000_000_000
@@ -34,7 +35,7 @@ class Resuming:
         self._linker = linker
         self._board = board
 
-    async def resume(self, caller: Caller, inbound: Inbound, line: Resume, cid: CommandId) -> str:
+    async def resume(self, asked: Said, line: Resume, cid: CommandId) -> str:
         """Resume every robot of the line that is stopped. Return what to say.
 
         Raises:
@@ -44,16 +45,18 @@ class Resuming:
                 overtake, so an older resume can arrive after a younger stop (I5).
             Repeated, RecordUnavailable, RobotStopped: Robots not resumed so far stay stopped.
         """
+        caller, inbound = asked.caller, asked.inbound
         stopped = self._stopped(caller, line)
         for robot in stopped:
-            self._organiser.check_resume(caller, robot)
+            self._organiser.check_resume(caller, robot, asked.grounds())
             self._check_later(inbound, robot)
         # As they were when this was asked: what is stopped meanwhile stays stopped.
         generations = {robot: self._board[robot].generation for robot in stopped}
         for robot, generation in generations.items():
             robot_cid = robot_command_id(cid, robot)
             await self._container.resume(robot_cid, caller, robot, generation)
-            self._organiser.check_resume(caller, robot)  # the right may have ended meanwhile
+            # The right may have ended meanwhile.
+            self._organiser.check_resume(caller, robot, asked.grounds())
             shown = self._linker.profile(robot).shown
             try:
                 ready = await self._linker.resume(robot, generation)

@@ -232,16 +232,18 @@ class Pipeline:
             return
         if isinstance(line, Misunderstood) and not self._addressed(said.inbound):
             return  # people talk to each other in groups
+        # Before anything may refuse it: what was refused once is not done when it comes again.
+        repeated = self._repeated(cid)
         self._rooms.organiser.charge(said.caller)
         if isinstance(line, Misunderstood):
             raise NotUnderstood(line.sentence, offers=line.offers)
-        if not self._repeated(cid):
+        if not repeated:
             await self._answer(said, line, cid)
 
     async def _answer(self, said: Said, line: Line, cid: CommandId) -> None:
         """Do what is asked beside orders, and say so."""
         if isinstance(line, Resume):
-            text = await self._resuming.resume(said.caller, said.inbound, line, cid)
+            text = await self._resuming.resume(said, line, cid)
             self._replies.say(said.messenger, said.inbound, text)
         elif isinstance(line, Errand):
             asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid)
@@ -347,7 +349,7 @@ class Pipeline:
             what = order.words if catalogue is None else in_language(order.words, catalogue)
             life = card.add(order.cid, shown, f"{shown}: {what}", now_ns)
             self.audience.note(order.robot, messenger, chat, caller.principal)
-            self.lives.begin(order, caller, card, life)
+            self.lives.begin(order, said, card, life)
         self._teller.show(card)
 
     def _check_all_free(self, requests: list[Request]) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from sqlalchemy import select
 
-from rosic.core.record import Fact, Letter
+from rosic.core.record import Fact, KeyRevoked, Letter, Resumed, Stopped
 from rosic.core.saying import said
 from rosic.errors import StoreFault
 from rosic.stores import reading, sqlite, tables
@@ -31,6 +31,8 @@ DEFAULTS = Settings()
 AT_ONCE = 500  # administrative acts read in one step
 NEWER_THAN_ALL = 2**63 - 1
 COMMANDS_SHOWN = 10_000  # the newest of one person
+URGENT = frozenset({Stopped, Resumed, KeyRevoked})
+LOCK = "lock"  # the kind of fact that keeps somebody out
 
 
 class Shelves(reading.Reader):
@@ -134,6 +136,19 @@ class ReadingWriter(Writer):
             raise fault(f"{sqlite.reason(error)}. Try again.", error) from error
 
 
+def is_urgent(records: tuple[Record, ...]) -> bool:
+    """Whether records go before others: stops, what undoes them, and what keeps somebody out.
+
+    Nothing else is written under their ids meanwhile, so it does not matter what they overtake:
+    the numbers of a robot only grow, and an administrative act is written before the next begins.
+    """
+    for record in records:
+        kind = type(record)
+        if kind in URGENT or (kind is Fact and record.kind == LOCK):  # type: ignore[union-attr]
+            return True
+    return False
+
+
 class DatabaseStore:
     """One SQLite file, one writer thread, one transaction for many calls.
 
@@ -163,6 +178,7 @@ class DatabaseStore:
             finish=writer.close,
             group_max=self._settings.group_max,
             queue_max=self._settings.queue_max,
+            urgent=is_urgent,
         )
         lane.start()
         try:
@@ -230,6 +246,25 @@ class DatabaseStore:
                 break
             before = page[-1][0]
         return tuple(found)
+
+    async def forget_decisions(self, before_ns: int) -> int:
+        """Forget administrative acts from before a time; return how many. In small steps.
+
+        The newest one of all is never forgotten, nor what is not that much older than it is: a
+        clock that jumps ahead forgets nothing.
+
+        Raises:
+            StoreFault: Not all were forgotten; the rest is tried the next time.
+        """
+        writer = self._writer
+        if writer is None:
+            raise StoreFault("The record is closed.")
+        kept_ns, total = self._clock.wall_ns() - before_ns, 0
+        while step := await self._opened().call(
+            partial(writer.forget_decisions, before_ns, kept_ns)
+        ):
+            total += step
+        return total
 
     async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
         """Return at most so many facts of a kind, by key, from behind a key on.

@@ -167,6 +167,14 @@ class MemoryStore:
             raise StoreFault(said("The record is closed."))
         return tuple(islice(reversed(self._decisions), max(limit, 0)))
 
+    async def forget_decisions(self, before_ns: int) -> int:
+        """Forget administrative acts from before a time, but never the newest; return how many."""
+        count = 0
+        while len(self._decisions) > 1 and self._decisions[0].at_ns < before_ns:
+            self._decisions.popleft()
+            count += 1
+        return count
+
     async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
         """Return at most so many facts of a kind, by key, from behind a key on.
 

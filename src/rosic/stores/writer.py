@@ -285,6 +285,19 @@ class Writer:
         except sqlite.FAILURES as error:
             raise fault(f"{sqlite.reason(error)}. Nothing was forgotten.", error) from error
 
+    def forget_decisions(self, before_ns: int, kept_ns: int) -> int:
+        """Forget some administrative acts that are old. Return how many.
+
+        Raises:
+            StoreFault: Nothing was forgotten.
+        """
+        connection, _ = self._connected()
+        try:
+            with connection.begin():
+                return self._erasure.forget_decisions(connection, before_ns, kept_ns)
+        except sqlite.FAILURES as error:
+            raise fault(f"{sqlite.reason(error)}. Nothing was forgotten.", error) from error
+
     def shred(self, container: str) -> None:
         """Erase a container's key from the database and from the log file.
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Principal, PrincipalId
     from rosic.core.record import Record
     from rosic.pipeline.office import Asked
+    from rosic.pipeline.people.notices import Notices
     from rosic.pipeline.people.powers import Powers
     from rosic.pipeline.people.registry import Registry
 
@@ -35,9 +36,10 @@ MYSELF = frozenset({"me", "myself"})
 class Custody:
     """Takes access away and gives a locked person theirs back."""
 
-    def __init__(self, registry: Registry, powers: Powers) -> None:
+    def __init__(self, registry: Registry, powers: Powers, notices: Notices) -> None:
         self._registry = registry
         self._powers = powers
+        self._notices = notices
         self._names = Names(registry)
         self._directory = registry.authoriser.directory
         self._locks = registry.locks
@@ -66,8 +68,7 @@ class Custody:
             question = words_access.revoke_question(found.name, self._given(found.id))
             return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         written = await self._end_for_good(found, by)
-        self._registry.reach.tell((found.id,), words_keys.ENDED)
-        self._tell_admins(by, PEOPLE, words_access.was_revoked(self._registry.name(by), found.name))
+        self._notices.revoked(found, by)
         return Reply(words.noted(words_keys.revoked(found.name), written=written))
 
     def _has_access(self, person: Principal) -> bool:
@@ -137,7 +138,7 @@ class Custody:
                 yes = Button(words_access.LOCK_ME, f"/lock {by} {CONFIRMED}")
                 return Reply(words_access.LOCK_LAST, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         written = await self._end_for_now(found.id, by)
-        self._tell_admins(by, LOCK, words_access.was_locked(self._registry.name(by), found.name))
+        self._notices.locked(found, by)
         sentence = words_access.LOCKED_YOURSELF if found.id == by else words_keys.locked(found.name)
         return Reply(words.noted(sentence, written=written))
 
@@ -162,9 +163,7 @@ class Custody:
         async with self._registry.changes.turn() as turn:
             self._powers.check(by, LOCK)
             await turn.write(self._locks.unlock(found.id, by, found.name))
-        name = self._registry.name(by)
-        self._registry.reach.tell((found.id,), words_access.you_are_unlocked(name))
-        self._tell_admins(by, LOCK, words_access.was_unlocked(name, found.name))
+        self._notices.unlocked(found, by)
         return Reply(words_keys.unlocked(found.name))
 
     def _locked_names(self) -> tuple[str, ...]:
@@ -194,9 +193,6 @@ class Custody:
         self._ending.add(ending)
         ending.add_done_callback(self._ending.discard)
         return ending
-
-    def _tell_admins(self, by: PrincipalId, verb: str, text: str) -> None:
-        self._registry.reach.tell(self._powers.holders(verb, besides=by), text, urgent=True)
 
 
 def _all(found: Iterable[Iterable[Record]]) -> tuple[Record, ...]:

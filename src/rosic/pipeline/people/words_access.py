@@ -51,6 +51,11 @@ def last_admin(name: str) -> str:
     )
 
 
+def was_key_taken(by: str, name: str) -> str:
+    """Return what the other admins read."""
+    return said("{by} took a key of {name} back. {name} has another one.", by=by, name=name)
+
+
 def was_revoked(by: str, name: str) -> str:
     """Return what the other admins read."""
     return said("{by} ended the access of {name}.", by=by, name=name)
