@@ -5,6 +5,7 @@
 #   make check         the checks alone: style, types, imports
 #   make pictures      draw the chats in docs/pictures anew, from what is said today
 #   make campaign      the long runs; hours, not minutes
+#   make texts         collect what ROSIC says for its translators, and compile it
 #   make requirements  work out the pinned versions anew (UPGRADE=1: the newest that fit)
 #   make clean         remove the environment and whatever was built
 #
@@ -29,7 +30,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DELETE_ON_ERROR:
 # Two pips at work in one environment would spoil it.
 .NOTPARALLEL:
-.PHONY: help demo test check pictures campaign requirements clean
+.PHONY: help demo test check pictures campaign texts requirements clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -99,6 +100,9 @@ endef
 # Universal (one file for every supported Python), with hashes, without addresses. The smaller set keeps to the larger.
 compile = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
     --custom-compile-command "make requirements" pyproject.toml requirements/build.in
+
+texts: $(VENV)/.dev
+	@$(BIN)/python -m tests.texts $(LANGUAGE)
 
 requirements:
 	@test -x $(BIN)/uv || $(MAKE) $(VENV)/.dev

@@ -44,6 +44,11 @@ class RosicError(Exception):
 
     code: ClassVar[str] = "rosic"
 
+    @property
+    def sentence(self) -> str:
+        """What a person may read. Unlike ``str(error)`` it can be said in another language."""
+        return self.args[0] if self.args else ""
+
 
 class Refusal(RosicError):
     """The person may not, or not now. No robot has moved because of this request.
@@ -131,13 +136,15 @@ class TooManyRequests(Refusal):
 
     Attributes:
         retry_after_s: Seconds until one request would be admitted.
+        own: It is the person's own limit; others' are no misuse.
     """
 
     code = "too-many-requests"
 
-    def __init__(self, sentence: str, *, retry_after_s: float) -> None:
+    def __init__(self, sentence: str, *, retry_after_s: float, own: bool = True) -> None:
         super().__init__(sentence)
         self.retry_after_s = retry_after_s
+        self.own = own
 
 
 class RobotTaken(Refusal):

@@ -92,6 +92,10 @@ CASES = [
     Case("empty name", 'name = "lab"', 'name = "" #!', "'' is not a name.",
          "Use 1 to 64 characters of one line."),
     Case("data", 'data = "data"', 'data = "" #!', "'' is not a folder."),
+    Case("a zone that is none", 'name = "lab"', 'name = "lab"\nzone = "Europe/Viena" #!',
+         'I know no time zone "Europe/Viena". Did you mean Europe/Vienna?'),
+    Case("a city for a zone", 'name = "lab"', 'name = "lab"\nzone = "berlin" #!',
+         'I know no time zone "berlin". Did you mean Europe/Berlin?'),
     # ---- messengers ----
     Case("no kind", '[[messenger]]\nkind = "terminal"', '[[messenger]] #!\nname = "terminal"',
          "A messenger needs a kind that is a text.", 'For example kind = "telegram".'),

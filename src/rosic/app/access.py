@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from rosic.app.people import person_of
 from rosic.authoriser.enrolment import Enrolment
-from rosic.authoriser.highwater import HighWater
 from rosic.authoriser.keys import KeyRing
 from rosic.authoriser.locks import Locks
 from rosic.authoriser.misuse import Misuse, MisuseLimits
@@ -18,6 +17,7 @@ from rosic.core.record import Enrolled, KeyIssued, KeyRevoked
 from rosic.core.slot import SERIES, SLOT
 from rosic.errors import Refusal
 from rosic.organiser.petitions import PETITION, Petitions
+from rosic.organiser.rates import KIND as RATE
 from rosic.organiser.roster import GRANT
 from rosic.organiser.waiting import WAITING, WaitingList
 from rosic.pipeline.changes import Changes
@@ -25,7 +25,7 @@ from rosic.pipeline.changes import Changes
 if TYPE_CHECKING:
     from rosic.app.authority import Authority
     from rosic.authoriser.authoriser import Authoriser
-    from rosic.contracts.clock import Clock
+    from rosic.authoriser.highwater import HighWater
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
@@ -45,27 +45,29 @@ class Access:
     """
 
     def __init__(
-        self, authoriser: Authoriser, authority: Authority, store: Store, clock: Clock,
+        self, authoriser: Authoriser, authority: Authority, store: Store, time: HighWater,
         entropy: Entropy, *, place: str,
     ) -> None:  # fmt: skip
         self.changes = Changes(store)
-        self.time = HighWater(clock)
+        self.time = time
         self.tally = Tally()
         self.locks = Locks(self.time)
         self.keys = KeyRing(self.time, entropy, self.tally)
         self.enrolment = Enrolment(authoriser.directory, self.locks, self.time, entropy, self.tally)
         self.stepup = StepUp(self.time, entropy, self.tally, place=place)
         self.misuse = Misuse(
-            clock, MisuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
+            time, MisuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
         )
         self.security = Security(
             authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
         )
-        self.waiting = WaitingList(clock)
+        self.waiting = WaitingList(time)
         authoriser.count = self.tally.count
         self.petitions = Petitions(self.time.wall_ns, entropy)
         self._authoriser = authoriser
         self._authority = authority
+        authoriser.wall_ns = time.wall_ns
+        authoriser.ends_of = self.keys.ends_ns
 
     def restore(self, memory: Memory, organiser: Organiser) -> None:
         """Take over what earlier runs wrote, and say who keeps what from now on."""
@@ -89,8 +91,9 @@ class Access:
         calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
         changes.keep(SLOT, calendar.apply)
         changes.keep(SERIES, calendar.apply)
+        organiser.rates.restore(memory.facts.get(RATE, ()))
         self.keys.restore(self._authoriser.directory.keys(), memory.facts.get("key-end", ()))
-        changes.keep("key-end", self.keys.apply)
+        changes.keep("key-end", self._key_ends)
         changes.keep("lock", self._locked)
         changes.keep(GRANT, authority.granted)
         changes.watch(Enrolled, self._enrolled)
@@ -105,6 +108,12 @@ class Access:
         self.locks.apply(fact)
         self.stepup.end(fact.key)
         self._authority.renew(fact.key)
+
+    def _key_ends(self, fact: Fact) -> None:
+        self.keys.apply(fact)
+        key = self._authoriser.directory.key(fact.key)
+        if key is not None:
+            self._authoriser.forget(key.principal)
 
     def _enrolled(self, record: Enrolled) -> None:
         self._authoriser.directory.enrol(person_of(record))

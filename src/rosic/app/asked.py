@@ -28,6 +28,7 @@ class Verb(enum.Enum):
     WHO = "who"
     TAKEN = "taken"
     BOOK = "book"
+    CLOCK = "clock"
     CONTAINERS = "containers"
     CONTAINER = "container"
     CONTENT = "container-content"

@@ -142,14 +142,14 @@ def rulebook_of(
 
 
 def key_of(authoriser: Authoriser, key_id: KeyId) -> Key | None:
-    """Return a key as deciding sees it."""
+    """Return a key as deciding sees it: with the end of its grace, if it was replaced."""
     key = authoriser.directory.key(key_id)
     if key is None:
         return None
     return Key(
         id=key.id,
         principal=key.principal,
-        expires_ns=key.expires_ns,
+        expires_ns=authoriser.ends_of(key),
         revoked=key.revoked_ns is not None,
         scopes=tuple(map(Scope.parse, key.scopes)),
     )

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.containers.erasing import Erasing
     from rosic.pipeline.containers.parts import Holdings
+    from rosic.pipeline.people.notices import Notices
 
 
 class Books(NamedTuple):
@@ -34,6 +35,7 @@ class Books(NamedTuple):
         zone: Of the place; times are told in it.
         assurances: What a conversation on each platform is worth.
         bots: Names of the accounts on Telegram, as far as they are known.
+        notices: Tells people in their chats; None: no gateway runs, so nobody can be told.
         holdings: What is kept in containers; None: the record cannot look into them.
         erasing: Erases somebody; None while no gateway runs.
     """
@@ -48,6 +50,7 @@ class Books(NamedTuple):
     zone: Zone
     assurances: Mapping[str, Assurance]
     bots: Sequence[str] = ()
+    notices: Notices | None = None
     holdings: Holdings | None = None
     erasing: Erasing | None = None
 
@@ -73,7 +76,6 @@ class Books(NamedTuple):
 
 def books_of(
     gateway: Gateway,
-    clock: Clock,
     zone: str,
     messengers: Sequence[Messenger] = (),
     bots: Sequence[str] = (),
@@ -83,7 +85,8 @@ def books_of(
     return Books(
         access=gateway.access, authority=gateway.authority, authoriser=rooms.authoriser,
         organiser=rooms.organiser, vocabulary=rooms.vocabulary, profiles=rooms.profiles,
-        clock=clock, zone=zone_or_universal(zone), bots=bots,
+        clock=gateway.access.time, zone=zone_or_universal(zone), bots=bots,
+        notices=gateway.furnishing.notices,
         holdings=gateway.holding.holdings, erasing=gateway.holding.erasing,
         assurances={
             m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE)

@@ -24,16 +24,17 @@ from rosic.app.config_file import (
 )
 from rosic.app.people import Seed
 from rosic.app.profiles import find_profile, fleet_findings, known_units, read_profile
+from rosic.app.retention import Keep
 from rosic.app.secret_settings import SecretSettings
 from rosic.app.shape import Finding, Walker
 from rosic.app.toml_file import read_toml
-from rosic.core.rate import RateLimit
-from rosic.core.robot import Profile
+from rosic.core.rate import RateLimit, parse_rate
+from rosic.core.robot import Profile, RobotId
 from rosic.core.roles import Rulebook
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     from rosic.app.source import Source
     from rosic.core.language import UnitTable
@@ -64,6 +65,8 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         data: Folder of the record, absolute.
         rulebook: Roles, care and pre-emption.
         zone: Of the place.
+        limits: Of each person.
+        robot_limits: Of robots that have one.
     """
 
     path: Path
@@ -77,6 +80,8 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     rulebook: Rulebook
     zone: str
     limits: RateLimit
+    robot_limits: dict[RobotId, RateLimit]
+    keep: Keep
 
 
 class ReadConfig(NamedTuple):
@@ -154,9 +159,19 @@ def read_config(
         people=tuple(_seed(person) for person in file.principal),
         rulebook=rulebook_of(file.role, file.care, file.gateway.preempt),
         zone=file.gateway.zone,
-        limits=file.limits,
+        limits=RateLimit(burst=file.limits.burst, per_s=file.limits.per_s),
+        robot_limits=_robot_limits(file, robots),
+        keep=file.keep,
     )
     return ReadConfig(config, [], reading.advice)
+
+
+def _robot_limits(file: ConfigFile, robots: Sequence[Profile]) -> dict[RobotId, RateLimit]:
+    said = {
+        profile.id: table.rate or file.limits.robot
+        for profile, table in zip(robots, file.robot, strict=True)
+    }
+    return {robot: parse_rate(text) for robot, text in said.items() if text}
 
 
 def _seed(person: PrincipalTable) -> Seed:

@@ -9,13 +9,16 @@ import msgspec
 
 from rosic.app.authority import fleet_of, rulebook_of
 from rosic.app.profile_forms import NAMED
+from rosic.app.retention import Keep
 from rosic.app.shape import Bounds, Field, Finding, Form, Rules
 from rosic.app.source import Place, nearest
 from rosic.core.identity import Address
 from rosic.core.limits import unit_converter
-from rosic.core.rate import RateLimit
+from rosic.core.rate import RateLimit, parse_rate
 from rosic.core.role_mistakes import rulebook_mistakes
 from rosic.core.roles import DEFAULT_ROLES, Care, Role
+from rosic.errors import OutOfBounds
+from rosic.organiser.zones import zone_named
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -59,10 +62,26 @@ class RobotTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     Attributes:
         profile: Name of a profile that ships, or a file relative to the configuration file.
         link: Reaches the robot by this adapter instead of the profile's ``link.kind``.
+        rate: How much the robot takes from everybody together: ``60/min burst 10``.
     """
 
     profile: str
     link: str = ""
+    rate: str = ""
+
+
+class LimitsTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How fast commands may come.
+
+    Attributes:
+        burst: Of one person, at once.
+        per_s: Of one person, a second, thereafter.
+        robot: Of each robot that has no rate of its own, from everybody together: ``120/min``.
+    """
+
+    burst: float = RateLimit().burst
+    per_s: float = RateLimit().per_s
+    robot: str = ""
 
 
 class PrincipalTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -90,7 +109,8 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         messenger: Accounts on messengers; besides kind and name, what the adapter asks for.
         role: What a role may do; beside the default roles, or instead of one.
         care: Skills that want more than the right to them.
-        limits: How fast one person may give commands.
+        limits: How fast commands may come.
+        keep: How long what is over is kept.
     """
 
     gateway: GatewayTable = GatewayTable()
@@ -99,7 +119,8 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     principal: tuple[PrincipalTable, ...] = ()
     role: dict[str, Role] = {}
     care: tuple[Care, ...] = ()
-    limits: RateLimit = RateLimit()
+    limits: LimitsTable = LimitsTable()
+    keep: Keep = Keep()
 
 
 _ADDRESS = Form(
@@ -126,8 +147,10 @@ FORMS: Final[dict[Field, Form]] = {
 
 BOUNDS: Final[dict[Field, Bounds]] = {
     (GatewayTable, "lease_idle_s"): Bounds(1, 86_400),
-    (RateLimit, "burst"): Bounds(1, 1_000_000),
-    (RateLimit, "per_s"): Bounds(0.001, 1_000_000),
+    (Keep, "slots_days"): Bounds(1, 36_500),
+    (Keep, "decisions_days"): Bounds(30, 36_500),
+    (LimitsTable, "burst"): Bounds(1, 1_000_000),
+    (LimitsTable, "per_s"): Bounds(0.001, 1_000_000),
 }
 
 
@@ -138,10 +161,36 @@ def config_rules() -> Rules:
         forms=FORMS,
         hidden=frozenset(),
         checks={
+            GatewayTable: (_placed,),
+            RobotTable: (_robot_rate,),
+            LimitsTable: (_robots_rate,),
             PrincipalTable: (_reachable,),
             ConfigFile: (_people, _talkers, _something),
         },
     )
+
+
+def _placed(gateway: GatewayTable) -> Iterator[Finding]:
+    try:
+        zone_named(gateway.zone)
+    except OutOfBounds as unknown:
+        yield Finding(("zone",), str(unknown))
+
+
+def _robot_rate(robot: RobotTable) -> Iterator[Finding]:
+    yield from _rate("rate", robot.rate)
+
+
+def _robots_rate(limits: LimitsTable) -> Iterator[Finding]:
+    yield from _rate("robot", limits.robot)
+
+
+def _rate(key: str, said: str) -> Iterator[Finding]:
+    try:
+        if said:
+            parse_rate(said)
+    except ValueError as fault:
+        yield Finding((key,), f"{fault}.")
 
 
 def said_roles(person: PrincipalTable) -> list[tuple[Place, str]]:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.asked import Ask, Verb
+from rosic.core.saying import plain
 from rosic.errors import ConfigurationError, Fault, RosicError
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ class NotRunning(Fault):
 
 _decode_ask = msgspec.json.Decoder(Ask).decode
 _decode_answer = msgspec.json.Decoder(Answer).decode
-_encode = msgspec.json.Encoder().encode
+_encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 
 def socket_path(data: Path) -> Path:

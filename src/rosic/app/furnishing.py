@@ -10,8 +10,9 @@ from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
 from rosic.core.reach import FLEET
+from rosic.core.saying import joined
 from rosic.core.skill import SkillClass
-from rosic.errors import NotPermitted
+from rosic.errors import NotPermitted, TooManyRequests
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.consent import Consent
@@ -25,6 +26,7 @@ from rosic.pipeline.people.granting import Granting
 from rosic.pipeline.people.hiring import Clerks, hire
 from rosic.pipeline.people.inviting import Inviting
 from rosic.pipeline.people.joining import Joining
+from rosic.pipeline.people.notices import Notices
 from rosic.pipeline.people.petitioning import Petitioning
 from rosic.pipeline.people.powers import Powers
 from rosic.pipeline.people.proving import Proving
@@ -65,6 +67,7 @@ class Furnishing:
         handover: Ends somebody's time with a robot.
         consent: Asks for confirmations.
         admitting: Asks admins about newcomers.
+        notices: Tells whoever is concerned that somebody's access has changed.
         petitioning: Asks admins for rights that somebody lacks.
         granting: Gives rights for a while.
         keeper: Follows the calendar.
@@ -146,6 +149,7 @@ class Furnishing:
             ended=ended,
         )
         powers = Powers(registry)
+        self.notices = Notices(registry, powers)
         doorstep = Doorstep(self._teller, messengers, clock, entropy, count=access.tally.count)
         self.admitting = Admitting(registry, powers, doorstep, menu=self._menu)
         joining = Joining(
@@ -174,7 +178,7 @@ class Furnishing:
         )
         about.petitioning = self.petitioning
         clerks = Clerks(
-            about, self.admitting, Custody(registry, powers),
+            about, self.admitting, Custody(registry, powers, self.notices),
             Inviting(registry, powers, link=_link),
             Proving(registry, powers), self.granting, self.petitioning,
         )  # fmt: skip
@@ -194,7 +198,13 @@ class Furnishing:
         organiser, linker = self._rooms.organiser, self._rooms.linker
         now_ns = organiser.wall_ns()
         return [
-            f"{linker.profile(slot.robot).shown}: {organiser.moment(principal, slot.start_ns)}"
+            joined(
+                ": ",
+                (
+                    linker.profile(slot.robot).shown,
+                    organiser.moment(principal, slot.start_ns),
+                ),
+            )
             for slot in organiser.calendar.of(principal)
             if slot.end_ns > now_ns and slot.robot in self._rooms.profiles
         ][:5]
@@ -265,6 +275,8 @@ class Furnishing:
             return
         if not refusal.counted:
             self._access.tally.count(COUNTED_AS.get(refusal.code, refusal.code))
+        if isinstance(refusal, TooManyRequests) and not refusal.own:
+            return
         said = self._access.misuse.attempted(caller.principal, SkillClass.MOTION, refusal.code)
         if said is not None:
             task = asyncio.create_task(self._invalidate(caller, said))

@@ -13,20 +13,25 @@ import msgspec
 from rosic.app.access import Access
 from rosic.app.authority import Authority, key_of
 from rosic.app.furnishing import Furnishing
+from rosic.app.gates import robots_of, stops_of
 from rosic.app.holding import Holding
+from rosic.app.languages import LANGUAGES, catalogue, whose
 from rosic.app.minding import Minder
 from rosic.app.painting import furnish_seeing
 from rosic.app.people import Seed, remember, seed
+from rosic.app.retention import Keep, Ledger, Retention
+from rosic.app.saving import limit_rates, save, save_now_and_then
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
+from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
+from rosic.container.words_container import SETTINGS_DAMAGED
 from rosic.contracts.adapter import RobotFactory
 from rosic.contracts.clock import Clock
 from rosic.contracts.entropy import Entropy
 from rosic.contracts.messenger import Messenger
 from rosic.contracts.painter import Painter
 from rosic.contracts.store import Latch, Store
-from rosic.core.gate import Gate
 from rosic.core.language import UnitTable, Vocabulary, clean
 from rosic.core.life import Face
 from rosic.core.message import Chat, Outbound
@@ -40,6 +45,8 @@ from rosic.organiser.organiser import Organiser
 from rosic.organiser.roster import GRANT
 from rosic.pipeline import Pipeline
 from rosic.pipeline.containers.parts import Vault
+from rosic.pipeline.languages import Languages
+from rosic.pipeline.lives import inert_words
 from rosic.pipeline.recovery import Recovery
 from rosic.pipeline.rooms import Rooms
 from rosic.pipeline.stopping import StopLane
@@ -68,7 +75,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
         rulebook: Roles, care and pre-emption.
         place: Name of this place, as people see it.
         zone: Of the place, an IANA name.
+        limit: Of each person.
+        robot_limits: Of robots that have one, for everybody together.
         lease_idle_s: How long a robot stays somebody's after their last order ended.
+        keep: How long what is over is kept.
     """
 
     profiles: tuple[Profile, ...]
@@ -77,7 +87,9 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     place: str = "rosic"
     zone: str = "UTC"
     limit: RateLimit = RateLimit()
+    robot_limits: Mapping[RobotId, RateLimit] = {}
     lease_idle_s: float = 60.0
+    keep: Keep = Keep()
 
 
 class Parts(msgspec.Struct, frozen=True, kw_only=True):
@@ -103,7 +115,7 @@ class Gateway:
 
     Attributes:
         pipeline, rooms, stop_lane, robots: Made by ``open``.
-        authority, access, furnishing, holding, seeing: Likewise.
+        authority, access, furnishing, holding, languages, seeing: Likewise.
     """
 
     pipeline: Pipeline
@@ -115,6 +127,7 @@ class Gateway:
     furnishing: Furnishing
     holding: Holding
     seeing: Seeing
+    languages: Languages
 
     def __init__(self, settings: Settings, parts: Parts) -> None:
         self._settings = settings
@@ -151,66 +164,70 @@ class Gateway:
     async def _compose(self, memory: Memory, vocabulary: Vocabulary) -> None:
         parts, settings = self._parts, self._settings
         profiles = {profile.id: profile for profile in settings.profiles}
+        board = StopBoard(profiles, stops_of(parts.latch.read(), memory.generations))
         numbers = {robot: memory.numbers.get(robot, (0, 0)) for robot in profiles}
-        board = StopBoard(profiles, _stops(parts.latch.read(), memory.generations))
-        self.robots = {
-            robot: parts.robot_factory(profile.link.kind)(
-                profile,
-                Gate(
-                    robot, n=numbers[robot][0], fence=numbers[robot][1],
-                    generation=board[robot].generation, latched=board[robot].latched,
-                ),
-                parts.clock,
-            )
-            for robot, profile in profiles.items()
-        }  # fmt: skip
+        self.robots = robots_of(parts, profiles, numbers, board)
+        time = HighWater(parts.clock)
         authoriser = Authoriser(Directory(), parts.clock, parts.entropy)
-        authority = await self._authority(authoriser, memory)
+        authority = await self._authority(authoriser, memory, time)
         organiser = Organiser(
-            authority.draw_up(), profiles, board, parts.clock,
+            authority.draw_up(), profiles, board, time,
             limit=settings.limit, lease_idle_s=settings.lease_idle_s,
         )  # fmt: skip
         organiser.key_of = partial(key_of, authoriser)
         self.access = Access(
-            authoriser, authority, parts.store, parts.clock, parts.entropy, place=settings.place
+            authoriser, authority, parts.store, time, parts.entropy, place=settings.place
         )
         self.access.restore(memory, organiser)
-        organiser.name_of = lambda principal: clean(authoriser.directory.name(principal))
+        organiser.name_of = lambda principal: inert_words(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
         container = Containers(
             vocabulary, parts.store, parts.clock, {robot: n for robot, (n, _) in numbers.items()}
         )
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
-        linker = Linker(self.robots, board, parts.latch, parts.clock)
-        self.rooms = Rooms(authoriser, organiser, container, linker, vocabulary, profiles, board)
-        self.stop_lane = StopLane(self.rooms, parts.store, parts.clock)
+        self.rooms = Rooms(
+            authoriser, organiser, container,
+            Linker(self.robots, board, parts.latch, parts.clock), vocabulary, profiles, board,
+        )  # fmt: skip
+        limit_rates(self.rooms, settings.robot_limits, parts.store.note)
         self.authority = authority
+        await self._furnish(memory)
+
+    async def _furnish(self, memory: Memory) -> None:
+        """Put a pipeline through the rooms, and everything in its place beside it."""
+        parts, authority = self._parts, self.authority
+        authoriser, time = self.rooms.authoriser, self.access.time
+        self.languages = languages = Languages(catalogue, LANGUAGES)
+        languages.at = partial(whose, authoriser)
+        self.stop_lane = StopLane(self.rooms, parts.store, parts.clock, languages)
         authority.attach(self.rooms, self.stop_lane)
-        self.holding = Holding(self.rooms, self.access, authority, parts.clock)
+        self.holding = Holding(self.rooms, self.access, authority, parts.clock, languages)
         self._messengers = self.holding.record(parts.messengers, parts.store)
-        self._teller = Teller(container, parts.clock)
+        self._teller = Teller(self.rooms.container, parts.clock, languages)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
         self.furnishing = Furnishing(
             self.rooms, self.pipeline, self.access, self.stop_lane, self._teller
         )
-        self.furnishing.furnish(
-            authority, self._messengers, parts.clock, parts.entropy, settings.zone
-        )
+        zone = self._settings.zone
+        self.furnishing.furnish(authority, self._messengers, time, parts.entropy, zone)
         self.seeing = furnish_seeing(
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
+            self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
 
-    async def _authority(self, authoriser: Authoriser, memory: Memory) -> Authority:
+    async def _authority(
+        self, authoriser: Authoriser, memory: Memory, time: HighWater
+    ) -> Authority:
         """Make everybody known, of the record and of the configuration; return their rights."""
         parts, settings = self._parts, self._settings
         roles = remember(authoriser, memory)
         roles.update(
             await seed(settings.people, memory, authoriser, parts.store, parts.clock, parts.entropy)
         )
-        authority = Authority(settings.rulebook, settings.profiles, parts.units, parts.clock)
+        authority = Authority(settings.rulebook, settings.profiles, parts.units, time)
         for principal, names in roles.items():
             authority.roster.set_roles(principal, names)
         authority.roster.restore(memory.facts.get(GRANT, ()))
@@ -235,11 +252,15 @@ class Gateway:
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
         minder = Minder(
-            self.access, self.authority, self.furnishing, self.holding, self._parts.clock,
+            self.access, self.authority, self.furnishing, self.holding, self.access.time,
+            self._daily,
         )  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
             asyncio.create_task(self.seeing.sampler.run()),
+            asyncio.create_task(
+                save_now_and_then(self.rooms.organiser.rates, self._parts.store, self._parts.clock)
+            ),
         ]  # fmt: skip
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
@@ -250,6 +271,15 @@ class Gateway:
                 task.cancel()
             await self.furnishing.keeper.close()
             await self._fall_deaf()
+
+    async def _daily(self) -> None:
+        store, calendar = self._parts.store, self.rooms.organiser.calendar
+        retention = Retention(
+            self._settings.keep, calendar, self.access.changes,
+            store if isinstance(store, Ledger) else None, self.access.time.wall_ns,
+        )  # fmt: skip
+        await self.holding.tidy()
+        await retention.forget()
 
     async def _fall_deaf(self) -> None:
         for task in self._listening:
@@ -312,15 +342,14 @@ class Gateway:
         await self._fall_deaf()
         if hasattr(self, "seeing"):
             await self.seeing.studio.close()
+        leaving = asyncio.create_task(self._write_down())  # before what may take too long
         ending = asyncio.create_task(self._end_lives(begun_ns))
         await asyncio.sleep(0)  # from here on no order begins
         idle = self._idle()
         await asyncio.gather(ending, *map(self._part, idle))
         await asyncio.gather(*map(self._part, tuple(self._opened)))
-        if hasattr(self, "access"):
-            leaving = asyncio.ensure_future(self._write_down())
-            await asyncio.wait((leaving,), timeout=HOLD_WITHIN_S)
-            leaving.cancel()
+        await asyncio.wait((leaving,), timeout=HOLD_WITHIN_S)
+        leaving.cancel()
         await self._parts.store.close()
 
     async def _part(self, robot: Robot) -> None:
@@ -341,8 +370,12 @@ class Gateway:
         return all(k.done() and not k.cancelled() and k.exception() is None for k in keeping)
 
     async def _write_down(self) -> None:
-        """Keep what was only counted so far."""
-        await self.access.leave()
+        """Keep what was only counted so far. Nobody is heard any more, so it is the last."""
+        if hasattr(self, "rooms"):
+            save(self.rooms.organiser.rates, self._parts.store)
+        if hasattr(self, "access"):
+            self._parts.store.note(self.access.time.mark())
+            await self.access.leave()
         if hasattr(self, "holding"):
             await self.holding.leave()
 
@@ -361,17 +394,3 @@ class Gateway:
         if not hasattr(self, "stop_lane") or not self.stop_lane.quiet:
             return []
         return [robot for robot in self._opened if not robot.presence().doing]
-
-
-def _stops(
-    found: Mapping[RobotId, tuple[int, bool]], generations: Mapping[RobotId, int]
-) -> dict[RobotId, tuple[int, bool]]:
-    """Join what the latch and the record say; the higher generation counts (I13).
-
-    A stop that only the record knows holds: the latch could not be written when it was applied.
-    """
-    joined = dict(found)
-    for robot, generation in generations.items():
-        if generation > joined.get(robot, (0, False))[0]:
-            joined[robot] = (generation, True)
-    return joined

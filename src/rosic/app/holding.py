@@ -7,9 +7,11 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from rosic.app.languages import LANGUAGES
+from rosic.authoriser.directory import SOMEBODY
 from rosic.container.archive import NOBODY, Archive, Author
+from rosic.container.preferences import IMPERIAL, Caps, PreferenceBook
 from rosic.container.preferences import KIND as PREFERENCE
-from rosic.container.preferences import Caps, PreferenceBook
 from rosic.container.shelf import Shelf
 from rosic.core.identity import Address, Principal
 from rosic.core.language import skills_of
@@ -42,9 +44,9 @@ if TYPE_CHECKING:
     from rosic.core.robot import Profile, RobotId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline import Pipeline
+    from rosic.pipeline.languages import Languages
     from rosic.pipeline.rooms import Rooms
 
-LANGUAGES = {"en": ("english",)}
 PERSON = re.compile("p[0-9a-f]{16}")  # how ids of people look
 
 
@@ -70,7 +72,15 @@ class Holding:
         holdings: What is kept in containers; likewise.
     """
 
-    def __init__(self, rooms: Rooms, access: Access, authority: Authority, clock: Clock) -> None:
+    def __init__(
+        self,
+        rooms: Rooms,
+        access: Access,
+        authority: Authority,
+        clock: Clock,
+        languages: Languages,
+    ) -> None:
+        self._languages = languages
         self._rooms = rooms
         self._access = access
         self._authority = authority
@@ -145,15 +155,22 @@ class Holding:
         authority, preferences = self._authority, self.preferences
         authority.roster.own_limits = preferences.limits
         for principal in authority.roster.everybody():
+            self._speak_to(principal)
             if preferences.limits(principal):
                 authority.renew(principal)
 
         def changed(fact: Fact) -> None:
             preferences.apply(fact)
+            self._speak_to(fact.key)
             self._rooms.container.usual = self._usual
             authority.renew(fact.key)
 
         self._access.changes.keep(PREFERENCE, changed)
+
+    def _speak_to(self, principal: PrincipalId) -> None:
+        kept = self.preferences.of(principal)
+        imperial = kept.units == IMPERIAL
+        self._languages.choose(principal, kept.language, imperial=imperial)
 
     def _sides(self, pipeline: Pipeline) -> Sides:
         rooms, access, authority = self._rooms, self._access, self._authority
@@ -173,7 +190,7 @@ class Holding:
             )
 
         def forget(principal: PrincipalId) -> None:
-            directory.enrol(Principal(id=principal, name="somebody"))
+            directory.enrol(Principal(id=principal, name=SOMEBODY))
             rooms.authoriser.forget(principal)
             rooms.container.forget(principal)
             pipeline.habits.forget(principal)

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from rosic.errors import RosicError
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from rosic.app.access import Access
     from rosic.app.authority import Authority
     from rosic.app.furnishing import Furnishing
@@ -19,6 +21,7 @@ EVERY_S = 60.0
 DAY_NS = 86_400_000_000_000
 # A right that ends ends what moves under it within a second.
 SOONEST_S = 0.2
+BEHIND_S = 2.0
 
 log = logging.getLogger("rosic.minding")
 
@@ -33,13 +36,16 @@ class Minder:
         furnishing: Furnishing,
         holding: Holding,
         clock: Clock,
+        daily: Callable[[], Awaitable[None]],
     ) -> None:
+        self._daily = daily
         self._holding = holding
         self._day_ns = clock.monotonic_ns()
         self._access = access
         self._authority = authority
         self._furnishing = furnishing
         self._clock = clock
+        self._behind = False
         self._woken = asyncio.Event()
         authority.when_granted = self._woken.set
 
@@ -79,6 +85,7 @@ class Minder:
             RecordUnavailable: Something could not be written; what has ended has ended.
         """
         access, authority = self._access, self._authority
+        self._look_at_clock()
         authority.enforce()  # a grant ends by the clock, whether or not that can be written
         async with access.changes.turn() as turn:
             now_ns = self._clock.wall_ns()
@@ -96,5 +103,16 @@ class Minder:
         await self._furnishing.petitioning.lapse()
         await self._holding.finish()
         if self._clock.monotonic_ns() >= self._day_ns:
-            await self._holding.tidy()
+            await self._daily()
             self._day_ns = self._clock.monotonic_ns() + DAY_NS
+
+    def _look_at_clock(self) -> None:
+        """Say once that the machine's clock was set back; it does not count until accepted."""
+        behind_s = self._access.time.behind_s()
+        if behind_s > BEHIND_S and not self._behind:
+            log.warning(
+                "the clock of this machine is %.0f s behind the latest time that was seen here; "
+                "what has ended stays ended. See: rosic clock",
+                behind_s,
+            )
+        self._behind = behind_s > BEHIND_S

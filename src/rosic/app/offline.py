@@ -17,6 +17,7 @@ from rosic.app.profiles import known_units
 from rosic.app.start import STOPS
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
+from rosic.authoriser.highwater import HighWater
 from rosic.container.archive import Archive
 from rosic.container.habits import Habits
 from rosic.core.language import Vocabulary, clean
@@ -129,29 +130,30 @@ class Alone:
         robots = () if config is None else config.robots
         rulebook = Rulebook(roles=DEFAULT_ROLES) if config is None else config.rulebook
         profiles = {profile.id: profile for profile in robots}
+        time = HighWater(clock)
         authoriser = Authoriser(Directory(), clock, entropy)
         roles = remember(authoriser, memory)
         if seeding is not Seeding.LEFT:
             sink = store if seeding is Seeding.WRITTEN else await _nowhere()
             roles |= await seed(self._seeds, memory, authoriser, sink, clock, entropy)
-        authority = Authority(rulebook, robots, known_units(), clock)
+        authority = Authority(rulebook, robots, known_units(), time)
         for principal, names in roles.items():
             authority.roster.set_roles(principal, names)
         authority.roster.restore(memory.facts.get(GRANT, ()))
         stops = await self._stops(memory, profiles)
         organiser = Organiser(
             authority.draw_up(), profiles, StopBoard(profiles, stops),
-            clock, limit=RateLimit(), lease_idle_s=1.0,
+            time, limit=RateLimit(), lease_idle_s=1.0,
         )  # fmt: skip
         organiser.key_of = lambda key: key_of(authoriser, key)
         organiser.name_of = lambda who: clean(authoriser.directory.name(who))
         place = "rosic" if config is None else config.name
-        access = Access(authoriser, authority, store, clock, entropy, place=place)
+        access = Access(authoriser, authority, store, time, entropy, place=place)
         access.restore(memory, organiser)
         around = Around(access, authoriser, organiser, profiles, clock, _nobody_hears, Habits())
         return Books(
             access=access, authority=authority, authoriser=authoriser, organiser=organiser,
-            vocabulary=Vocabulary.build(robots, known_units()), profiles=profiles, clock=clock,
+            vocabulary=Vocabulary.build(robots, known_units()), profiles=profiles, clock=time,
             zone=zone_or_universal(UNIVERSAL if config is None else config.zone),
             assurances=LOCAL,
             holdings=self._holdings(around, store, memory),

@@ -12,7 +12,7 @@ from rosic.authoriser.codes import join_text, telegram_link
 from rosic.authoriser.invitation import CODE_TTL_S, Given, Wanted
 from rosic.core.identity import OPERATOR
 from rosic.core.language import clean
-from rosic.core.record import Fact
+from rosic.core.record import Decided, Fact
 from rosic.core.role_mistakes import grant_mistakes
 from rosic.core.roles import Grant
 from rosic.errors import NotUnderstood
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rosic.core.record import Record
 
 ADMIN = ("admin",)
+BEHIND_S = 2.0  # less is how clocks are kept right
 
 
 class InviteAsk(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -59,6 +60,7 @@ class OperatingAccess:
         self._books = books
         self._convert = convert
         self._access = books.access
+        self._notices = books.notices
         self._directory = books.authoriser.directory
 
     # ---- coming in ----
@@ -170,14 +172,20 @@ class OperatingAccess:
         """
         keys = self._access.keys
         if any(key.id == name for key in keys.all()):
-            records = keys.revoke(name, OPERATOR).records
+            revocation = keys.revoke(name, OPERATOR)
             said = f"The key {name} is not good any more, also after a restart."
-            return noted(said, written=await self._act(lambda: records))
+            written = await self._act(lambda: revocation.records)
+            owner = self._directory.person(revocation.principal)
+            if self._notices is not None and owner is not None:
+                self._notices.key_taken(owner, OPERATOR)
+            return noted(said, written=written)
         person = the_one(self._directory, name)
         if not self._good(person):
             raise NotUnderstood(words_keys.NOTHING_TO_ROTATE)
         said = f"{clean(person.name)} has no good key any more, also after a restart."
         written = await self._act(lambda: self._keys_end(person))
+        if self._notices is not None:
+            self._notices.revoked(person, OPERATOR)
         return noted(said, written=written)
 
     def _good(self, person: Principal) -> list[AuthorisationKey]:
@@ -205,6 +213,8 @@ class OperatingAccess:
         if not self._good(person):
             return f"{clean(person.name)} has no access already. Nothing was changed."
         written = await self._act(lambda: self._everything(person))
+        if self._notices is not None:
+            self._notices.revoked(person, OPERATOR)
         return noted(revoked(person) if written else words_keys.revoked(clean(person.name)),
                      written=written)  # fmt: skip
 
@@ -228,6 +238,8 @@ class OperatingAccess:
                 self._access.locks.apply(record)
         self._books.authority.enforce()
         written = await self._act(lambda: records)
+        if self._notices is not None:
+            self._notices.locked(person, OPERATOR)
         return noted(words_keys.locked(clean(person.name)), written=written)
 
     async def unlock(self, name: str) -> str:
@@ -240,7 +252,28 @@ class OperatingAccess:
         person = the_one(self._directory, name)
         async with self._access.changes.turn() as turn:
             await turn.write(self._access.locks.unlock(person.id, OPERATOR, clean(person.name)))
+        if self._notices is not None:
+            self._notices.unlocked(person, OPERATOR)
         return words_keys.unlocked(clean(person.name))
+
+    # ---- the clock ----
+
+    async def clock(self, *, accept: bool) -> str:
+        """Say whether the machine's clock was set back, or let it count again all the same.
+
+        Raises:
+            RecordUnavailable: Not written; nothing changed.
+        """
+        time = self._access.time
+        behind_s = time.behind_s()
+        if behind_s < BEHIND_S:
+            return words_keys.CLOCK_GOOD
+        if not accept:
+            return words_keys.clock_behind(behind_s)
+        async with self._access.changes.turn() as turn:
+            decided = Decided(act="accept-clock", by=OPERATOR, about="", at_ns=time.wall_ns())
+            await turn.write((decided, time.accept()))
+        return words_keys.CLOCK_ACCEPTED
 
 
 def revoked(person: Principal) -> str:

@@ -17,6 +17,7 @@ from rosic.app.operating_containers import LimitAsk, OperatingContainers
 from rosic.app.planning import BookAsk, Planning, Window
 from rosic.app.profiles import known_units
 from rosic.core.limits import unit_converter
+from rosic.core.saying import plain
 from rosic.errors import NotUnderstood
 
 if TYPE_CHECKING:
@@ -29,11 +30,12 @@ if TYPE_CHECKING:
     Doing: TypeAlias = Callable[[Ask], Awaitable[Iterable[str]]]
 
 LINES_AT_ONCE = 500
+ACCEPT = "accept"
 NO_REQUEST = "That is no request I know."
 
 T = TypeVar("T")
 
-_encode = msgspec.json.Encoder().encode
+_encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 
 class OperatorDesk:
@@ -63,6 +65,7 @@ class OperatorDesk:
             Verb.WHO: self._who,
             Verb.TAKEN: self._taken,
             Verb.BOOK: self._book,
+            Verb.CLOCK: self._clock,
             Verb.CONTAINERS: self._containers.list,
             Verb.CONTAINER: self._containers.show,
             Verb.CONTENT: self._containers.content,
@@ -109,6 +112,11 @@ class OperatorDesk:
         if ask.names == ("json",):
             return (_encode(security.report()).decode(),)
         return (security.text(),)
+
+    async def _clock(self, ask: Ask) -> Iterable[str]:
+        if ask.names not in {(), (ACCEPT,)}:
+            raise NotUnderstood(NO_REQUEST)
+        return (await self.access.clock(accept=ask.names == (ACCEPT,)),)
 
     async def _who(self, _ask: Ask) -> Iterable[str]:
         return (_encode(some).decode() for some in self._planning.who())

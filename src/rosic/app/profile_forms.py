@@ -17,6 +17,7 @@ from rosic.core.robot import (
     Telemetry,
 )
 from rosic.core.skill import (
+    COST_MAX,
     ActionBinding,
     Parameter,
     ParametersBinding,
@@ -123,6 +124,7 @@ BOUNDS: Final[dict[Field, Bounds]] = {
     (Link, "heartbeat_s"): Bounds(0.1, 3600),
     (AtRest, "below"): Bounds(1e-6, 10),
     (Skill, "lifetime_s"): Bounds(0.1, 3600),
+    (Skill, "cost"): Bounds(1, COST_MAX),
     (TopicBinding, "stream_hz"): Bounds(0, 100),
     (ServiceBinding, "timeout_s"): Bounds(0.05, 600),
     (ActionBinding, "timeout_s"): Bounds(0.05, 86_400),

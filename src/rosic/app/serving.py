@@ -115,9 +115,7 @@ class Serving:
 
     async def _serve(self) -> None:
         config = self._config
-        books = books_of(
-            self._gateway, self._clock, config.zone, self._parts.messengers, self._bots
-        )
+        books = books_of(self._gateway, config.zone, self._parts.messengers, self._bots)
         desk = OperatorDesk(books)
         control = ControlServer(config.data, Operating(self._gateway, desk))
         await control.open()

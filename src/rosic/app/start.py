@@ -91,6 +91,8 @@ def settings_of(config: Config) -> Settings:
         place=config.name,
         zone=config.zone,
         limit=config.limits,
+        robot_limits=config.robot_limits,
+        keep=config.keep,
         lease_idle_s=config.lease_idle_s,
     )
 

@@ -5,33 +5,42 @@ from __future__ import annotations
 from base64 import urlsafe_b64encode
 from collections import OrderedDict, deque
 from hashlib import blake2b
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
 from rosic.authoriser.buttons import Buttons, Count, uncounted
 from rosic.core.identity import AuthorisationKey, Caller, KeyId, Principal, PrincipalId
 from rosic.core.message import ChatKind
+from rosic.core.saying import said
 from rosic.errors import Unrecognised
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.authoriser.directory import Directory
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.core.message import Chat, Inbound
 
+EndsOf: TypeAlias = "Callable[[AuthorisationKey], int | None]"
+
 SESSION_BYTES = 16
 SESSIONS_AT_MOST = 20_000
 TIMES_KEPT = 4_096
-STRANGER = "Hello. I work for people I know, and I do not know you yet. Ask the admin here."
-ENDED = "Your access here has ended. The admin of this place can renew it."
+STRANGER = said("Hello. I work for people I know, and I do not know you yet. Ask the admin here.")
+ENDED = said("Your access here has ended. The admin of this place can renew it.")
 
 
 class Session(msgspec.Struct, frozen=True):
-    """One authenticated conversation: a person, under a key, in a chat."""
+    """One authenticated conversation: a person, under a key, in a chat.
+
+    Attributes:
+        ends_ns: When the key ends by itself, wall clock; None: it does not.
+    """
 
     caller: Caller
-    key: AuthorisationKey
+    ends_ns: int | None
 
 
 class Authoriser:
@@ -41,12 +50,16 @@ class Authoriser:
         buttons: What taps stand for.
         directory: Who is known.
         count: Hears of each message that was turned away, by kind.
+        wall_ns: What time it is; one that never goes back, if there is one.
+        ends_of: When a key ends by itself: when it expires, or when a grace is over.
     """
 
     def __init__(self, directory: Directory, clock: Clock, entropy: Entropy) -> None:
         self.directory = directory
         self.count: Count = uncounted
         self.buttons = Buttons(clock, entropy, count=self._count_tap)
+        self.wall_ns = clock.wall_ns
+        self.ends_of: EndsOf = _expires
         self._clock = clock
         self._entropy = entropy
         self._sessions: OrderedDict[tuple[str, str, str], Session] = OrderedDict()
@@ -67,8 +80,8 @@ class Authoriser:
             self._sessions[where] = session
             if len(self._sessions) > SESSIONS_AT_MOST:
                 self._sessions.popitem(last=False)
-        expires_ns = session.key.expires_ns
-        if expires_ns is not None and self._clock.wall_ns() >= expires_ns:
+        ends_ns = session.ends_ns
+        if ends_ns is not None and self.wall_ns() >= ends_ns:
             self.count("key-expired")
             raise Unrecognised(ENDED)
         self._times_ns.append(self._clock.monotonic_ns() - started_ns)
@@ -85,7 +98,7 @@ class Authoriser:
             self.count("key-revoked")
             raise Unrecognised(ENDED)
         caller = Caller(person.id, person.name, inbound.sender, key.id, self._session_key())
-        return Session(caller, key)
+        return Session(caller, self.ends_of(key))
 
     def _count_tap(self, kind: str) -> None:
         self.count(kind)
@@ -103,7 +116,7 @@ class Authoriser:
 
     def revoke(self, key_id: KeyId) -> PrincipalId | None:
         """End a key: the very next message under it is turned away. Return whose it was."""
-        key = self.directory.revoke(key_id, self._clock.wall_ns())
+        key = self.directory.revoke(key_id, self.wall_ns())
         if key is None:
             return None
         self.forget(key.principal)
@@ -126,6 +139,10 @@ class Authoriser:
     def times_to_authenticate_s(self) -> tuple[float, ...]:
         """Return the newest measured times in seconds, oldest first."""
         return tuple(ns / 1e9 for ns in self._times_ns)
+
+
+def _expires(key: AuthorisationKey) -> int | None:
+    return key.expires_ns
 
 
 def _is_for_us(inbound: Inbound) -> bool:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import msgspec
 
 from rosic.core.identity import PrincipalId
+from rosic.core.saying import said
 from rosic.errors import Expired, NotPermitted
 
 if TYPE_CHECKING:
@@ -105,17 +106,18 @@ class Buttons:
         bound = self._bound.get(nonce)
         if bound is None:
             self._count("button-used")
-            raise Expired("This button is no longer good. Nothing was done.")
+            raise Expired(said("This button is no longer good. Nothing was done."))
         if bound.principal != principal or bound.chat != inbound.chat.id:
             self._count("button-other")
-            raise NotPermitted("This question was asked of somebody else.")
+            raise NotPermitted(said("This question was asked of somebody else."))
         del self._bound[nonce]
         age_ns = self._clock.monotonic_ns() - bound.issued_ns
         missed = bound.issued_wall_ns < inbound.listening_since_ns and not bound.still
         if age_ns > bound.lifetime_ns or missed:
             self._count("button-late")
             raise Expired(
-                "This button is too old. Nothing was done.", offers=(bound.command.lstrip("?"),)
+                said("This button is too old. Nothing was done."),
+                offers=(bound.command.lstrip("?"),),
             )
         return bound.command
 

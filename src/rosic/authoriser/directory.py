@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.identity import OPERATOR
+from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -15,7 +16,9 @@ if TYPE_CHECKING:
 
 
 # Who acts without being anybody: the owner of the machine, and the rules about misuse.
-NOT_PEOPLE = {OPERATOR: "the operator", "rule": "a rule"}
+NOT_PEOPLE = {OPERATOR: said("the operator"), "rule": said("a rule")}
+
+SOMEBODY = said("somebody")
 
 
 class Directory:
@@ -85,7 +88,7 @@ class Directory:
         person = self._people.get(principal)
         if person is not None:
             return person.name
-        return NOT_PEOPLE.get(principal, "somebody")
+        return NOT_PEOPLE.get(principal, SOMEBODY)
 
     def people(self) -> Iterable[Principal]:
         """Return everybody."""

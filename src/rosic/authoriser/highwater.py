@@ -42,9 +42,17 @@ _decode = msgspec.msgpack.Decoder(Mark).decode
 
 
 class HighWater:
-    """The wall clock, but never earlier than it was."""
+    """A clock whose calendar time is never earlier than it was.
+
+    Whatever begins or ends by the calendar asks this one: keys, grants, invitations, slots.
+
+    Attributes:
+        monotonic_ns, sleep: Those of the clock it is made from.
+    """
 
     def __init__(self, clock: Clock) -> None:
+        self.monotonic_ns = clock.monotonic_ns
+        self.sleep = clock.sleep
         self._clock = clock
         self._highest_ns = clock.wall_ns()
         self._seen_ns = clock.monotonic_ns()
@@ -58,10 +66,6 @@ class HighWater:
         self._seen_ns = now_ns
         return self._highest_ns
 
-    def monotonic_ns(self) -> int:
-        """Return the monotonic clock."""
-        return self._clock.monotonic_ns()
-
     def behind_s(self) -> float:
         """Return by how many seconds the machine's clock is behind the highest time seen."""
         return (self.wall_ns() - self._clock.wall_ns()) / 1e9
@@ -69,9 +73,11 @@ class HighWater:
     def due(self) -> tuple[Fact, ...]:
         """Return the fact to write, at most one a minute: to be asked for every now and then."""
         now_ns = self.wall_ns()
-        if now_ns - self._written_ns < EVERY_NS:
-            return ()
-        return (Fact(kind=KIND, key=KEY, body=_encode(Mark(now_ns))),)
+        return (self.mark(),) if now_ns - self._written_ns >= EVERY_NS else ()
+
+    def mark(self) -> Fact:
+        """Return the fact that says how late it is, to be written at the end of a run."""
+        return Fact(kind=KIND, key=KEY, body=_encode(Mark(self.wall_ns())))
 
     def accept(self) -> Fact:
         """Return the fact by which the machine's clock counts again, for the owner to decide.

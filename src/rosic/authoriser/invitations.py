@@ -17,6 +17,7 @@ from rosic.core.identity import OPERATOR
 from rosic.core.language.cleaning import clean_name
 from rosic.core.limits import parse_limit
 from rosic.core.record import Decided, Fact, Letter
+from rosic.core.saying import said
 from rosic.errors import NotUnderstood, OutOfBounds, TooManyRequests
 
 if TYPE_CHECKING:
@@ -166,7 +167,7 @@ class Invitations:
         try:
             _check_bounds(given)
         except ValueError as error:
-            raise NotUnderstood(f"{error}. Nothing was done.") from error
+            raise NotUnderstood(said("{error}. Nothing was done.", error=str(error))) from error
         right_s = RIGHT_MAX_S if given.lasts_s is None else given.lasts_s
         for span_s, longest_s in ((right_s, RIGHT_MAX_S), (wanted.code_ttl_s, CODE_TTL_MAX_S)):
             if not (isfinite(span_s) and 1 <= span_s <= longest_s):

@@ -10,6 +10,7 @@ import msgspec
 from rosic.authoriser import words_keys as words
 from rosic.core.identity import AuthorisationKey, KeyId, PrincipalId
 from rosic.core.record import Decided, Fact, KeyIssued, KeyRevoked, Record
+from rosic.core.saying import said
 from rosic.errors import NotUnderstood, OutOfBounds, Unrecognised
 
 if TYPE_CHECKING:
@@ -134,12 +135,12 @@ class KeyRing:
     def state(self, key: AuthorisationKey) -> str:
         """Return a key's state in words, for a list."""
         if key.revoked_ns is not None:
-            return "taken back"
+            return said("taken back")
         ends_ns = self.ends_ns(key)
         if ends_ns is None:
             return words.ends_in(None)
         left_s = (ends_ns - self._time.wall_ns()) / 1e9
-        return words.ends_in(left_s) if left_s > 0 else "ended"
+        return words.ends_in(left_s) if left_s > 0 else said("ended")
 
     # ---- decisions: nothing changes until the records are applied ----
 
@@ -163,7 +164,7 @@ class KeyRing:
             OutOfBounds: A time that is none. Nothing changed.
         """
         if lasts_s is not None and not 0 < lasts_s < float("inf"):
-            raise OutOfBounds("A key lasts longer than no time. Nothing was done.")
+            raise OutOfBounds(said("A key lasts longer than no time. Nothing was done."))
         now_ns = self._time.wall_ns()
         ends_ns = None if lasts_s is None else now_ns + int(lasts_s * 1e9)
         key = self._new(principal, by, scopes, ends_ns)
@@ -182,7 +183,7 @@ class KeyRing:
             OutOfBounds: A grace of more than 30 days, or less than none. Nothing changed.
         """
         if not 0 <= grace_s <= GRACE_MAX_S:
-            raise OutOfBounds("An old key stays good for at most 30 days. Nothing was done.")
+            raise OutOfBounds(said("An old key stays good for at most 30 days. Nothing was done."))
         old = self.current(principal)
         if old is None:
             raise NotUnderstood(words.NOTHING_TO_ROTATE)

@@ -9,6 +9,7 @@ import msgspec
 
 from rosic.authoriser import words_security as words
 from rosic.core.identity import KeyId, PrincipalId
+from rosic.core.saying import joined
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -112,7 +113,11 @@ class Security:
         )
 
     def text(self) -> str:
-        """Return the report as lines, with the names of people: for admins only."""
+        """Return the report with the names of people: for admins only."""
+        return joined("\n", self.lines())
+
+    def lines(self) -> list[str]:
+        """Return the report line by line, with the names of people: for admins only."""
         name = self._authoriser.directory.name
         found = self.report()
         lines = [words.times(found.measured, found.p50_s, found.p99_s)]
@@ -122,7 +127,7 @@ class Security:
         invited = [(e.given, name(e.issuer), e.id, e.in_s) for e in found.invitations]
         lines += words.invitations(invited)
         lines += words.remarks(found.waiting, found.behind_s)
-        return "\n".join(lines)
+        return lines
 
 
 def percentile(ordered: Sequence[float], percent: float) -> float | None:

@@ -57,6 +57,7 @@ COMMANDS: dict[str, Command] = {
     "container limit": Command("rosic.cli.container_limit", "what one container may keep"),
     "container erase": Command("rosic.cli.container_erase", "erase a container, for good"),
     "schedule plan": Command("rosic.cli.schedule_plan", "who could have which robot when"),
+    "clock": Command("rosic.cli.clock", "whether the clock was set back, and that it is right"),
     "doctor": Command("rosic.cli.doctor", "measure this machine; with --try, a robot"),
     "sim": Command("rosic.cli.sim", "the simulated robots as ROS 2 nodes"),
     "bench": Command("rosic.cli.bench", "measure how fast ROSIC is here"),

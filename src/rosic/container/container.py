@@ -27,6 +27,7 @@ from rosic.core.record import (
     Selected,
     Told,
 )
+from rosic.core.saying import said
 from rosic.core.skill import Argument
 from rosic.errors import RecordUnavailable, Refusal, Repeated, StoreFault
 
@@ -122,7 +123,7 @@ class Containers:
         claims: list[Claimed] = []
         for permit, request in zip(permits, requests, strict=True):
             if request.cid in self._unwritten:
-                raise Repeated("This was already refused.")
+                raise Repeated(said("This was already refused."))
             values = self.complete(request)
             n = self._robots[request.robot].next_number()
             orders.append(
@@ -140,8 +141,10 @@ class Containers:
             raise
         except StoreFault as fault:
             raise RecordUnavailable(
-                "I cannot write down what is decided, so nothing may move. Stop still works. "
-                "The operator has to look at the disk."
+                said(
+                    "I cannot write down what is decided, so nothing may move. Stop still works. "
+                    "The operator has to look at the disk."
+                )
             ) from fault
         return tuple(orders)
 
@@ -213,7 +216,7 @@ class Containers:
             )  # fmt: skip
         except StoreFault as fault:
             raise RecordUnavailable(
-                f"I cannot write this down, so {robot} stays stopped."
+                said("I cannot write this down, so {robot} stays stopped.", robot=robot)
             ) from fault
 
     def told(self, *cids: bytes) -> None:

@@ -13,6 +13,7 @@ from rosic.container import archived
 from rosic.container import words_container as words
 from rosic.container.archived import Way
 from rosic.core.language.cleaning import clean
+from rosic.core.saying import joined, plain
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ LONGEST_CELL: Final = 32_767
 SECRET: Final = frozenset({"totp", "code-key"})
 """Kinds of facts whose letter is a secret: that there is one is said, what it says is not."""
 
-_as_json = msgspec.json.Encoder(order="deterministic").encode
+_as_json = msgspec.json.Encoder(order="deterministic", enc_hook=plain).encode
 
 
 class Row(msgspec.Struct, frozen=True, kw_only=True):
@@ -105,7 +106,7 @@ def archive_as_text(found: Sequence[Row]) -> str:
     """
     lines = [_line(row) for row in found]
     gone = found[0].n - 1 if found else 0
-    return "\n".join(([words.older_gone(gone)] if gone else []) + lines)
+    return joined("\n", [*([words.older_gone(gone)] if gone else ()), *lines])
 
 
 def _line(row: Row) -> str:

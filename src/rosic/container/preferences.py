@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 KIND: Final = "preference"
 METRIC, IMPERIAL = "metric", "imperial"
 SPEED: Final = "speed"
+SLOW: Final = 0.1  # of a skill's highest speed: while it is not known how slow somebody wants it
 LONGEST: Final = 64
 
 NOTHING: Final = frozenset({"", "none", "off", "nothing", "default", "auto"})
@@ -94,6 +95,17 @@ class Caps:
             if rule.high is not None and self._fits(rule.high, rule.unit, skill)
         )
 
+    def slowest(self) -> tuple[str, ...]:
+        """Return limits that make every skill with a speed slow, whatever its unit."""
+        return tuple(
+            f"{robot}:{name} {SPEED} <= {max(lowest, highest * SLOW):.12g} {speed.unit}".rstrip()
+            for robot, skills in self._skills.items()
+            for name, skill in skills.items()
+            if (speed := skill.parameters.get(SPEED)) is not None
+            and (lowest := speed.min) is not None
+            and (highest := speed.max) is not None
+        )
+
     def _fits(self, number: float, unit: str, skill: Skill) -> bool:
         parameter = skill.parameters.get(SPEED)
         if parameter is None or parameter.max is None:
@@ -120,6 +132,7 @@ class PreferenceBook:
         self._caps = caps
         self._set: dict[PrincipalId, Preferences] = {}
         self._limits: dict[PrincipalId, tuple[str, ...]] = {}
+        self._damaged: set[PrincipalId] = set()
 
     # ---- asking: a look-up each ----
 
@@ -130,6 +143,10 @@ class PreferenceBook:
     def limits(self, principal: PrincipalId) -> tuple[str, ...]:
         """Return the limits that hold for everything somebody commands; texts for a grant."""
         return self._limits.get(principal, ())
+
+    def damaged(self) -> tuple[PrincipalId, ...]:
+        """Return whose settings cannot be read: they go slowly until they set a speed."""
+        return tuple(self._damaged)
 
     # ---- deciding ----
 
@@ -226,9 +243,13 @@ class PreferenceBook:
 
     def unset(self, principal: PrincipalId) -> tuple[Fact, ...]:
         """Return what takes every setting of somebody back."""
-        return (_fact(principal, UNSET, 0),) if principal in self._set else ()
+        known = principal in self._set or principal in self._damaged
+        return (_fact(principal, UNSET, 0),) if known else ()
 
     def _change(self, principal: PrincipalId, **what: str) -> tuple[Fact, ...]:
+        if principal in self._damaged and SPEED not in what:
+            offers = (f"/settings {SPEED} 0.2 m/s", f"/settings {SPEED} none")
+            raise NotUnderstood(words.SETTINGS_DAMAGED, offers=offers)
         after = msgspec.structs.replace(self.of(principal), **what)
         return (_fact(principal, after, self._clock.wall_ns()),)
 
@@ -240,17 +261,24 @@ class PreferenceBook:
             self.apply(fact)
 
     def apply(self, fact: Fact) -> None:
-        """Let a fact be so. One that cannot be read is left out: nothing of its owner is set."""
+        """Let a fact be so.
+
+        One that cannot be read may have held a highest speed: its owner goes slowly from now on,
+        until they say how fast. Everything else is as if it was not set.
+        """
         principal = fact.key
         self._set.pop(principal, None)
         self._limits.pop(principal, None)
-        if not fact.body or fact.letter is None:
-            return  # taken back, or erased
+        self._damaged.discard(principal)
+        if not fact.body:
+            return  # taken back
         try:
-            kept = _decode(fact.letter.content)
+            kept = _decode(b"" if fact.letter is None else fact.letter.content)
             limits = self._caps.texts(kept.speed) if kept.speed else ()
         except (msgspec.MsgspecError, ValueError):
-            log.warning("somebody's settings cannot be read; they are as if nothing was set")
+            log.warning("somebody's settings cannot be read; they go slowly until they set them")
+            self._damaged.add(principal)
+            self._limits[principal] = self._caps.slowest()
             return
         self._set[principal] = kept
         if limits:

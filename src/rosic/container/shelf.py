@@ -280,14 +280,14 @@ def _checked(name: str, value: str) -> tuple[str, str]:
         NotUnderstood, OutOfBounds: They cannot be.
     """
     if len(name.strip()) > LONGEST_NAME:
-        raise OutOfBounds(words.too_long("name", LONGEST_NAME))
+        raise OutOfBounds(words.too_long(words.NAME, LONGEST_NAME))
     name, value = clean_name(name), clean(value).strip()
     if not name:
         raise NotUnderstood(words.NAME_EMPTY)
     if not value:
         raise NotUnderstood(words.VALUE_EMPTY)
     if len(value) > LONGEST_VALUE:
-        raise OutOfBounds(words.too_long("value", LONGEST_VALUE))
+        raise OutOfBounds(words.too_long(words.VALUE, LONGEST_VALUE))
     return name, value
 
 

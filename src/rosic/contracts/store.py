@@ -30,6 +30,9 @@ class Store(Protocol):
     async def write(self, *records: Record) -> None:
         """Write all or none, in the order of the calls. On return they survive power loss.
 
+        What must not wait may go before the others, in an order of its own: stops, what undoes
+        them, locks and keys that are taken back.
+
         Raises:
             Repeated: A ``Claimed``, ``Refused`` or ``Resumed`` with this id exists. None of these
                 records was written; others written at the same time are not affected.

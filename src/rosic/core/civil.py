@@ -8,14 +8,21 @@ from __future__ import annotations
 
 import msgspec
 
+from rosic.core.saying import said
+
 FIRST_YEAR = 1970
 LAST_YEAR = 2199
 MINUTES_A_DAY = 24 * 60
 MINUTE_NS = 60_000_000_000
 DAY_NS = MINUTES_A_DAY * MINUTE_NS
 
-WEEKDAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
-MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
+WEEKDAYS = (
+    said("Mon"), said("Tue"), said("Wed"), said("Thu"), said("Fri"), said("Sat"), said("Sun"),
+)  # fmt: skip
+MONTHS = (
+    said("Jan"), said("Feb"), said("Mar"), said("Apr"), said("May"), said("Jun"),
+    said("Jul"), said("Aug"), said("Sep"), said("Oct"), said("Nov"), said("Dec"),
+)  # fmt: skip
 
 _LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
 _THURSDAY = 3  # 1 January 1970

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
 from rosic.errors import OrderVoid
 
 if TYPE_CHECKING:
@@ -53,18 +54,26 @@ class Gate:
             OrderVoid: The robot must not act on it; nothing was remembered but a higher fence.
         """
         if order.robot != self.robot:
-            raise OrderVoid(f"This order is for {order.robot}. Nothing was done.")
+            raise OrderVoid(said("This order is for {robot}. Nothing was done.", robot=order.robot))
         permit = order.permit
         self.fence = max(self.fence, permit.fence)
         if order.skill.actuates:
             if self.latched or permit.stop_generation < self.generation:
-                raise OrderVoid(f"{order.robot} was stopped before this could begin.")
+                raise OrderVoid(
+                    said("{robot} was stopped before this could begin.", robot=order.robot)
+                )
             if permit.fence < self.fence:
-                raise OrderVoid(f"Somebody else has {order.robot} now. Nothing was done.")
+                raise OrderVoid(
+                    said("Somebody else has {robot} now. Nothing was done.", robot=order.robot)
+                )
         if order.n <= self.n:
-            raise OrderVoid(f"{order.robot} has already acted on a later command.")
+            raise OrderVoid(
+                said("{robot} has already acted on a later command.", robot=order.robot)
+            )
         if now_ns > order.deadline_ns:
-            raise OrderVoid(f"This reached {order.robot} too late. Nothing was done.")
+            raise OrderVoid(
+                said("This reached {robot} too late. Nothing was done.", robot=order.robot)
+            )
         self.n = order.n
 
     def still_allows(self, order: Order) -> bool:

@@ -2,28 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import TypeAlias
 
+import msgspec
+
 from rosic.core.order import Ending, Outcome, Report, Stage
+from rosic.core.saying import Catalogue, in_language, said
 
 Face: TypeAlias = Callable[[int], str]
 """Wall clock nanoseconds to what a clock on the wall shows: ``14:02:07``."""
 
-STEP = {
-    Stage.ACCEPTED: "accepted",
-    Stage.QUEUED: "waiting its turn",
-    Stage.SENT: "sent",
-    Stage.RECEIVED: "received by the robot",
+_STEP = {
+    Stage.ACCEPTED: said("accepted"),
+    Stage.QUEUED: said("waiting its turn"),
+    Stage.SENT: said("sent"),
+    Stage.RECEIVED: said("received by the robot"),
 }
-ENDED = {
-    Ending.DONE: "done",
-    Ending.FAILED: "failed",
-    Ending.CANCELLED: "stopped before it ended",
-    Ending.SENT: "sent; this robot does not acknowledge",
-    Ending.UNKNOWN: "not known whether it was carried out",
-    Ending.REFUSED: "not done",
+_ENDED = {
+    Ending.DONE: said("done"),
+    Ending.FAILED: said("failed"),
+    Ending.CANCELLED: said("stopped before it ended"),
+    Ending.SENT: said("sent; this robot does not acknowledge"),
+    Ending.UNKNOWN: said("not known whether it was carried out"),
+    Ending.REFUSED: said("not done"),
 }
+_RUNNING = said("running")
+_LOOK = said("Please look.")
+
+
+class Wording(msgspec.Struct, frozen=True):
+    """The words of lives in one language, plain, so that no life has to translate them.
+
+    Attributes:
+        catalogue: For what a robot or a refusal says.
+    """
+
+    catalogue: Catalogue | None
+    step: Mapping[Stage, str]
+    ended: Mapping[Ending, str]
+    running: str
+    look: str
+
+
+@lru_cache(maxsize=32)
+def wording_in(catalogue: Catalogue | None) -> Wording:
+    """Return the words in a language; None for English."""
+    return Wording(
+        catalogue,
+        {stage: in_language(word, catalogue) for stage, word in _STEP.items()},
+        {ending: in_language(word, catalogue) for ending, word in _ENDED.items()},
+        in_language(_RUNNING, catalogue),
+        in_language(_LOOK, catalogue),
+    )
+
+
+ENGLISH = wording_in(None)
 
 
 class Life:
@@ -32,15 +67,20 @@ class Life:
     Attributes:
         where: The robot, as people read it.
         title: ``omni: move, 0.50 m left``.
+        words: In the language of whoever reads it.
     """
 
     __slots__ = (
-        "_accepted_ns", "_ending", "_face", "_fraction", "_note", "_steps", "title", "where",
+        "_accepted_ns", "_ending", "_face", "_fraction", "_note", "_steps",
+        "title", "where", "words",
     )  # fmt: skip
 
-    def __init__(self, where: str, title: str, face: Face, at_ns: int) -> None:
+    def __init__(
+        self, where: str, title: str, face: Face, at_ns: int, words: Wording = ENGLISH
+    ) -> None:
         self.where = where
         self.title = title
+        self.words = words
         self._face = face
         self._accepted_ns = at_ns
         self._steps = ""
@@ -52,7 +92,7 @@ class Life:
         """Take a report in. Return whether a person would want to see it now."""
         stage = report.stage
         if stage is not Stage.RUNNING:
-            word = f"{STEP[stage]} {self._face(at_ns)}"
+            word = f"{self.words.step[stage]} {self._face(at_ns)}"
             self._steps = f"{self._steps} · {word}" if self._steps else word
             return True
         news = report.note != self._note or self._fraction is None
@@ -63,7 +103,7 @@ class Life:
 
     def wording(self, outcome: Outcome, at_ns: int) -> str:
         """Return how an outcome reads; the life goes on."""
-        return ended(outcome, self._face(at_ns))
+        return ended(outcome, self._face(at_ns), self.words)
 
     def end(self, words: str) -> None:
         """The life is over; what comes later does not change it."""
@@ -74,12 +114,14 @@ class Life:
         if self._fraction is None and not self._note:
             return ""
         share = "" if self._fraction is None else f"{round(self._fraction * 100)} %"
-        return " ".join(part for part in (self._note or "running", share) if part)
+        note = in_language(self._note, self.words.catalogue) if self._note else self.words.running
+        return f"{note} {share}" if share else note
 
     def text(self, *, ending: bool = True) -> str:
         """Return the whole life as one message, with or without how it ended."""
         # That it was accepted says nothing more once it was sent.
-        steps = self._steps or f"{STEP[Stage.ACCEPTED]} {self._face(self._accepted_ns)}"
+        accepted = self.words.step[Stage.ACCEPTED]
+        steps = self._steps or f"{accepted} {self._face(self._accepted_ns)}"
         begun = f"{self.title}\n{steps}"
         if self._ending:
             return f"{begun}\n{self._ending}" if ending else begun
@@ -89,17 +131,18 @@ class Life:
     def line(self, report: Report) -> str:
         """Return one step as a line of its own, for a messenger that cannot edit."""
         if report.stage is Stage.ACCEPTED:
-            return f"{self.title}: accepted"
+            return f"{self.title}: {self.words.step[Stage.ACCEPTED]}"
         if report.stage is Stage.RUNNING:
             return f"{self.where}: {self.progress()}"
-        return f"{self.where}: {STEP[report.stage]}"
+        return f"{self.where}: {self.words.step[report.stage]}"
 
 
-def ended(outcome: Outcome, time_of_day: str) -> str:
-    """Return how an order ended: ``done 14:02:13: object held``."""
-    word = ENDED[outcome.ending]
+def ended(outcome: Outcome, time_of_day: str, words: Wording = ENGLISH) -> str:
+    """Return how an order ended, plain: ``done 14:02:13: object held``."""
+    word = words.ended[outcome.ending]
+    note = in_language(outcome.note, words.catalogue) if outcome.note else ""
     if outcome.ending is Ending.UNKNOWN:
-        return f"{word} ({time_of_day}). {outcome.note or 'Please look.'}"
+        return f"{word} ({time_of_day}). {note or words.look}"
     if outcome.ending is Ending.REFUSED:
-        return outcome.note or word
-    return f"{word} {time_of_day}: {outcome.note}" if outcome.note else f"{word} {time_of_day}"
+        return note or word
+    return f"{word} {time_of_day}: {note}" if note else f"{word} {time_of_day}"

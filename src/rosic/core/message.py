@@ -61,6 +61,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         under: Id of the message whose button was tapped; empty for a text.
         answers: Id of the message in this chat that it replies to; empty for none.
         shown_as: How the platform shows the sender. For showing somebody new; never compared.
+        locale: What the sender's messenger is set to, where the platform says so: ``de``. Only the
+            default for whoever has not chosen a language.
     """
 
     sender: Address
@@ -76,6 +78,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     under: str = ""
     answers: str = ""
     shown_as: str = ""
+    locale: str = ""
 
 
 class Button(msgspec.Struct, frozen=True, gc=False):

@@ -8,6 +8,7 @@ import msgspec
 
 from rosic.core.identity import CommandId, KeyId, PrincipalId
 from rosic.core.robot import RobotId
+from rosic.core.saying import said
 from rosic.core.skill import Argument, Skill
 
 
@@ -151,7 +152,7 @@ class Outcome(msgspec.Struct, frozen=True):
     code: str = ""
 
 
-NEVER_BEGUN = "ROSIC was shut down before this could begin. Nothing was done."
+NEVER_BEGUN = said("ROSIC was shut down before this could begin. Nothing was done.")
 
 
 class Stop(msgspec.Struct, frozen=True, gc=False):

@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+import re
+from typing import Final
+
 import msgspec
+
+_RATE = re.compile(
+    r"(?P<count>\d{1,6}) ?/ ?(?P<unit>s|min|h|day)(?:,? +burst +(?P<burst>\d{1,6}))?\Z"
+)
+_UNITS: Final = {"s": 1.0, "min": 60.0, "h": 3_600.0, "day": 86_400.0}
+_HOW: Final = 'write for example "30/min" or "30/min burst 5"'
 
 
 class RateLimit(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -16,14 +25,36 @@ class RateLimit(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             raise ValueError("a rate needs burst of at least 1 and per_s above 0")
 
 
+def parse_rate(text: str) -> RateLimit:
+    """Read a rate: ``30/min``, ``1/s``, ``100/day burst 10``. Without a burst it is the number.
+
+    Raises:
+        ValueError: It is none; one clear sentence.
+    """
+    found = _RATE.match(" ".join(text.split()))
+    if found is None or not int(found["count"]) or found["burst"] in {"0", "00"}:
+        raise ValueError(f"{text[:60]!r} is not a rate: {_HOW}")
+    count = int(found["count"])
+    burst = int(found["burst"] or count)
+    if burst < 1:
+        raise ValueError(f"{text[:60]!r} is not a rate: {_HOW}")
+    return RateLimit(burst=float(burst), per_s=count / _UNITS[found["unit"]])
+
+
 class Bucket:
-    """One principal's bucket."""
+    """One bucket: somebody's, a robot's or a role's.
+
+    Args:
+        limit: What it holds and how fast it fills.
+        now_ns: Monotonic clock.
+        tokens: What is in it now; None: it is full.
+    """
 
     __slots__ = ("_filled_ns", "_tokens", "limit")
 
-    def __init__(self, limit: RateLimit, now_ns: int) -> None:
+    def __init__(self, limit: RateLimit, now_ns: int, tokens: float | None = None) -> None:
         self.limit = limit
-        self._tokens = limit.burst
+        self._tokens = limit.burst if tokens is None else min(limit.burst, max(0.0, tokens))
         self._filled_ns = now_ns
 
     def take(self, now_ns: int, cost: float = 1.0) -> float:
@@ -43,3 +74,13 @@ class Bucket:
             self._tokens -= cost
             return 0.0
         return (cost - self._tokens) / limit.per_s
+
+    def wait_s(self, now_ns: int, cost: float) -> float:
+        """Return 0.0 if ``cost`` could be taken, or the seconds until then. Takes nothing."""
+        missing = cost - (self.limit.burst - self.missing(now_ns))
+        return missing / self.limit.per_s if missing > 0 else 0.0
+
+    def missing(self, now_ns: int) -> float:
+        """Return how many tokens it lacks to be full."""
+        self.take(now_ns, 0.0)
+        return self.limit.burst - self._tokens

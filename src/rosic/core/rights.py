@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rosic.core.authority import Scope
     from rosic.core.identity import PrincipalId
     from rosic.core.limits import Convert
+    from rosic.core.rate import RateLimit
     from rosic.core.reach import Fleet
     from rosic.core.robot import RobotId
     from rosic.core.role_mistakes import Mistake
@@ -161,6 +162,25 @@ class Rights:
     def caution(self, robot: RobotId, skill: str) -> Caution:
         """Return what a skill wants besides the right to it."""
         return self._tables.care.get(robot, {}).get(skill, NO_CAUTION)
+
+    @property
+    def rates(self) -> Mapping[str, RateLimit]:
+        """Return the rates of roles; mostly there are none."""
+        return self._tables.rates
+
+    def rated(
+        self, principal: PrincipalId, robot: RobotId, skill: str, now_ns: int
+    ) -> tuple[str, ...]:
+        """Return the roles whose rates an order counts against: those of the way with the fewest.
+
+        Whoever has a right without such a role as well is bound by none.
+        """
+        live = [
+            way.rates
+            for way, holding in self.ways(principal, robot, skill)
+            if now_ns < holding.until_ns
+        ]
+        return min(live, key=len, default=())
 
     def actuates(self, robot: RobotId, skill: str) -> bool:
         """Whether a skill needs the robot for oneself."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 from rosic.core.authority import Scope
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.limits import LimitRule, Unfit, fit_limits, parse_limit
+from rosic.core.rate import parse_rate
 from rosic.core.reach import FLEET, words_given, words_meant
 from rosic.core.roles import ASSURANCES, DEEPEST, chains, loops
 
@@ -102,6 +103,7 @@ def _role(
     if not role.scopes and not role.includes:
         yield Mistake(here, f"The role {name} gives nothing.", "Give it scopes, or includes.")
     yield from _assurance((*here, "assurance"), role.assurance)
+    yield from _rate((*here, "rate"), role.rate)
     given = dict(_given(_scopes_of(name, (), roles), fleet))
     for mistake in _limits(role.limits, given, fleet, convert):
         yield mistake._replace(place=(*here, *mistake.place))
@@ -134,6 +136,14 @@ def _assurance(place: Place, said: str) -> Iterator[Mistake]:
         yield Mistake(
             place, f"{said!r} is no assurance of a channel.", f"Known: {', '.join(ASSURANCES)}."
         )
+
+
+def _rate(place: Place, said: str) -> Iterator[Mistake]:
+    try:
+        if said:
+            parse_rate(said)
+    except ValueError as fault:
+        yield Mistake(place, f"{fault}.")
 
 
 def _robots(place: Place, said: str, fleet: Fleet) -> Iterator[Mistake]:

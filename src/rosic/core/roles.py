@@ -62,6 +62,8 @@ class Role(
         limits: Hold for everything the role gives, also through roles it includes.
         assurance: The least a conversation must be worth; empty: any.
         priority: Who may take a robot over from whom; None: the highest of the included roles.
+        rate: How much everybody together may do under it, also under roles that include it:
+            ``30/min burst 5``; empty: any.
     """
 
     scopes: tuple[str, ...] = ()
@@ -69,6 +71,7 @@ class Role(
     limits: tuple[str, ...] = ()
     assurance: str = ""
     priority: int | None = None
+    rate: str = ""
 
 
 class Grant(
@@ -151,12 +154,14 @@ class Chain(msgspec.Struct, frozen=True):
         last: The role at the end; its scopes count.
         limits: Texts of every role on the way, each role's own together.
         assurance: The highest that any role on the way asks for.
+        rates: Roles on the way that have a rate.
     """
 
     via: tuple[str, ...]
     last: Role
     limits: tuple[tuple[str, ...], ...]
     assurance: Assurance
+    rates: tuple[str, ...] = ()
 
 
 _Step: TypeAlias = tuple[tuple[str, ...], tuple[tuple[str, ...], ...], Assurance]
@@ -167,7 +172,7 @@ def chains(roles: Mapping[str, Role], name: str) -> Iterator[Chain]:
 
     Two ways to the same role that ask for the same are walked once.
     """
-    met: set[tuple[str, frozenset[tuple[str, ...]], Assurance]] = set()
+    met: set[tuple[str, frozenset[tuple[str, ...]], Assurance, tuple[str, ...]]] = set()
     walk: list[_Step] = [((name,), (), Assurance.PROVIDER_READABLE)] if name in roles else []
     while walk:
         via, limits, least = walk.pop()
@@ -176,11 +181,12 @@ def chains(roles: Mapping[str, Role], name: str) -> Iterator[Chain]:
         # An assurance that cannot be read asks for the highest: nothing is given by mistake.
         asked = ASSURANCES.get(role.assurance, Assurance.LOCAL) if role.assurance else least
         least = max(least, asked)
-        mark = (via[-1], frozenset(limits), least)
+        rates = tuple([each for each in via if roles[each].rate])
+        mark = (via[-1], frozenset(limits), least, rates)
         if mark in met:
             continue
         met.add(mark)
-        yield Chain(via, role, limits, least)
+        yield Chain(via, role, limits, least, rates)
         if len(via) < DEEPEST:
             walk += [
                 ((*via, inner), limits, least)

@@ -24,6 +24,9 @@ class Catalogue(Protocol):
     def gettext(self, message: str, /) -> str:
         """Return the template in this language, or the same when it is not known."""
 
+    def __hash__(self) -> int:
+        """Hash it, so that what was made with it can be kept."""
+
     def ngettext(self, msgid1: str, msgid2: str, n: int, /) -> str:
         """Return the form of a template that goes with ``n``."""
 
@@ -68,6 +71,42 @@ class Sentences(str):
     rest: tuple[str, ...]
 
 
+@final
+class Measured(str):
+    """A quantity, as it stands in a profile, and as somebody reads it who thinks in feet."""
+
+    __slots__ = ("imperial",)
+
+    imperial: str
+
+
+@final
+class Imperial:
+    """A catalogue for whoever reads feet and pounds; its words are another's, or English."""
+
+    def __init__(self, words: Catalogue | None) -> None:
+        self._words = words
+
+    def gettext(self, message: str) -> str:
+        """Return the template in this language."""
+        return message if self._words is None else self._words.gettext(message)
+
+    def ngettext(self, msgid1: str, msgid2: str, n: int) -> str:
+        """Return the form of a template that goes with ``n``."""
+        if self._words is not None:
+            return self._words.ngettext(msgid1, msgid2, n)
+        return msgid1 if n == 1 else msgid2
+
+
+@final
+class Capital(str):
+    """A sentence that begins with a capital letter, in whatever language."""
+
+    __slots__ = ("text",)
+
+    text: str
+
+
 def said(template: str, /, **parts: object) -> Sentence:
     """Say something; fields as ``str.format`` has them."""
     return Sentence.of(template, parts)
@@ -78,12 +117,24 @@ def said_n(one: str, many: str, n: int, /, **parts: object) -> Sentence:
     return Sentence.of(one, {"n": n, **parts}, many, n)
 
 
-def joined(separator: str, texts: Iterable[str]) -> str:
-    """Join sentences, each keeping its own languages; ``separator`` is the same in all of them."""
-    rest = tuple(texts)
+def filled(form: Sentence, /, **parts: object) -> Sentence:
+    """Fill the fields of a sentence that was made without them, in a table of sentences."""
+    return Sentence.of(form.template, parts)
+
+
+def joined(separator: str, texts: Iterable[str | int]) -> str:
+    """Join sentences, each keeping its own languages; ``separator`` may be a sentence, too."""
+    rest = tuple([text if isinstance(text, str) else str(text) for text in texts])
     row = Sentences(separator.join(rest))
     row.separator, row.rest = separator, rest
     return row
+
+
+def capital(text: str) -> str:
+    """Begin a sentence with a capital letter, in whatever language."""
+    begun = Capital(f"{text[:1].upper()}{text[1:]}")
+    begun.text = text
+    return begun
 
 
 def in_language(text: str, catalogue: Catalogue | None) -> str:
@@ -93,8 +144,25 @@ def in_language(text: str, catalogue: Catalogue | None) -> str:
     if isinstance(text, Sentence):
         return _translated(text, catalogue)
     if isinstance(text, Sentences):
-        return text.separator.join([in_language(part, catalogue) for part in text.rest])
+        separator = in_language(text.separator, catalogue)
+        return separator.join([in_language(part, catalogue) for part in text.rest])
+    if isinstance(text, Measured):
+        return text.imperial if isinstance(catalogue, Imperial) else str(text)
+    if isinstance(text, Capital):
+        plain = in_language(text.text, catalogue)
+        return f"{plain[:1].upper()}{plain[1:]}"
     return text
+
+
+def plain(text: object) -> str:
+    """Return a sentence as plain English; for an encoder, which takes nothing but ``str`` itself.
+
+    Raises:
+        NotImplementedError: It is no text at all.
+    """
+    if isinstance(text, str):
+        return str(text)
+    raise NotImplementedError
 
 
 def _translated(text: Sentence, catalogue: Catalogue) -> str:

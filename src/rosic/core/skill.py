@@ -29,6 +29,7 @@ class SkillClass(enum.Enum):
 MOTION_LIFETIME_S = 5.0
 LIFETIME_S = 30.0
 LIFETIME_MAX_S = 3600.0
+COST_MAX = 1_000.0
 MOTION_LIFETIME_NS = int(MOTION_LIFETIME_S * 1e9)
 LIFETIME_NS = int(LIFETIME_S * 1e9)
 
@@ -132,6 +133,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         kind: The class, ``class`` in the file.
         words: Other names people use for it.
         lifetime_s: Instead of the class's.
+        cost: How much of a rate limit it takes: of the person's, the robot's, the role's.
     """
 
     id: str = ""
@@ -140,6 +142,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     words: tuple[str, ...] = ()
     parameters: dict[str, Parameter] = {}
     lifetime_s: float | None = None
+    cost: float = 1.0
     topic: TopicBinding | None = None
     service: ServiceBinding | None = None
     action: ActionBinding | None = None
@@ -151,6 +154,8 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
             raise ValueError("a skill has at most one of topic, service, action, set_parameters")
         if self.lifetime_s is not None and not 0 < self.lifetime_s <= LIFETIME_MAX_S:
             raise ValueError(f"lifetime_s must be above 0 and at most {LIFETIME_MAX_S:.0f}")
+        if not 1 <= self.cost <= COST_MAX:
+            raise ValueError(f"cost must be between 1 and {COST_MAX:g}")
         if self.kind is SkillClass.STOP:
             raise ValueError("stop is not a skill: every robot has one")
 

@@ -6,6 +6,7 @@ them. A right that ends looks into a second edition of it in which nothing is ``
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, TypeAlias
 from weakref import WeakValueDictionary
 
@@ -13,6 +14,7 @@ import msgspec
 
 from rosic.core.authority import Scope
 from rosic.core.limits import Limit, LimitRule, Unfit, fit_limits, parse_limit
+from rosic.core.rate import RateLimit, parse_rate
 from rosic.core.reach import FLEET, GRANT, Fleet, words_given, words_meant
 from rosic.core.robot import RobotId
 from rosic.core.roles import ASSURANCES, Assurance, Grant, Need, Rulebook, chains, priority_of
@@ -37,6 +39,7 @@ class Way(msgspec.Struct, frozen=True, gc=False):
         limits: All must hold.
         priority: Of the granted role; 0 for a bare scope.
         assurance: The least the conversation must be worth.
+        rates: Roles whose rate it counts against.
     """
 
     via: tuple[str, ...]
@@ -44,10 +47,15 @@ class Way(msgspec.Struct, frozen=True, gc=False):
     limits: tuple[Limit, ...]
     priority: int
     assurance: Assurance
+    rates: tuple[str, ...] = ()
 
     def serves(self, other: Way) -> bool:
         """Whether whoever has this one gains nothing by the other, which is of the same grant."""
-        return self.assurance <= other.assurance and set(self.limits) <= set(other.limits)
+        return (
+            self.assurance <= other.assurance
+            and set(self.limits) <= set(other.limits)
+            and set(self.rates) <= set(other.rates)
+        )
 
 
 class Right(msgspec.Struct, frozen=True, gc=False):
@@ -123,6 +131,7 @@ class _Link(msgspec.Struct, frozen=True, eq=False):
     scopes: tuple[Scope, ...]
     limits: tuple[tuple[LimitRule, ...], ...]
     assurance: Assurance
+    rates: tuple[str, ...] = ()
 
 
 class Tables:
@@ -130,7 +139,7 @@ class Tables:
 
     __slots__ = (
         "_giving", "_holdings", "_kinds", "_links", "_named", "_rows", "_shared",
-        "care", "convert", "fleet", "preempt", "rulebook",
+        "care", "convert", "fleet", "preempt", "rates", "rulebook",
     )  # fmt: skip
 
     def __init__(self, rulebook: Rulebook, fleet: Fleet, convert: Convert) -> None:
@@ -138,6 +147,7 @@ class Tables:
         self.fleet = fleet
         self.preempt = frozenset(r for said in rulebook.preempt for r in fleet.robots(said))
         self.care = _spread_care(rulebook.care, fleet)
+        self.rates = _read_rates(rulebook)
         self.convert = convert
         self._named: dict[tuple[Scope, RobotId], frozenset[str]] = {}
         self._links: dict[str, tuple[_Link, ...]] = {}
@@ -238,10 +248,13 @@ class Tables:
         links = self._links.get(role)
         if links is None:
             links = self._links[role] = tuple(
-                _Link(chain.via, _read_scopes(chain.last.scopes), limits, chain.assurance)
+                _Link(
+                    chain.via, _read_scopes(chain.last.scopes), limits, chain.assurance, chain.rates
+                )
                 for chain in chains(self.rulebook.roles, role)
-                # A limit that cannot be read takes the right away rather than set it free.
+                # What cannot be read takes the right away rather than set it free.
                 if (limits := _read_limits(chain.limits)) is not None
+                and all(rated in self.rates for rated in chain.rates)
             )
         return links
 
@@ -261,7 +274,7 @@ class Tables:
                     if fitted is not None:
                         way = Way(
                             link.via, f"{scope.robot}:{scope.skill}", fitted, edition.priority,
-                            link.assurance,
+                            link.assurance, link.rates,
                         )  # fmt: skip
                         _add(ways.setdefault(word, []), way)
         care = self.care.get(robot, {})
@@ -342,6 +355,15 @@ def _read_limits(
         return tuple(tuple(map(parse_limit, texts)) for texts in levels)
     except ValueError:
         return None
+
+
+def _read_rates(rulebook: Rulebook) -> dict[str, RateLimit]:
+    found: dict[str, RateLimit] = {}
+    for name, role in rulebook.roles.items():
+        if role.rate:
+            with suppress(ValueError):
+                found[name] = parse_rate(role.rate)
+    return found
 
 
 def _add(ways: list[Way], way: Way) -> None:

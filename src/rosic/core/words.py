@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.measures import measured
+from rosic.core.saying import filled, joined, said
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
@@ -11,32 +14,37 @@ if TYPE_CHECKING:
     from rosic.core.robot import Presence, Profile
     from rosic.core.skill import Parameter, Skill
 
-HELP = """Say what a robot should do, for example:
-{examples}
-Say stop at any time: whatever you may see, you may stop.
-Also: status, use NAME (then its name may be left out), resume NAME (after a stop), help NAME."""
+HELP = said(
+    "Say what a robot should do, for example:\n{examples}\nSay stop at any time: "
+    "whatever you may see, you may stop.\nAlso: status, use NAME (then its name may "
+    "be left out), resume NAME (after a stop), help NAME."
+)
 
 # The texts of the paper's Algorithm 7.
-MAY_COMMAND = "You have permission to send and receive commands."
-MAY_NOT_COMMAND = "You do not have permission to send and receive commands."
-INFORMATION = "Here's the information you requested."
-NO_INFORMATION = "You do not have permission to access this information."
+MAY_COMMAND = said("You have permission to send and receive commands.")
+MAY_NOT_COMMAND = said("You do not have permission to send and receive commands.")
+INFORMATION = said("Here's the information you requested.")
+NO_INFORMATION = said("You do not have permission to access this information.")
 
-NOTHING_VISIBLE = "There is no robot here for you yet. The admin of this place can change that."
+NOTHING_VISIBLE = said(
+    "There is no robot here for you yet. The admin of this place can change that."
+)
 
 
 def help_for_all(examples: Sequence[str]) -> str:
     """Return the general help, with examples from the robots this person may see."""
-    return HELP.format(examples="\n".join(f"  {example}" for example in examples))
+    return filled(HELP, examples="\n".join(f"  {example}" for example in examples))
 
 
 def help_for(profile: Profile) -> str:
     """Return what one robot can do."""
-    lines = [f"{profile.shown} can:"]
+    lines: list[str] = [said("{shown} can:", shown=profile.shown)]
     for skill in profile.skills.values():
-        wanted = ", ".join(parameter_hint(n, p) for n, p in skill.parameters.items())
-        lines.append(f"  {spoken(skill)}{': ' + wanted if wanted else ''}")
-    return "\n".join(lines)
+        wanted = joined(", ", (parameter_hint(n, p) for n, p in skill.parameters.items()))
+        lines.append(
+            joined("", ("  ", spoken(skill), joined("", (": ", wanted)) if wanted else ""))
+        )
+    return joined("\n", lines)
 
 
 def spoken(skill: Skill) -> str:
@@ -52,12 +60,22 @@ def label(skill: Skill) -> str:
 def parameter_hint(name: str, parameter: Parameter) -> str:
     """Return a parameter with its bounds: ``distance 0.01 to 5 m``."""
     if parameter.choices is not None:
-        return f"{name} ({', '.join(parameter.choices)})"
+        return joined("", (name, " (", joined(", ", parameter.choices), ")"))
     if parameter.text:
         return name
     unit = f" {parameter.unit}" if parameter.unit else ""
-    hint = f"{name} {parameter.min:g} to {parameter.max:g}{unit}"
-    return hint if parameter.default is None else f"{hint}, else {parameter.default:g}"
+    hint = said(
+        "{name} {min:g} to {max:g}{unit}",
+        name=name,
+        min=parameter.min,
+        max=parameter.max,
+        unit=unit,
+    )
+    return (
+        hint
+        if parameter.default is None
+        else said("{hint}, else {default:g}", hint=hint, default=parameter.default)
+    )
 
 
 def status_line(
@@ -66,33 +84,44 @@ def status_line(
     """Return one robot's state in one line."""
     parts = [_link(presence)]
     if stopped_by is not None:
-        parts.append(f"stopped by {stopped_by}" if stopped_by else "stopped")
+        parts.append(
+            said("stopped by {stopped_by}", stopped_by=stopped_by)
+            if stopped_by
+            else said("stopped")
+        )
     elif presence.doing:
-        parts.append(f"doing {presence.doing.replace('_', ' ')}")
+        parts.append(said("doing {what}", what=presence.doing.replace("_", " ")))
     elif presence.at_rest:
-        parts.append("at rest")
-    parts.append(f"taken by {holder}" if holder else "free")
+        parts.append(said("at rest"))
+    parts.append(said("taken by {holder}", holder=holder) if holder else said("free"))
     if waiting:
-        parts.append(f"{waiting} waiting")
+        parts.append(said("{waiting} waiting", waiting=waiting))
     parts.extend(_values(profile, presence.values))
-    return f"{profile.shown}: " + " · ".join(part for part in parts if part)
+    return joined(
+        "", (joined("", (profile.shown, ": ")), joined(" · ", (part for part in parts if part)))
+    )
 
 
 def _link(presence: Presence) -> str:
     if presence.online is False:
-        age = "" if presence.age_s is None else f", last heard {presence.age_s:.0f} s ago"
-        return f"not there{age}"
-    return "" if presence.online else "link not known"
+        age = (
+            ""
+            if presence.age_s is None
+            else said(", last heard {age_s:.0f} s ago", age_s=presence.age_s)
+        )
+        return said("not there{age}", age=age)
+    return "" if presence.online else said("link not known")
 
 
 def _values(profile: Profile, values: Mapping[str, float | str]) -> Iterable[str]:
     for name, described in profile.telemetry.items():
         value = values.get(name)
         if isinstance(value, str):
-            yield f"{name} {value}"
+            yield joined(" ", (name, value))
         elif value is not None:
             shown = f"{value:.0f}" if described.unit == "%" else f"{value + 0.0:.2f}"
-            yield f"{name} {shown} {described.unit}".rstrip()
+            text = f"{shown} {described.unit}".rstrip()
+            yield joined(" ", (name, measured(text, value, described.unit)))
 
 
 def rests(profiles: Mapping[str, Profile], found: Iterable[Rest]) -> str:
@@ -102,30 +131,35 @@ def rests(profiles: Mapping[str, Profile], found: Iterable[Rest]) -> str:
     for rest in found:
         shown = profiles[rest.robot].shown
         if rest.confirmed:
-            confirmed.append(f"{shown} {rest.note or 'at rest'} ({rest.seconds:.2f} s).")
+            confirmed.append(
+                joined("", (shown, " ", rest.note or said("at rest"), f" ({rest.seconds:.2f} s)."))
+            )
         else:
-            missing.append(f"{shown} has not confirmed the stop. Use its own stop button.")
-    return "STOP: " + " ".join([*missing, *confirmed])
+            missing.append(
+                said("{shown} has not confirmed the stop. Use its own stop button.", shown=shown)
+            )
+    return joined("", ("STOP: ", joined(" ", [*missing, *confirmed])))
 
 
 def stopping(shown: Sequence[str]) -> str:
     """Return what is said while rest is being measured."""
-    return f"STOP sent to {', '.join(shown)}."
+    return said("STOP sent to {robots}.", robots=", ".join(shown))
 
 
 def resumed(shown: Sequence[str]) -> str:
     """Return the answer to a resume."""
-    return " ".join(f"{name} is ready again." for name in shown)
+    return joined(" ", (said("{name} is ready again.", name=name) for name in shown))
 
 
 def unknown_after_restart(title: str) -> str:
     """Return what is said about an order whose end nobody saw."""
-    return (
-        f"{title}\nROSIC was interrupted. It may or may not have been carried out; please look. "
+    interrupted = said(
+        "ROSIC was interrupted. It may or may not have been carried out; please look. "
         "The robot stays stopped until someone who may resumes it."
     )
+    return joined("\n", (title, interrupted))
 
 
 def said_again(text: str) -> str:
     """Mark an answer that may have been given before an interruption."""
-    return f"{text}\n(Said again: ROSIC was restarted.)"
+    return joined("\n", (text, said("(Said again: ROSIC was restarted.)")))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot import Busy, Presence, Profile, RobotId
+from rosic.core.saying import said
 from rosic.errors import RosicError, StoreFault
 from rosic.linker.mailbox import Mailbox, Waiting
 
@@ -99,7 +100,7 @@ class Linker:
             RobotUnreachable: It may or may not have moved.
         """
         if order.permit.epoch != self.epoch:
-            raise PolicyMoved("The rights have changed meanwhile.")
+            raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
         if robot.profile.busy is not Busy.REPLACE:
             return await robot.execute(order, tell)
@@ -113,7 +114,7 @@ class Linker:
             raise
         mailbox.running = None
         if task.cancelled():
-            return Outcome(Ending.CANCELLED, "a later command took its place")
+            return Outcome(Ending.CANCELLED, said("a later command took its place"))
         return task.result()
 
     def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> Halting:

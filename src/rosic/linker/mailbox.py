@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from rosic.core.order import Order, Outcome, Report, Stage
 from rosic.core.robot import Busy
+from rosic.core.saying import said
 from rosic.errors import OrderVoid, RobotBusy
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot
 
 QUEUED = Report(Stage.QUEUED)
-REPLACED = "A later command took its place. This was not done."
+REPLACED = said("A later command took its place. This was not done.")
 
 
 class Waiting(Protocol):
@@ -72,7 +73,13 @@ class Mailbox:
         if busy is Busy.REFUSE:
             self.check_free()
         if len(self._waiting) >= profile.queue_length:
-            raise RobotBusy(f"{profile.shown} has {len(self._waiting)} commands waiting already.")
+            raise RobotBusy(
+                said(
+                    "{shown} has {waiting} commands waiting already.",
+                    shown=profile.shown,
+                    waiting=len(self._waiting),
+                )
+            )
         if busy is Busy.REPLACE:
             self.void(REPLACED)
             self.replace()
@@ -101,13 +108,18 @@ class Mailbox:
         profile = self._robot.profile
         if self.current is not None and profile.busy is Busy.REFUSE:
             raise RobotBusy(
-                f"{profile.shown} is busy: {_spoken(self.current.order)}. "
-                "Ask again when that has ended, or stop it."
+                said(
+                    "{shown} is busy: {spoken}. Ask again when that has ended, or stop it.",
+                    shown=profile.shown,
+                    spoken=_spoken(self.current.order),
+                )
             )
 
     def clear(self, generation: int) -> None:
         """Void what waits and was admitted before a stop: it could only be refused at the robot."""
-        sentence = f"{self._robot.profile.shown} was stopped before this could begin."
+        sentence = said(
+            "{shown} was stopped before this could begin.", shown=self._robot.profile.shown
+        )
         while self._waiting and self._waiting[0].order.permit.stop_generation < generation:
             self._waiting.popleft().void(OrderVoid(sentence))
 
@@ -144,7 +156,11 @@ class Mailbox:
             for entry in late:
                 self._waiting.remove(entry)
                 shown = self._robot.profile.shown
-                entry.void(OrderVoid(f"{shown} was busy for too long. This was not done."))
+                entry.void(
+                    OrderVoid(
+                        said("{shown} was busy for too long. This was not done.", shown=shown)
+                    )
+                )
             if not self._waiting:
                 break
             self._wakes_ns = min(entry.order.deadline_ns for entry in self._waiting)

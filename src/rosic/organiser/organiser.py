@@ -16,19 +16,22 @@ from rosic.core.decision import decide
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.lease import Lease
 from rosic.core.order import Order, Permit, Request
-from rosic.core.rate import Bucket, RateLimit
 from rosic.core.robot import Slots
 from rosic.core.roles import Need
+from rosic.core.saying import said
 from rosic.core.skill import Argument
-from rosic.errors import NotPermitted, TooManyRequests
+from rosic.errors import NotPermitted
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.grounds import NOTHING, Grounds
+from rosic.organiser.rates import Rates
 from rosic.organiser.refusing import LOCKED, Refusing
+from rosic.organiser.words_rates import person_full
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.asking import Decision
     from rosic.core.identity import KeyId
+    from rosic.core.rate import RateLimit
     from rosic.core.rights import Rights
     from rosic.core.robot import Profile, RobotId
     from rosic.core.slot import SlotRule
@@ -52,6 +55,7 @@ class Organiser:
         narrow: Keys that reach less than their principal's rights; kept by the authoriser.
         calendar: Whose time it is.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
+        rates: How much may be asked of and by whom.
     """
 
     def __init__(
@@ -71,7 +75,7 @@ class Organiser:
         self.lease_idle_s = lease_idle_s
         self.name_of: NameOf = str
         self.wall_ns = clock.wall_ns
-        self.moment: Moment = lambda _who, _at_ns: "some time ago"
+        self.moment: Moment = lambda _who, _at_ns: said("some time ago")
         self.key_of: KeyOf = _no_key
         self.narrow: Collection[KeyId] = frozenset()
         self._slots: dict[RobotId, SlotRule] = {
@@ -81,9 +85,8 @@ class Organiser:
         }
         self._stops = stops
         self._clock = clock
-        self._limit = limit
+        self.rates = Rates(clock, limit)
         self._idle_ns = int(lease_idle_s * 1e9)
-        self._buckets: dict[PrincipalId, Bucket] = {}
         self._warned: set[PrincipalId] = set()
         self._leases = {robot: Lease() for robot in profiles}
         self._refusing = Refusing(self, profiles, stops)
@@ -101,15 +104,9 @@ class Organiser:
             TooManyRequests: Nothing more was taken. Only the first one is worth an answer.
         """
         now_ns = self._clock.monotonic_ns()
-        bucket = self._buckets.get(caller.principal)
-        if bucket is None:
-            bucket = self._buckets[caller.principal] = Bucket(self._limit, now_ns)
-        wait_s = bucket.take(now_ns)
+        wait_s = self.rates.enter(caller.principal, now_ns)
         if wait_s:
-            refusal = TooManyRequests(
-                f"That is more than one person may ask. Again in {max(1, round(wait_s))} s.",
-                retry_after_s=wait_s,
-            )
+            refusal = person_full(wait_s)
             refusal.silent = caller.principal in self._warned
             self._warned.add(caller.principal)
             raise refusal
@@ -135,11 +132,13 @@ class Organiser:
             NotPermitted, OutOfBounds, RobotStopped, RobotTaken: Why not, who can help, when.
             FirstNeeded: They may, once something else has happened.
             TakeOver: They may, and somebody else has to give way first.
+            TooManyRequests: They may, but not so often; says whose limit it is.
                 Nobody's lease has changed.
         """
         now_ns = self._clock.monotonic_ns()
         rights, principal = self.rights, caller.principal
         acting: list[Lease | None] = []
+        cost = 0.0
         for request in requests:
             robot, skill = request.robot, request.skill
             right = rights.may(principal, robot, skill.id)
@@ -147,6 +146,9 @@ class Organiser:
             if right is None or not right.plain or not self._open(caller, robot, lease, now_ns):
                 self._decide(caller, request, arguments_of(request), grounds_of())
             acting.append(lease)
+            cost += skill.cost
+        if cost != len(requests) or rights.rates or self.rates.robots:
+            self._spend(caller, requests)
         permits: list[Permit] = []
         for request, lease in zip(requests, acting, strict=True):
             robot = request.robot
@@ -159,6 +161,26 @@ class Organiser:
                 )
             )  # fmt: skip
         return tuple(permits)
+
+    def _spend(self, caller: Caller, requests: Sequence[Request]) -> None:
+        """Take what permitted requests cost: all of it or nothing.
+
+        Raises:
+            TooManyRequests: Of a robot, of a role, or of their own; nothing was taken.
+        """
+        rates, rights = self.rates, self.rights
+        rates.roles = rights.rates
+        wall_ns, principal = self.wall_ns(), caller.principal
+        roles: dict[str, None] = {}
+        if rights.rates:
+            for request in requests:
+                found = rights.rated(principal, request.robot, request.skill.id, wall_ns)
+                roles.update(dict.fromkeys(found))
+        robots = [(request.robot, request.skill.cost) for request in requests]
+        dearest = max(request.skill.cost for request in requests)
+        refusal = rates.spend(principal, dearest, robots, roles)
+        if refusal is not None:
+            raise refusal
 
     def _open(self, caller: Caller, robot: RobotId, lease: Lease | None, now_ns: int) -> bool:
         """Whether nothing but the right itself has to be asked: the way of nearly every order."""
@@ -230,7 +252,7 @@ class Organiser:
             second=grounds.second,
         )
 
-    def readmit(self, caller: Caller, order: Order, grounds: Grounds = NOTHING) -> Permit:
+    def readmit(self, caller: Caller, order: Order, grounds: Grounds) -> Permit:
         """Decide once more for an order that waited while the policy changed (I8).
 
         It keeps its lease and its stop generation: what a stop voided stays void. What was
@@ -248,13 +270,13 @@ class Organiser:
             old.stop_generation, self.rights.epoch,
         )  # fmt: skip
 
-    def check_resume(self, caller: Caller, robot: RobotId) -> None:
+    def check_resume(self, caller: Caller, robot: RobotId, grounds: Grounds) -> None:
         """Decide whether a person may undo a stop.
 
         Raises:
             NotPermitted: Not this person.
         """
-        decision = self.decision(caller, robot, RESUME)
+        decision = self.decision(caller, robot, RESUME, grounds=grounds)
         if isinstance(decision, Denied):
             raise self._refusing.denial(decision)
 
@@ -303,13 +325,12 @@ class Organiser:
         slot = None if rule == "none" else self.calendar.present(robot, self.wall_ns())
         return self.holder(robot) or (slot.principal if slot is not None else None)
 
-    def free_in(self, robot: RobotId) -> tuple[str, float]:
-        """Return how somebody is told when a robot that is taken may be free, and the seconds."""
+    def free_in(self, robot: RobotId) -> tuple[bool, float]:
+        """Return whether a robot that is taken is at work, and the seconds that it has to idle."""
         lease, now_ns = self._leases[robot], self._clock.monotonic_ns()
         if lease.active:
-            when = "You can have it when that ends and it has been idle for"
-            return when, self.lease_idle_s
-        return "You can have it in", (self._idle_ns - (now_ns - lease.idle_since_ns)) / 1e9
+            return True, self.lease_idle_s
+        return False, (self._idle_ns - (now_ns - lease.idle_since_ns)) / 1e9
 
     def lease(self, robot: RobotId) -> Lease:
         """Return a robot's lease; only looked at."""

@@ -243,6 +243,6 @@ class Petitions:
         )
 
 
-def _wait(said: words.Pause, wait_ns: int) -> TooManyRequests:
+def _wait(sentence: words.Pause, wait_ns: int) -> TooManyRequests:
     wait_s = max(1.0, wait_ns / _SECOND_NS)
-    return TooManyRequests(said(wait_s), retry_after_s=wait_s)
+    return TooManyRequests(sentence(wait_s), retry_after_s=wait_s)

@@ -16,6 +16,7 @@ from dateutil.rrule import rrule, rrulestr
 
 from rosic.core.civil import MINUTE_NS, Local, month_length
 from rosic.core.language.cleaning import quote
+from rosic.core.saying import said
 from rosic.errors import NotUnderstood, OutOfBounds
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ _SHAPES = {
     "BYSETPOS": re.compile(r"-?[1-4]\Z", re.ASCII),
     "WKST": re.compile(_DAY + r"\Z"),
 }
-_EXAMPLE = "Write it as FREQ=WEEKLY;BYDAY=TU;COUNT=10."
+_EXAMPLE = said("Write it as FREQ=WEEKLY;BYDAY=TU;COUNT=10.")
 _A_LEAP_YEAR = 2000
 _MOST_DAYS = 31
 
@@ -78,7 +79,9 @@ def read_rule(text: str, zone: Zone) -> Rule:
             raise _unfit(f"{name}={value}")
     _check_together(parts)
     if "COUNT" in parts and "UNTIL" in parts:
-        raise NotUnderstood(f"A rule has an UNTIL or a COUNT, not both. {_EXAMPLE}")
+        raise NotUnderstood(
+            said("A rule has an UNTIL or a COUNT, not both. {example}", example=_EXAMPLE)
+        )
     until = _until(parts["UNTIL"], zone) if "UNTIL" in parts else None
     count = int(parts["COUNT"]) if "COUNT" in parts else None
     body = ";".join(f"{k}={v}" for k, v in parts.items() if k not in {"COUNT", "UNTIL"})
@@ -111,7 +114,13 @@ def _wall(local: Local) -> datetime:
 def _parts(text: str) -> dict[str, str]:
     """Take a rule apart; each part once, and only parts that are known here."""
     if len(text) > LONGEST_RULE:
-        raise NotUnderstood(f"That rule has over {LONGEST_RULE} characters. {_EXAMPLE}")
+        raise NotUnderstood(
+            said(
+                "That rule has over {longest_rule} characters. {example}",
+                longest_rule=LONGEST_RULE,
+                example=_EXAMPLE,
+            )
+        )
     parts: dict[str, str] = {}
     for part in text.strip().upper().removeprefix("RRULE:").split(";"):
         name, _, value = part.partition("=")
@@ -119,12 +128,14 @@ def _parts(text: str) -> dict[str, str]:
             raise _unfit(part or text)
         parts[name] = value
     if "FREQ" not in parts:
-        raise NotUnderstood(f"That rule does not say how often. {_EXAMPLE}")
+        raise NotUnderstood(said("That rule does not say how often. {example}", example=_EXAMPLE))
     return parts
 
 
 def _unfit(part: str) -> NotUnderstood:
-    return NotUnderstood(f"I cannot use {quote(part)} in a rule. {_EXAMPLE}")
+    return NotUnderstood(
+        said("I cannot use {quote} in a rule. {example}", quote=quote(part), example=_EXAMPLE)
+    )
 
 
 def _check_together(parts: Mapping[str, str]) -> None:
@@ -152,17 +163,17 @@ def _check_month_days(parts: Mapping[str, str]) -> None:
     if "BYDAY" in parts or parts["FREQ"] == "WEEKLY" or max(days) > _MOST_DAYS:
         raise _unfit(f"BYMONTHDAY={parts['BYMONTHDAY']}")
     if min(days) > longest:
-        raise OutOfBounds("None of these months has that many days. Nothing was booked.")
+        raise OutOfBounds(said("None of these months has that many days. Nothing was booked."))
 
 
 def _until(text: str, zone: Zone) -> Local:
     """Read the end of a rule; a day alone counts to its end."""
     clock = text[9:13] if len(text) > len("20270201") else "2359"
     try:
-        said = Local(int(text[:4]), int(text[4:6]), int(text[6:8]), int(clock[:2]), int(clock[2:]))
+        given = Local(int(text[:4]), int(text[4:6]), int(text[6:8]), int(clock[:2]), int(clock[2:]))
     except ValueError:
         raise _unfit(f"UNTIL={text}") from None
     if not text.endswith("Z"):
-        return said
-    minutes = said.minutes_since(Local(1970, 1, 1))
+        return given
+    minutes = given.minutes_since(Local(1970, 1, 1))
     return zone.local(minutes * MINUTE_NS)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.asking import Code
+from rosic.core.language.suggestions import AND, OR
 from rosic.core.robot import Slots
 from rosic.core.roles import Assurance, Need
-from rosic.core.saying import said
+from rosic.core.saying import joined, said
 from rosic.errors import (
     FirstNeeded,
     NotPermitted,
@@ -28,11 +29,11 @@ if TYPE_CHECKING:
     from rosic.core.stopboard import StopBoard
     from rosic.organiser.organiser import Organiser
 
-LOCKED = "Your access is locked. The admin of this place can unlock it. Stop still works."
-ENDED = "Your access here has ended. The admin of this place can renew it."
+LOCKED = said("Your access is locked. The admin of this place can unlock it. Stop still works.")
+ENDED = said("Your access here has ended. The admin of this place can renew it.")
 ANY_CHANNEL = {
-    Assurance.E2EE_VERIFIED: "a chat that only the two of us can read, with keys compared",
-    Assurance.LOCAL: "somebody at the machine itself",
+    Assurance.E2EE_VERIFIED: said("a chat that only the two of us can read, with keys compared"),
+    Assurance.LOCAL: said("somebody at the machine itself"),
 }
 
 
@@ -50,7 +51,9 @@ class Refusing:
             Code.KEY_REVOKED: lambda _: Unrecognised(ENDED),
             Code.KEY_EXPIRED: lambda _: Unrecognised(ENDED),
             Code.LOCKED: lambda _: NotPermitted(LOCKED),
-            Code.NO_SUCH_ROBOT: lambda d: NotPermitted(f"I know no robot called {d.ask.robot}."),
+            Code.NO_SUCH_ROBOT: lambda d: NotPermitted(
+                said("I know no robot called {robot}.", robot=d.ask.robot)
+            ),
             Code.KEY_TOO_NARROW: self._too_narrow,
             Code.NOT_GRANTED: self._not_granted,
             Code.RIGHT_ENDED: self._right_ended,
@@ -74,7 +77,11 @@ class Refusing:
             return None
         who = organiser.rights.givers(robot, organiser.wall_ns(), besides=principal)
         return NotPermitted(
-            f"Moving {profile.shown} needs a right you do not have. {self._who_grants(who)}",
+            said(
+                "Moving {shown} needs a right you do not have. {who_grants}",
+                shown=profile.shown,
+                who_grants=self._who_grants(who),
+            ),
             petition=f"/ask {robot}" if who else "",
         )
 
@@ -84,22 +91,31 @@ class Refusing:
         shown = self._shown(allowed.ask.robot)
         what = _spoken(allowed.ask.skill)
         if first is Need.CONFIRMATION:
-            sentence = f"{shown}: {what}? It moves only if you confirm it."
+            sentence = said(
+                "{shown}: {what}? It moves only if you confirm it.", shown=shown, what=what
+            )
         elif first is Need.STEP_UP:
-            sentence = (
-                f"{what.capitalize()} on {shown} needs your second factor first. "
-                "Send: code, and the six digits your authenticator app shows."
+            sentence = said(
+                "{what} on {shown} needs your second factor first. Send: code, and the "
+                "six digits your authenticator app shows.",
+                what=what.capitalize(),
+                shown=shown,
             )
         else:
-            sentence = f"{what.capitalize()} on {shown} needs a second person who agrees."
+            sentence = said(
+                "{what} on {shown} needs a second person who agrees.",
+                what=what.capitalize(),
+                shown=shown,
+            )
         return FirstNeeded(sentence, need=first.value, robot=allowed.ask.robot, text=text)
 
     def take_over(self, allowed: Allowed) -> TakeOver:
         """Return whom the person may take the robot over from."""
         robot = allowed.ask.robot
-        names = " and ".join(map(self._organiser.name_of, allowed.preempts))
+        names = joined(AND, map(self._organiser.name_of, allowed.preempts))
         return TakeOver(
-            f"{self._shown(robot)} is {names}'s now. You may take it over; they are told.",
+            said("{shown} is {names}'s now. You may take it over; they are told.",
+                 shown=self._shown(robot), names=names),
             offers=(f"take over {robot}",), robot=robot, others=allowed.preempts,
         )  # fmt: skip
 
@@ -110,20 +126,30 @@ class Refusing:
         names = [self._organiser.name_of(principal) for principal in who]
         if not names:
             return said("The operator of this place can give it.")
-        return said("{names} can give it. It counts at once.", names=" or ".join(names))
+        return said("{names} can give it. It counts at once.", names=joined(OR, names))
 
     def _who_allows_more(self, who: tuple[PrincipalId, ...]) -> str:
         names = [self._organiser.name_of(principal) for principal in who]
         if not names:
             return said("The operator of this place can allow more.")
-        return said("{names} can allow more. It counts at once.", names=" or ".join(names))
+        return said("{names} can allow more. It counts at once.", names=joined(OR, names))
 
     def _not_granted(self, denied: Denied) -> Refusal:
-        role = f'the right "{denied.roles[0]}"' if denied.roles else "a right nobody has yet"
+        role = (
+            said('the right "{roles}"', roles=denied.roles[0])
+            if denied.roles
+            else said("a right nobody has yet")
+        )
         what = _spoken(denied.ask.skill).capitalize()
         shown = self._shown(denied.ask.robot)
         return NotPermitted(
-            f"{what} needs {role} on {shown}. {self._who_grants(denied.who)}",
+            said(
+                "{what} needs {role} on {shown}. {who_grants}",
+                what=what,
+                role=role,
+                shown=shown,
+                who_grants=self._who_grants(denied.who),
+            ),
             petition=_petition(denied),
         )
 
@@ -132,7 +158,13 @@ class Refusing:
         when = self._organiser.moment(denied.ask.principal, denied.when_ns or 0)
         shown = self._shown(denied.ask.robot)
         return NotPermitted(
-            f"{what} on {shown}: your right ended {when}. {self._who_grants(denied.who)}",
+            said(
+                "{what} on {shown}: your right ended {when}. {who_grants}",
+                what=what,
+                shown=shown,
+                when=when,
+                who_grants=self._who_grants(denied.who),
+            ),
             petition=_petition(denied),
         )
 
@@ -149,7 +181,7 @@ class Refusing:
 
     def _too_weak(self, denied: Denied) -> Refusal:
         what, shown = _spoken(denied.ask.skill).capitalize(), self._shown(denied.ask.robot)
-        wanted = ANY_CHANNEL.get(denied.channel or Assurance.LOCAL, "a better protected chat")
+        wanted = ANY_CHANNEL.get(denied.channel or Assurance.LOCAL, said("a better protected chat"))
         return NotPermitted(
             said(
                 "{what} on {robot} needs {wanted}. This chat is not enough. Say it there, and you "
@@ -162,23 +194,37 @@ class Refusing:
 
     def _over_limit(self, denied: Denied) -> Refusal:
         limit = denied.limit
-        within = limit.said if limit is not None else "a limit"
+        within = limit.said if limit is not None else said("a limit")
         what, shown = _spoken(denied.ask.skill), self._shown(denied.ask.robot)
         return OutOfBounds(
-            f"{shown}: for you, {what} is allowed with {within}. Nothing was done. "
-            + self._who_allows_more(denied.who),
+            said(
+                "{shown}: for you, {what} is allowed with {within}. Nothing was done. {who}",
+                shown=shown,
+                what=what,
+                within=within,
+                who=self._who_allows_more(denied.who),
+            ),
             petition=_petition(denied),
         )
 
     def _stopped(self, denied: Denied) -> Refusal:
         robot = denied.ask.robot
         stopped = self._stops[robot]
-        by = f", by {self._organiser.name_of(stopped.by)}" if stopped.by else ""
-        return RobotStopped(
-            f"{self._shown(robot)} is stopped{by}. It stays stopped until someone who may resumes "
-            "it. Nothing was done.",
-            offers=(f"resume {robot}",),
-        )
+        shown = self._shown(robot)
+        if stopped.by:
+            sentence = said(
+                "{shown} is stopped, by {name}. It stays stopped until someone who may resumes "
+                "it. Nothing was done.",
+                shown=shown,
+                name=self._organiser.name_of(stopped.by),
+            )
+        else:
+            sentence = said(
+                "{shown} is stopped. It stays stopped until someone who may resumes it. "
+                "Nothing was done.",
+                shown=shown,
+            )
+        return RobotStopped(sentence, offers=(f"resume {robot}",))
 
     def _slot(self, denied: Denied) -> Refusal:
         calendar, robot = self._organiser.calendar, denied.ask.robot
@@ -186,17 +232,30 @@ class Refusing:
         principal = denied.ask.principal
         hindrance = calendar.why_not(principal, robot, self._organiser.wall_ns(), required)
         if hindrance is None:
-            return RobotTaken(f"{self._shown(robot)} is somebody else's now.")
+            return RobotTaken(said("{shown} is somebody else's now.", shown=self._shown(robot)))
         return calendar.refusal(hindrance, principal)
 
     def _taken(self, denied: Denied) -> Refusal:
         robot = denied.ask.robot
-        when, wait_s = self._organiser.free_in(robot)
-        return RobotTaken(
-            f"{self._shown(robot)} is taken by {self._organiser.name_of(denied.holder or '')}. "
-            f"{when} {max(1, round(wait_s))} s.",
-            offers=(f"wait {robot}",),
-        )
+        at_work, wait_s = self._organiser.free_in(robot)
+        shown, name = self._shown(robot), self._organiser.name_of(denied.holder or "")
+        seconds = max(1, round(wait_s))
+        if at_work:
+            sentence = said(
+                "{shown} is taken by {name}. You can have it when that ends and it has been idle "
+                "for {seconds} s.",
+                shown=shown,
+                name=name,
+                seconds=seconds,
+            )
+        else:
+            sentence = said(
+                "{shown} is taken by {name}. You can have it in {seconds} s.",
+                shown=shown,
+                name=name,
+                seconds=seconds,
+            )
+        return RobotTaken(sentence, offers=(f"wait {robot}",))
 
 
 def _petition(denied: Denied) -> str:

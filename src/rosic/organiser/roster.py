@@ -10,6 +10,7 @@ import msgspec
 from rosic.core.identity import PrincipalId
 from rosic.core.record import Decided, Fact
 from rosic.core.roles import Grant
+from rosic.core.saying import said
 from rosic.errors import NotUnderstood
 
 if TYPE_CHECKING:
@@ -135,8 +136,11 @@ class Roster:
         grants = tuple(grants)
         if len(self._grants.get(principal, {})) + len(grants) > MOST:
             raise NotUnderstood(
-                f"That would be more than {MOST} separate rights for one person. "
-                "Make a role of them."
+                said(
+                    "That would be more than {most} separate rights for one person. Make a role of "
+                    "them.",
+                    most=MOST,
+                )
             )
         now_ns = self._clock.wall_ns()
         decided = tuple(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.civil import DAY_NS, MINUTE_NS, MONTHS, WEEKDAYS, Local, weekday_of
+from rosic.core.saying import joined, said, said_n
 
 if TYPE_CHECKING:
     from rosic.core.slot import Pattern
@@ -27,24 +28,28 @@ def clock_and_day(local: Local, now: Local) -> str:
     days = local.day_number - now.day_number
     clock = local.time_text()
     if days in {0, 1}:
-        return f"tomorrow {clock}" if days else clock
-    return f"{day(local, now)} {clock}"
+        return said("tomorrow {clock}", clock=clock) if days else clock
+    return joined(" ", (day(local, now), clock))
 
 
 def day(local: Local, now: Local) -> str:
     """Return ``Tue 24 Nov``, and the year if it is another one."""
     weekday, month = WEEKDAYS[weekday_of(local.day_number)], MONTHS[local.month - 1]
     year = "" if local.year == now.year else f" {local.year}"
-    return f"{weekday} {local.day} {month}{year}"
+    return joined("", (weekday, " ", local.day, " ", month, year))
 
 
 def length(seconds: int) -> str:
     """Return ``1 h 30 min``; what is shorter than a minute, in seconds."""
     days, rest = divmod(seconds, DAY_NS // 1_000_000_000)
     hours, rest = divmod(rest, 3600)
-    parts = ((days, "days" if days > 1 else "day"), (hours, "h"), (rest // 60, "min"))
-    said = " ".join(f"{number} {unit}" for number, unit in parts if number)
-    return said or f"{rest} s"
+    minutes = rest // 60
+    parts = (
+        said_n("{n} day", "{n} days", days) if days else "",
+        said("{hours} h", hours=hours) if hours else "",
+        said("{minutes} min", minutes=minutes) if minutes else "",
+    )
+    return joined(" ", filter(None, parts)) or said("{seconds} s", seconds=rest)
 
 
 def bookable(robot: str, at_ns: int, seconds: int, zone: Zone) -> str:
@@ -62,25 +67,56 @@ def bookable_at(robot: str, local: Local, seconds: int) -> str:
 
 def taken(shown: str, name: str, span: tuple[str, str], free: str) -> str:
     """A booking overlaps another."""
-    return f"{shown} is taken by {name} from {span[0]} to {span[1]}. It is free from {free} on."
+    return said(
+        "{shown} is taken by {name} from {begin} to {end}. It is free from {free} on.",
+        shown=shown,
+        name=name,
+        begin=span[0],
+        end=span[1],
+        free=free,
+    )
 
 
 def taken_by_yourself(shown: str, span: tuple[str, str], free: str) -> str:
     """A booking overlaps one's own."""
-    return f"{shown} is yours already from {span[0]} to {span[1]}. It is free from {free} on."
+    return said(
+        "{shown} is yours already from {begin} to {end}. It is free from {free} on.",
+        shown=shown,
+        begin=span[0],
+        end=span[1],
+        free=free,
+    )
 
 
 def series_taken(shown: str, name: str, first: str, counts: tuple[int, int]) -> str:
     """Some occurrences overlap what is booked."""
     several, of_all = counts
-    which = f"{several} of these {of_all} times are" if several > 1 else "One of these times is"
-    return f"{which} taken: {shown} is {name}'s at {first}. Nothing was booked."
+    return said_n(
+        "One of these times is taken: {shown} is {name}'s at {first}. Nothing was booked.",
+        "{n} of these {of_all} times are taken: {shown} is {name}'s at {first}. "
+        "Nothing was booked.",
+        several,
+        of_all=of_all,
+        shown=shown,
+        name=name,
+        first=first,
+    )
 
 
 def held_now(shown: str, name: str, until: str, free: str) -> str:
     """It is somebody else's slot."""
-    when = "You can have it then." if free == until else f"You can have it at {free}."
-    return f"{shown} is taken by {name} until {until}. {when}"
+    when = (
+        said("You can have it then.")
+        if free == until
+        else said("You can have it at {free}.", free=free)
+    )
+    return said(
+        "{shown} is taken by {name} until {until}. {when}",
+        shown=shown,
+        name=name,
+        until=until,
+        when=when,
+    )
 
 
 def needs_slot(shown: str, free: str, own: str) -> str:
@@ -92,24 +128,34 @@ def needs_slot(shown: str, free: str, own: str) -> str:
         own: The person's next slot; empty: none.
     """
     if own:
-        return f"{shown} has to be booked, and your time begins at {own}. Nothing was done."
-    when = f"It is free from {free} on." if free else "It is free now."
-    return f"{shown} has to be booked first. {when} Nothing was done."
+        return said(
+            "{shown} has to be booked, and your time begins at {own}. Nothing was done.",
+            shown=shown,
+            own=own,
+        )
+    when = said("It is free from {free} on.", free=free) if free else said("It is free now.")
+    return said("{shown} has to be booked first. {when} Nothing was done.", shown=shown, when=when)
 
 
 def needs_slot_held(shown: str, name: str, until: str, after: str) -> str:
     """The robot moves only in a slot, and this is somebody else's."""
-    return f"{shown} is booked by {name} until {until}. {after} Nothing was done."
+    return said(
+        "{shown} is booked by {name} until {until}. {after} Nothing was done.",
+        shown=shown,
+        name=name,
+        until=until,
+        after=after,
+    )
 
 
 def yours_at(own: str) -> str:
     """The person's next slot."""
-    return f"Your time begins at {own}."
+    return said("Your time begins at {own}.", own=own)
 
 
 def free_at(free: str) -> str:
     """When a slot could begin."""
-    return f"You can book it from {free} on."
+    return said("You can book it from {free} on.", free=free)
 
 
 # ---- not bookable ----
@@ -117,59 +163,67 @@ def free_at(free: str) -> str:
 
 def not_positive() -> str:
     """Zero or less."""
-    return "A time has to be longer than nothing. Nothing was booked."
+    return said("A time has to be longer than nothing. Nothing was booked.")
 
 
 def too_short(shortest_s: int) -> str:
     """Shorter than the limit."""
-    return f"The shortest time is {length(shortest_s)}. Nothing was booked."
+    return said("The shortest time is {length}. Nothing was booked.", length=length(shortest_s))
 
 
 def too_long(longest_s: int) -> str:
     """Longer than the limit."""
-    return f"One time may be at most {length(longest_s)}. Nothing was booked."
+    return said("One time may be at most {length}. Nothing was booked.", length=length(longest_s))
 
 
 def over(began: str, now: str) -> str:
     """In the past."""
-    return (
-        f"That time is over: it would have begun at {began}, and it is {now}. Nothing was booked."
+    return said(
+        "That time is over: it would have begun at {began}, and it is {now}. Nothing was booked.",
+        began=began,
+        now=now,
     )
 
 
 def too_far(last: str) -> str:
     """Further ahead than the limit."""
-    return f"Times can be booked until {last}. Nothing was booked."
+    return said("Times can be booked until {last}. Nothing was booked.", last=last)
 
 
 def too_many(most: int) -> str:
     """A person's share is used up."""
-    return f"One person may have {most} times booked, and that many are. Nothing was booked."
+    return said(
+        "One person may have {most} times booked, and that many are. Nothing was booked.", most=most
+    )
 
 
 def calendar_full() -> str:
     """The bound on all slots."""
-    return "The calendar is full. The operator of this place can make room. Nothing was booked."
+    return said(
+        "The calendar is full. The operator of this place can make room. Nothing was booked."
+    )
 
 
 def no_end() -> str:
     """A rule without an end."""
-    return "Until when? A time that comes again needs a last day, or how many times."
+    return said("Until when? A time that comes again needs a last day, or how many times.")
 
 
 def too_often(most: int) -> str:
     """A rule with more occurrences than the limit."""
-    return f"That is more than {most} times, which is the most at once. Nothing was booked."
+    return said(
+        "That is more than {most} times, which is the most at once. Nothing was booked.", most=most
+    )
 
 
 def never_comes() -> str:
     """A rule without an occurrence."""
-    return "That never comes between its first and its last day. Nothing was booked."
+    return said("That never comes between its first and its last day. Nothing was booked.")
 
 
 def overlaps_itself() -> str:
     """Occurrences longer than the time between them."""
-    return "These times would overlap each other. Nothing was booked."
+    return said("These times would overlap each other. Nothing was booked.")
 
 
 # ---- clocks that change ----
@@ -177,18 +231,24 @@ def overlaps_itself() -> str:
 
 def skipped(local: Local, zone: Zone, possible: Local) -> str:
     """The wall clock never shows this."""
-    return (
-        f"On {day(local, local)} the clocks in {zone.name} go forward, and there is no "
-        f"{local.time_text()}. The next possible time is {possible.time_text()}. "
-        "Nothing was booked."
+    return said(
+        "On {day} the clocks in {name} go forward, and there is no {time_text}. The "
+        "next possible time is {time_text2}. Nothing was booked.",
+        day=day(local, local),
+        name=zone.name,
+        time_text=local.time_text(),
+        time_text2=possible.time_text(),
     )
 
 
 def comes_twice(local: Local, zone: Zone) -> str:
     """The wall clock shows this twice."""
-    return (
-        f"On {day(local, local)} the clocks in {zone.name} go back, and {local.time_text()} comes "
-        "twice. This is the first one."
+    return said(
+        "On {day} the clocks in {name} go back, and {time_text} comes twice. This is "
+        "the first one.",
+        day=day(local, local),
+        name=zone.name,
+        time_text=local.time_text(),
     )
 
 
@@ -197,17 +257,21 @@ def comes_twice(local: Local, zone: Zone) -> str:
 
 def no_such_time() -> str:
     """An id of no slot: cancelled before, perhaps."""
-    return "There is no such time any more. Nothing has changed."
+    return said("There is no such time any more. Nothing has changed.")
 
 
 def already_over() -> str:
     """A slot of the past."""
-    return "That time is over already. Nothing has changed."
+    return said("That time is over already. Nothing has changed.")
 
 
 def not_yours(shown: str, name: str) -> str:
     """Somebody else's slot."""
-    return f"That time with {shown} is {name}'s. They can cancel it, or an admin. It stays."
+    return said(
+        "That time with {shown} is {name}'s. They can cancel it, or an admin. It stays.",
+        shown=shown,
+        name=name,
+    )
 
 
 # ---- patterns ----

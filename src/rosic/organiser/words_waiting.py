@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
 from rosic.organiser.words_calendar import moment
 
 if TYPE_CHECKING:
@@ -12,17 +13,19 @@ if TYPE_CHECKING:
 
 def queue_full(shown: str, people: int) -> str:
     """No more may wait."""
-    return f"{people} people wait for {shown} already. Book a time instead."
+    return said(
+        "{people} people wait for {shown} already. Book a time instead.", people=people, shown=shown
+    )
 
 
 def waits_enough(most: int) -> str:
     """The person is in too many queues."""
-    return f"You wait for {most} robots already. Leave one of these queues first."
+    return said("You wait for {most} robots already. Leave one of these queues first.", most=most)
 
 
 def turn_over(shown: str) -> str:
     """An offer was not taken in time."""
-    return f"Your turn with {shown} has passed on. Say wait to queue again."
+    return said("Your turn with {shown} has passed on. Say wait to queue again.", shown=shown)
 
 
 def not_your_turn(shown: str, place: int) -> str:
@@ -33,18 +36,31 @@ def not_your_turn(shown: str, place: int) -> str:
         place: 0 if they do not wait.
     """
     if not place:
-        return f"You are not waiting for {shown}."
-    return f"{shown} is offered to somebody else now. You are number {place} in the queue."
+        return said("You are not waiting for {shown}.", shown=shown)
+    return said(
+        "{shown} is offered to somebody else now. You are number {place} in the queue.",
+        shown=shown,
+        place=place,
+    )
 
 
 def your_turn(shown: str, offer_s: float) -> str:
     """The offer itself."""
-    return f"{shown} is free and it is your turn. Tap within {offer_s:.0f} s to take it."
+    return said(
+        "{shown} is free and it is your turn. Tap within {offer_s:.0f} s to take it.",
+        shown=shown,
+        offer_s=offer_s,
+    )
 
 
 def your_place(shown: str, place: int, about_ns: int, now_ns: int, zone: Zone) -> str:
     """Where somebody stands, and about when it is their turn."""
     if about_ns <= now_ns:
-        return f"You are number {place} in the queue for {shown}."
+        return said("You are number {place} in the queue for {shown}.", place=place, shown=shown)
     about = moment(about_ns, now_ns, zone)
-    return f"You are number {place} in the queue for {shown}: about {about}."
+    return said(
+        "You are number {place} in the queue for {shown}: about {about}.",
+        place=place,
+        shown=shown,
+        about=about,
+    )

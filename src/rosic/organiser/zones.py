@@ -12,6 +12,7 @@ import msgspec
 from rosic.core.civil import MINUTE_NS, Local
 from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import did_you_mean, listed
+from rosic.core.saying import said
 from rosic.errors import OutOfBounds
 
 UNIVERSAL = "UTC"
@@ -112,19 +113,31 @@ def no_such_zone(name: str, known: frozenset[str]) -> OutOfBounds:
     """Return the refusal of a zone: what may have been meant, or what the machine lacks."""
     if not known - {UNIVERSAL}:
         return OutOfBounds(
-            "This computer knows no time zones, only UTC. Its owner can install them: "
-            "the system package tzdata, or pip install tzdata."
+            said(
+                "This computer knows no time zones, only UTC. Its owner can install them: the "
+                "system package tzdata, or pip install tzdata."
+            )
         )
-    said = name.casefold().replace(" ", "_")
+    given = name.casefold().replace(" ", "_")
     ways = {zone: {zone.casefold(), _city(zone)} for zone in sorted(known)}
-    close = tuple(zone for zone, names in ways.items() if said in names)[:3]
+    close = tuple(zone for zone, names in ways.items() if given in names)[:3]
     if not close:
-        guesses = {_city(zone) for zone in known if _city(zone)[:1] == _city(said)[:1]}
-        cities = did_you_mean(_city(said), sorted(guesses))
+        guesses = {_city(zone) for zone in known if _city(zone)[:1] == _city(given)[:1]}
+        cities = did_you_mean(_city(given), sorted(guesses))
         close = tuple(zone for zone, names in ways.items() if names & set(cities))[:3]
     if not close:
-        return OutOfBounds(f"I know no time zone {quote(name)}. Write it as Europe/Vienna or UTC.")
-    return OutOfBounds(f"I know no time zone {quote(name)}. Did you mean {listed(close)}?")
+        return OutOfBounds(
+            said(
+                "I know no time zone {quote}. Write it as Europe/Vienna or UTC.", quote=quote(name)
+            )
+        )
+    return OutOfBounds(
+        said(
+            "I know no time zone {quote}. Did you mean {listed}?",
+            quote=quote(name),
+            listed=listed(close),
+        )
+    )
 
 
 def _city(zone: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.life import Face, Life
+from rosic.core.life import ENGLISH, Face, Life, Wording
 from rosic.core.order import Report, Stage
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ class Card:
         cids: The orders whose lives are shown here.
         open: How many lives have not ended; at 0 nothing more will be said here.
         ending: An ending is on its way to the disk, or there.
+        words: In the language of whoever is answered.
     """
 
     __slots__ = (
@@ -49,7 +50,7 @@ class Card:
         "open",
         "principal",
         "reply_to",
-        "untold", "where",
+        "untold", "where", "words",
     )  # fmt: skip
 
     def __init__(
@@ -59,6 +60,7 @@ class Card:
         reply_to: str,
         principal: PrincipalId,
         face: Face,
+        words: Wording = ENGLISH,
     ) -> None:
         self.messenger = messenger
         self.in_place = messenger.edits
@@ -68,6 +70,7 @@ class Card:
         self.principal = principal
         self.message = ""
         self.adopted = False
+        self.words = words
         self.dirty = False
         self.ending = False
         self.lines: list[str] = []
@@ -80,7 +83,7 @@ class Card:
 
     def add(self, cid: CommandId, where: str, title: str, at_ns: int) -> Life:
         """Show one more life, which begins now."""
-        life = Life(where, title, self._face, at_ns)
+        life = Life(where, title, self._face, at_ns, self.words)
         self.cids.append(cid)
         self._lives.append(life)
         self.open += 1

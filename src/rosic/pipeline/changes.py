@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, TypeVar
 
 from rosic.core.record import Fact
+from rosic.core.saying import said
 from rosic.errors import RecordUnavailable, StoreFault
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ R = TypeVar("R")
 
 log = logging.getLogger("rosic.changes")
 
-UNWRITABLE = "I cannot write this down now, so nothing was changed. The operator has to look."
+UNWRITABLE = said("I cannot write this down now, so nothing was changed. The operator has to look.")
 
 
 class Changes:

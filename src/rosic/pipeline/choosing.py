@@ -13,10 +13,10 @@ from rosic.core.language.binding import place
 from rosic.core.language.showing import show, show_value
 from rosic.core.language.stepping import beginning, stepped
 from rosic.core.message import Button
-from rosic.core.saying import said
+from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood, Refusal
 from rosic.pipeline.desk import Reply, rows
-from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE
+from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -81,7 +81,7 @@ class Choosing:
                 )  # fmt: skip
             arguments[parameter.name] = value
         shown = vocabulary.robots[robot].shown
-        title = f"{shown}: {show(vocabulary, robot, line.skills[0], arguments)}"
+        title = joined(": ", (shown, show(vocabulary, robot, line.skills[0], arguments)))
         return _question(
             title, _command(robot, compiled, arguments), _steppers(robot, compiled, arguments)
         )
@@ -117,8 +117,8 @@ class Choosing:
 
 
 def _question(title: str, command: str, steppers: tuple[tuple[Button, ...], ...]) -> Reply:
-    last = (Button("Do it", f"{CONFIRMED}{command}"), Button("Leave it", LEAVE))
-    return Reply(f"{title}?", (*steppers, last))
+    last = (Button(DO_IT, f"{CONFIRMED}{command}"), Button(LEAVE_IT, LEAVE))
+    return Reply(joined("", (title, "?")), (*steppers, last))
 
 
 def _steppers(

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.identity import Caller, PrincipalId
+from rosic.core.language.suggestions import OR
 from rosic.core.message import Button
 from rosic.core.roles import Need
-from rosic.core.saying import said
+from rosic.core.saying import joined, said
 from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.pipeline.desk import Reply
-from rosic.pipeline.replies import CONFIRMED, LEAVE
+from rosic.pipeline.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -57,15 +58,18 @@ class Consent:
     def ask(self, caller: Caller, skill: str, needed: FirstNeeded) -> Reply:
         """Return what to say to somebody who may, once something else has happened."""
         if needed.need == Need.CONFIRMATION.value:
-            return Reply(str(needed), _do_it(f"{CONFIRMED}{needed.text}"))
+            return Reply(needed.sentence, _do_it(f"{CONFIRMED}{needed.text}"))
         if needed.need == Need.SECOND_PERSON.value:
             return Reply(self._ask_others(caller, skill, needed))
-        return Reply(str(needed))
+        return Reply(needed.sentence)
 
     def _ask_others(self, caller: Caller, skill: str, needed: FirstNeeded) -> str:
         others = self._others(caller.principal, needed.robot, skill)
         if not others:
-            return f"{needed} Nobody else here may do that, so nobody can agree."
+            return said(
+                "{needed} Nobody else here may do that, so nobody can agree.",
+                needed=needed.sentence,
+            )
         number = f"s{self._entropy.token(ID_BYTES).hex()}"
         until_ns = self._clock.monotonic_ns() + int(ASKED_FOR_S * 1e9)
         self._requests[number] = Request(caller, needed.robot, skill, needed.text, until_ns)
@@ -73,14 +77,27 @@ class Consent:
             self._requests.popitem(last=False)
         told = self._reach.tell(
             others,
-            f"{caller.name} wants: {needed.text}. It needs a second person. Do you agree?",
-            ((Button("I agree", f"/approve {number}"), Button("No", f"/decline {number}")),),
+            said(
+                "{name} wants: {text}. It needs a second person. Do you agree?",
+                name=caller.name,
+                text=needed.text,
+            ),
+            (
+                (
+                    Button(said("I agree"), f"/approve {number}"),
+                    Button(said("No"), f"/decline {number}"),
+                ),
+            ),
             lifetime_s=ASKED_FOR_S,
         )
-        names = " or ".join(map(self._organiser.name_of, others))
+        names = joined(OR, map(self._organiser.name_of, others))
         if not told:
-            return f"{needed} I could not reach {names}."
-        return f"{needed} I have asked {names}; you will hear from me."
+            return said("{needed} I could not reach {names}.", needed=needed.sentence, names=names)
+        return said(
+            "{needed} I have asked {names}; you will hear from me.",
+            needed=needed.sentence,
+            names=names,
+        )
 
     def _others(self, principal: PrincipalId, robot: str, skill: str) -> tuple[PrincipalId, ...]:
         organiser = self._organiser
@@ -114,9 +131,11 @@ class Consent:
         command = f"{CONFIRMED}{SECONDED}{asked.rest.strip()} {request.text}"
         name = self._organiser.name_of(who)
         self._reach.tell(
-            (request.caller.principal,), f"{name} agrees: {request.text}.", _do_it(command)
+            (request.caller.principal,),
+            said("{name} agrees: {text}.", name=name, text=request.text),
+            _do_it(command),
         )
-        return Reply(f"{request.caller.name} is told that you agree.")
+        return Reply(said("{name} is told that you agree.", name=request.caller.name))
 
     async def decline(self, asked: Asked) -> Reply:
         """Somebody does not agree.
@@ -130,15 +149,15 @@ class Consent:
         name = self._organiser.name_of(asked.caller.principal)
         self._reach.tell(
             (request.caller.principal,),
-            f"{name} does not agree: {request.text}. Nothing was done.",
+            said("{name} does not agree: {text}. Nothing was done.", name=name, text=request.text),
         )
-        return Reply("Nothing is done.")
+        return Reply(said("Nothing is done."))
 
     def _open(self, number: str) -> Request:
         request = self._requests.get(number)
         if request is None or self._clock.monotonic_ns() > request.until_ns:
             self._requests.pop(number, None)
-            raise Expired("That question is settled already. Nothing was done.")
+            raise Expired(said("That question is settled already. Nothing was done."))
         return request
 
     def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
@@ -152,10 +171,10 @@ class Consent:
         number, _, text = command[1:].partition(" ")
         request = self._open(number)
         if request.caller.principal != caller.principal or request.text != text:
-            raise Expired("That was agreed to for something else. Nothing was done.")
+            raise Expired(said("That was agreed to for something else. Nothing was done."))
         del self._requests[number]
         return text, request.second
 
 
 def _do_it(command: str) -> tuple[tuple[Button, ...], ...]:
-    return ((Button("Do it", command), Button("Leave it", LEAVE)),)
+    return ((Button(DO_IT, command), Button(LEAVE_IT, LEAVE)),)

@@ -28,7 +28,7 @@ LETTERS_A_ROW = 36
 # What stands between a robot and a skill in a link; Telegram allows no dot there.
 LINKED = "__"
 EXAMPLES = 3
-WHICH = "Which robot?"
+WHICH = said("Which robot?")
 
 
 class Reply(msgspec.Struct, frozen=True):
@@ -65,12 +65,14 @@ class Desk:
 
     def _look(self, caller: Caller, chat: Chat, line: Line, visible: frozenset[RobotId]) -> Reply:
         if isinstance(line, Status):
-            return Reply("\n".join(self._status(robot) for robot in line.robots or sorted(visible)))
+            return Reply(
+                joined("\n", (self._status(robot) for robot in line.robots or sorted(visible)))
+            )
         if isinstance(line, Use):
             return self._use(caller, chat, line)
         if isinstance(line, Help) and line.topic:
             topics = [self._profiles[robot] for robot in self.members(line.topic)]
-            return Reply("\n".join(words.help_for(p) for p in topics if p.id in visible))
+            return Reply(joined("\n", (words.help_for(p) for p in topics if p.id in visible)))
         if isinstance(line, Help):
             return Reply(words.help_for_all(self._examples(visible)), self._robots(visible))
         return Reply(WHICH, self._robots(visible))
@@ -96,8 +98,8 @@ class Desk:
         if visible and None in hindered:
             menu = self.menu(caller.principal)
             return Reply(joined(" ", (words.MAY_COMMAND, menu.text)), menu.buttons)
-        why = next((str(refusal) for refusal in hindered if refusal is not None), "")
-        text = f"{words.MAY_NOT_COMMAND} {why or words.NOTHING_VISIBLE}"
+        why = next((refusal.sentence for refusal in hindered if refusal is not None), "")
+        text = joined(" ", (words.MAY_NOT_COMMAND, why or words.NOTHING_VISIBLE))
         return Reply(text, self._robots(visible))
 
     async def information(self, asked: Asked) -> Reply:
@@ -105,7 +107,7 @@ class Desk:
         visible = self._organiser.visible(asked.caller.principal)
         if not visible:
             return Reply(words.NO_INFORMATION)
-        return Reply("\n".join([words.INFORMATION, *map(self._status, sorted(visible))]))
+        return Reply(joined("\n", [words.INFORMATION, *map(self._status, sorted(visible))]))
 
     def menu(self, principal: PrincipalId) -> Reply:
         """Return what somebody may begin with: robots; where there is only one, what it can do."""
@@ -137,11 +139,11 @@ class Desk:
     def _use(self, caller: Caller, chat: Chat, line: Use) -> Reply:
         self._container.select(caller.principal, chat, line.name)
         if not line.name:
-            return Reply("No robot is chosen now. Say its name with each command.")
+            return Reply(said("No robot is chosen now. Say its name with each command."))
         profile = self._profiles.get(line.name)
         if profile is None:
-            return Reply(f"{line.name}: chosen. Its name may be left out now.")
-        text = f"{self._status(profile.id)}\nIts name may be left out now."
+            return Reply(said("{name}: chosen. Its name may be left out now.", name=line.name))
+        text = said("{status}\nIts name may be left out now.", status=self._status(profile.id))
         return Reply(text, self._skills(caller.principal, profile))
 
     def _skills(self, principal: PrincipalId, profile: Profile) -> tuple[tuple[Button, ...], ...]:
@@ -155,7 +157,7 @@ class Desk:
         seen = self._reception.sights(profile.id)
         last = [Button("STOP", f"stop {profile.id}")]
         if len(visible) > 1:
-            last.append(Button("Another robot", "robots"))
+            last.append(Button(said("Another robot"), "robots"))
         return (*((button,) for button in often), *rows(buttons), *rows(seen), tuple(last))
 
     def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
 from rosic.errors import Expired
 
 if TYPE_CHECKING:
@@ -27,12 +28,16 @@ def check_fresh(inbound: Inbound, request: Request, now_ns: int) -> None:
     """
     if now_ns > request.deadline_ns:
         raise Expired(
-            f"Your command is {age(request.age_ns)} old (the network was away). Nothing was done.",
+            said(
+                "Your command is {age} old (the network was away). Nothing was done.",
+                age=age(request.age_ns),
+            ),
             offers=(request.text,),
         )
     if request.skill.actuates and inbound.sent_ns < inbound.listening_since_ns:
         raise Expired(
-            "You sent this while I could not listen. Nothing was done.", offers=(request.text,)
+            said("You sent this while I could not listen. Nothing was done."),
+            offers=(request.text,),
         )
 
 
@@ -40,7 +45,7 @@ def age(age_ns: int) -> str:
     """Return an age as people say it."""
     seconds = age_ns / 1e9
     if seconds < 2 * MINUTE_S:
-        return f"{seconds:.0f} seconds"
+        return said("{seconds:.0f} seconds", seconds=seconds)
     if seconds < 2 * HOUR_S:
-        return f"{seconds / MINUTE_S:.0f} minutes"
-    return f"{seconds / HOUR_S:.0f} hours"
+        return said("{seconds:.0f} minutes", seconds=seconds / MINUTE_S)
+    return said("{seconds:.0f} hours", seconds=seconds / HOUR_S)

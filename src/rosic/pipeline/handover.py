@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.language.suggestions import AND
 from rosic.core.reach import FLEET
-from rosic.core.saying import said
+from rosic.core.saying import joined, said
 from rosic.errors import NotPermitted, NotUnderstood, RobotBusy
 from rosic.pipeline.desk import Reply
 
@@ -74,9 +75,9 @@ class Handover:
         who = asked.caller.principal
         others = [p for p in self._in_the_way(robot) if p != who]
         if not others:
-            raise NotUnderstood(f"{shown} is free. Say what it should do.")
+            raise NotUnderstood(said("{shown} is free. Say what it should do.", shown=shown))
         if not all(self.outranks(who, other, robot) for other in others):
-            names = " and ".join(map(self._rooms.organiser.name_of, others))
+            names = joined(said(" and "), map(self._rooms.organiser.name_of, others))
             raise NotPermitted(
                 said(
                     "{robot} is {names}'s now, and not yours to take over. Wait for it, and I tell "
@@ -86,13 +87,24 @@ class Handover:
                 offers=(f"wait {robot}",),
             )  # fmt: skip
         name = asked.caller.name
-        self._reach.tell(others, f"{name} takes {shown} over now.", urgent=True)
-        if not await self.end(robot, f"{name} took it over"):
+        self._reach.tell(
+            others, said("{name} takes {shown} over now.", name=name, shown=shown), urgent=True
+        )
+        if not await self.end(robot, said("{name} took it over", name=name)):
             raise RobotBusy(
-                f"{shown} has not come to rest. It is stopped; look before you resume it."
+                said(
+                    "{shown} has not come to rest. It is stopped; look before you resume it.",
+                    shown=shown,
+                )
             )
         self._rooms.organiser.yielded(robot, who)
-        return Reply(f"{shown} is yours now. {' and '.join(map(self._name, others))} was told.")
+        return Reply(
+            said(
+                "{shown} is yours now. {names} was told.",
+                shown=shown,
+                names=joined(AND, map(self._name, others)),
+            )
+        )
 
     async def give_back(self, asked: Asked) -> Reply:
         """End one's own time with a robot, or somebody's, for whoever looks after the place.
@@ -107,7 +119,7 @@ class Handover:
         organiser, who = self._rooms.organiser, asked.caller.principal
         holder = organiser.holder(robot)
         if holder is None:
-            raise NotUnderstood(f"Nobody has {shown}.")
+            raise NotUnderstood(said("Nobody has {shown}.", shown=shown))
         if holder != who and not organiser.rights.holds(who, FLEET, "slots", organiser.wall_ns()):
             raise NotPermitted(
                 said(
@@ -117,13 +129,19 @@ class Handover:
                 ),
                 offers=(f"wait {robot}",),
             )  # fmt: skip
-        if not await self.end(robot, f"{asked.caller.name} ended the session"):
+        if not await self.end(robot, said("{name} ended the session", name=asked.caller.name)):
             raise RobotBusy(
-                f"{shown} has not come to rest. It is stopped; look before you resume it."
+                said(
+                    "{shown} has not come to rest. It is stopped; look before you resume it.",
+                    shown=shown,
+                )
             )
         if holder != who:
-            self._reach.tell((holder,), f"{asked.caller.name} ended your time with {shown}.")
-        return Reply(f"Session ended. {shown} is at rest, and free.")
+            self._reach.tell(
+                (holder,),
+                said("{name} ended your time with {shown}.", name=asked.caller.name, shown=shown),
+            )
+        return Reply(said("Session ended. {shown} is at rest, and free.", shown=shown))
 
     def _name(self, principal: PrincipalId) -> str:
         return self._rooms.organiser.name_of(principal)
@@ -136,18 +154,19 @@ class Handover:
     def _named(self, named: str, asked: Asked) -> RobotId:
         robot = named.casefold()
         if robot not in self._rooms.organiser.visible(asked.caller.principal):
-            raise NotUnderstood(f"I know no robot called {named}.")
+            raise NotUnderstood(said("I know no robot called {named}.", named=named))
         return robot
 
     def _in_the_way(self, robot: RobotId) -> list[PrincipalId]:
         organiser = self._rooms.organiser
-        slot = organiser.calendar.present(robot, self._clock.wall_ns())
+        slot = organiser.calendar.present(robot, organiser.wall_ns())
         found = [organiser.holder(robot), slot.principal if slot is not None else None]
         return list(dict.fromkeys(p for p in found if p is not None))
 
     def outranks(self, who: PrincipalId, other: PrincipalId, robot: RobotId) -> bool:
         """Whether somebody may take a robot over from somebody else, by the rules of the place."""
-        rights, now_ns = self._rooms.organiser.rights, self._clock.wall_ns()
+        organiser = self._rooms.organiser
+        rights, now_ns = organiser.rights, organiser.wall_ns()
         return rights.may_take_over(robot) and rights.priority(
             who, robot, now_ns
         ) > rights.priority(other, robot, now_ns)

@@ -10,6 +10,7 @@ import msgspec
 
 from rosic.core.language import clean
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Report
+from rosic.core.saying import capital, said
 from rosic.errors import OrderVoid, Refusal, RobotUnreachable
 from rosic.linker.linker import Linker, PolicyMoved
 
@@ -18,18 +19,20 @@ if TYPE_CHECKING:
 
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
-    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.identity import PrincipalId
     from rosic.core.life import Life
     from rosic.core.robot import RobotId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.cards import Card
+    from rosic.pipeline.said import Said
     from rosic.pipeline.telling import Teller
 
 AT_MOST = 20_000
 NOTE_AT_MOST = 400
 
-FULL = Outcome(Ending.REFUSED, "I have too much to do. This was not done.", code="full")
-SHUT_DOWN = "ROSIC was shut down"
+FULL = Outcome(Ending.REFUSED, said("I have too much to do. This was not done."), code="full")
+WENT_WRONG = said("Something went wrong here. Please look.")
+SHUT_DOWN = said("ROSIC was shut down")
 
 log = logging.getLogger("rosic.pipeline")
 
@@ -48,16 +51,17 @@ class OrderLife:
     """One order from its claim to its end.
 
     Attributes:
+        said: The message that asked for it.
         shown: How it reads on its card.
         begun: It has been relayed.
         words: How it ended, once it has.
     """
 
-    __slots__ = ("_lives", "begun", "caller", "card", "order", "shown", "words")
+    __slots__ = ("_lives", "begun", "card", "order", "said", "shown", "words")
 
-    def __init__(self, order: Order, caller: Caller, card: Card, shown: Life, lives: Lives) -> None:
+    def __init__(self, order: Order, said: Said, card: Card, shown: Life, lives: Lives) -> None:
         self.order = order
-        self.caller = caller
+        self.said = said
         self.card = card
         self.begun = False
         self.words = ""
@@ -67,7 +71,7 @@ class OrderLife:
     def tell(self, report: Report) -> None:
         """Take a report in; a robot's words are made inert."""
         if report.note:
-            report = Report(report.stage, report.fraction, clean(report.note)[:NOTE_AT_MOST])
+            report = Report(report.stage, report.fraction, inert_words(report.note))
         lives, card = self._lives, self.card
         if card.step(self.shown, report, lives.wall_ns()):
             lives.teller.update(card)
@@ -99,7 +103,7 @@ class Server:
     def __init__(self, life: OrderLife) -> None:
         self.life = life
         self.relaying = False
-        self.cut_off = SHUT_DOWN
+        self.cut_off: str = SHUT_DOWN
         self.rested: asyncio.Event | None = None
         self.task: asyncio.Task[None] | None = None
         self.wake: asyncio.Future[None] | None = None
@@ -137,12 +141,12 @@ class Lives:
     def __len__(self) -> int:
         return self._under_way
 
-    def begin(self, order: Order, caller: Caller, card: Card, shown: Life) -> None:
+    def begin(self, order: Order, said: Said, card: Card, shown: Life) -> None:
         """Let a claimed order live. It will end, and its end will be told."""
         self._under_way += 1
         whose = order.permit.principal
         self._whose[whose] = self._whose.get(whose, 0) + 1
-        life = OrderLife(order, caller, card, shown, self)
+        life = OrderLife(order, said, card, shown, self)
         if self._under_way > AT_MOST:
             self.ended(life, FULL)
         elif self._closing:
@@ -210,15 +214,17 @@ class Lives:
             return Outcome(Ending.CANCELLED, reason)
         except RobotUnreachable as fault:
             log.warning("order %d of %s: %s", order.n, order.robot, fault)
-            return Outcome(Ending.UNKNOWN, f"{fault} Please look.", code=fault.code)
+            note = said("{fault} Please look.", fault=fault.sentence)
+            return Outcome(Ending.UNKNOWN, note, code=fault.code)
         except Exception:
             log.exception("order %d of %s", order.n, order.robot)
-            return Outcome(Ending.UNKNOWN, "Something went wrong here. Please look.", code="fault")
+            return Outcome(Ending.UNKNOWN, WENT_WRONG, code="fault")
 
     async def _relay_anew(self, life: OrderLife) -> Outcome:
         """Admit an order once more under the present policy, and relay it; its turn is kept."""
         while True:
-            permit = self._organiser.readmit(life.caller, life.order)
+            said = life.said
+            permit = self._organiser.readmit(said.caller, life.order, said.grounds())
             try:
                 renewed = msgspec.structs.replace(life.order, permit=permit)
                 return await self._linker.dispatch(renewed, life.tell)
@@ -252,7 +258,10 @@ class Lives:
 
         Unlike a stop it latches nothing: whoever has the robot next goes on from there.
         """
-        self._linker.void(robot, f"{reason[0].upper()}{reason[1:]}. This was not done.")
+        self._linker.void(
+            robot,
+            said("{reason}. This was not done.", reason=capital(reason)),
+        )
         server = self._servers.get(robot)
         if server is None or not server.relaying or server.task is None:
             return
@@ -296,9 +305,15 @@ class Lives:
 
 def refused(refusal: Refusal) -> Outcome:
     """Return the outcome of an order that came to nothing."""
-    return Outcome(Ending.REFUSED, str(refusal), code=refusal.code)
+    return Outcome(Ending.REFUSED, refusal.sentence, code=refusal.code)
 
 
 def inert(outcome: Outcome) -> Outcome:
     """Return the outcome with a robot's words stripped of what could act on a reader."""
-    return msgspec.structs.replace(outcome, note=clean(outcome.note)[:NOTE_AT_MOST])
+    return msgspec.structs.replace(outcome, note=inert_words(outcome.note))
+
+
+def inert_words(text: str) -> str:
+    """Return words without what could act on a reader; harmless ones keep their languages."""
+    plain = clean(text)[:NOTE_AT_MOST]
+    return text if plain == text else plain

@@ -10,13 +10,14 @@ import msgspec
 from rosic.contracts.messenger import Messenger
 from rosic.core.identity import Caller, CommandId
 from rosic.core.message import ChatKind, Inbound
+from rosic.core.saying import said
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.pipeline.desk import Reply
 
 if TYPE_CHECKING:
     from rosic.core.language import Errand
 
-ONLY_IN_PRIVATE = "Ask me that in a private chat with me, please."
+ONLY_IN_PRIVATE = said("Ask me that in a private chat with me, please.")
 
 
 class Asked(msgspec.Struct, frozen=True):
@@ -60,7 +61,9 @@ class Office:
         """
         clerk = self._clerks.get(errand.verb)
         if clerk is None:
-            raise NotUnderstood(f"I cannot do {errand.verb} here.", offers=("help",))
+            raise NotUnderstood(
+                said("I cannot do {verb} here.", verb=errand.verb), offers=("help",)
+            )
         return await clerk(asked)
 
 

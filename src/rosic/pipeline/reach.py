@@ -6,6 +6,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.core.message import Chat, Outbound
+from rosic.pipeline.languages import translated
 from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
@@ -57,10 +58,12 @@ class Reach:
         lifetime_ns = int(lifetime_s * 1e9)
         issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns, still=still)
         for principal in dict.fromkeys(people):
+            catalogue = self._teller.languages.of(principal)
             for messenger, chat in self._chats(principal):
                 bound = tuple(tuple(issue(b, principal, chat.id) for b in row) for row in buttons)
                 outbound = Outbound(chat=chat, text=text, buttons=bound, urgent=urgent)
-                self._teller.say(Note(messenger, outbound, good_for_ns=lifetime_ns))
+                plain = translated(outbound, catalogue)
+                self._teller.say(Note(messenger, plain, good_for_ns=lifetime_ns))
                 places += 1
         return places
 

@@ -12,6 +12,7 @@ from rosic.core import record, words
 from rosic.core.message import Outbound
 from rosic.core.order import Ending
 from rosic.core.record import Concluded, Letter, Unfinished
+from rosic.core.saying import in_language, joined
 from rosic.errors import StoreFault
 from rosic.pipeline.telling import Note, Teller
 
@@ -115,7 +116,8 @@ class Recovery:
         self._store.note(record.Told(cid=life.cid, at_ns=self._clock.wall_ns()))
 
     def _repeat_answer(self, life: Unfinished, answer: Answer) -> None:
-        text = words.said_again(answer.text)
+        catalogue = self._teller.languages.of(life.principal)
+        text = in_language(words.said_again(answer.text), catalogue)
         self._say(answer.messenger, Outbound(chat=answer.chat, text=text, reply_to=answer.message),
                   [life])  # fmt: skip
 
@@ -129,12 +131,13 @@ class Recovery:
             text = _ended(origin.title, lives[0])
         else:  # in the order in which the line named them, which is that of their claims
             ends = [_ended(f"{name}:", life) for name, life in zip(shown, lives, strict=True)]
-            text = "\n".join([origin.title, *ends])
+            text = joined("\n", [origin.title, *ends])
         # Without a message to edit it may be the second time, unless the end was not known before.
         if not told.shown and any(life.ending is not None for life in lives):
             text = words.said_again(text)
         reply_to = "" if told.shown else origin.message
-        outbound = Outbound(chat=origin.chat, text=text, reply_to=reply_to)
+        plain = in_language(text, self._teller.languages.of(lives[0].principal))
+        outbound = Outbound(chat=origin.chat, text=plain, reply_to=reply_to)
         self._say(origin.messenger, outbound, lives, edit_of=told.shown)
 
     def _say(
@@ -155,7 +158,7 @@ class Recovery:
 def _ended(title: str, life: Unfinished) -> str:
     if life.ending is None or (life.ending == Ending.UNKNOWN.value and not life.words):
         return words.unknown_after_restart(title)
-    return f"{title}\n{(life.words or b'').decode('utf-8', 'replace')}"
+    return joined("\n", (title, (life.words or b"").decode("utf-8", "replace")))
 
 
 def _put_together(cards: dict[tuple[str, ...] | CommandId, Told], told: Told) -> None:

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from rosic.container.letters import Answer
 from rosic.core.message import Button, ChatKind, Outbound
 from rosic.core.rate import Bucket, RateLimit
-from rosic.core.saying import said
+from rosic.core.saying import in_language, said
 from rosic.errors import Refusal, Repeated
+from rosic.pipeline.languages import translated
 from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 LEAVE = "leave it"
 ASK_FIRST = "?"
 CONFIRMED = "!"
+DO_IT, LEAVE_IT = said("Do it"), said("Leave it")
 STRANGERS = RateLimit(burst=5.0, per_s=0.2)
 
 
@@ -33,6 +35,7 @@ class Replies:
         self._authoriser = rooms.authoriser
         self._container = rooms.container
         self._teller = teller
+        self._languages = teller.languages
         self._clock = clock
         self._strangers = Bucket(STRANGERS, clock.monotonic_ns())
 
@@ -45,7 +48,8 @@ class Replies:
         cid: CommandId | None = None,
     ) -> None:
         """Answer without buttons."""
-        outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound))
+        plain = in_language(text, self._languages.of_sender(inbound))
+        outbound = Outbound(chat=inbound.chat, text=plain, reply_to=reply_id(inbound))
         self._teller.say(Note(messenger, outbound, cid, inbound.under))
 
     def offer(
@@ -62,7 +66,8 @@ class Replies:
         issue, chat = self._authoriser.buttons.issue, inbound.chat.id
         bound = tuple(tuple(issue(b, caller.principal, chat) for b in row) for row in buttons)
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
-        self._teller.say(Note(messenger, outbound, cid, inbound.under))
+        plain = translated(outbound, self._languages.of(caller.principal))
+        self._teller.say(Note(messenger, plain, cid, inbound.under))
 
     def hand_over(
         self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
@@ -85,7 +90,8 @@ class Replies:
             buttons=bound,
             attachment=reply.attachment,
         )
-        self._teller.say(Note(messenger, outbound))  # no file comes into a message that is there
+        plain = translated(outbound, self._languages.of(caller.principal))
+        self._teller.say(Note(messenger, plain))  # no file comes into a message that is there
 
     def say_with(self, messenger: Messenger, inbound: Inbound, reply: Reply) -> None:
         """Answer somebody who is nobody yet; buttons carry their own nonces already.
@@ -97,7 +103,8 @@ class Replies:
         outbound = Outbound(
             chat=inbound.chat, text=reply.text, reply_to=reply_id(inbound), buttons=reply.buttons
         )
-        self._teller.say(Note(messenger, outbound, None, inbound.under))
+        plain = translated(outbound, self._languages.of_sender(inbound))
+        self._teller.say(Note(messenger, plain, None, inbound.under))
 
     async def refuse(
         self,
@@ -110,7 +117,8 @@ class Replies:
         """Write a refusal down, then tell it, once."""
         if refusal.silent:
             return
-        answer = Answer(messenger.name, inbound.chat, reply_id(inbound), str(refusal))
+        plain = in_language(refusal.sentence, self._languages.of(caller.principal))
+        answer = Answer(messenger.name, inbound.chat, reply_id(inbound), plain)
         try:
             await self._container.refuse(cid, caller, refusal, answer)
         except Repeated:
@@ -118,7 +126,7 @@ class Replies:
         buttons = tuple((Button(offer, offer),) for offer in refusal.offers)
         if refusal.petition:
             buttons = (*buttons, (Button(ask_for_it(), refusal.petition),))
-        self.offer(messenger, inbound, caller, str(refusal), buttons, cid=cid)
+        self.offer(messenger, inbound, caller, refusal.sentence, buttons, cid=cid)
 
     def turn_away(self, messenger: Messenger, inbound: Inbound, sentence: str) -> None:
         """Answer a stranger in private, seldom; all strangers share one bucket."""
@@ -136,8 +144,9 @@ class Replies:
         try:
             command = self._authoriser.buttons.redeem(nonce, caller.principal, inbound)
         except Refusal as refusal:
-            await messenger.answer_tap(inbound, str(refusal))
-            raise Repeated(str(refusal)) from refusal
+            plain = in_language(refusal.sentence, self._languages.of(caller.principal))
+            await messenger.answer_tap(inbound, plain)
+            raise Repeated(refusal.sentence) from refusal
         await messenger.answer_tap(inbound, "")
         return command
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.identity import robot_command_id
 from rosic.core.order import Request
+from rosic.core.saying import said
 from rosic.errors import Expired
 from rosic.pipeline.freshness import check_fresh
 
@@ -63,6 +64,6 @@ class Requesting:
         if inbound.received_ns <= stopped.at_ns and not stopped.latched and request.skill.actuates:
             shown = self._profiles[request.robot].shown
             raise Expired(
-                f"{shown} was stopped after you sent this. Nothing was done.",
+                said("{shown} was stopped after you sent this. Nothing was done.", shown=shown),
                 offers=(request.text,),
             )

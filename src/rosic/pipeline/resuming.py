@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core import words
 from rosic.core.identity import Caller, CommandId, robot_command_id
+from rosic.core.saying import said
 from rosic.errors import Expired, Fault, NotUnderstood, RecordUnavailable, RobotStopped
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from rosic.core.stopboard import StopBoard
     from rosic.linker.linker import Linker
     from rosic.organiser.organiser import Organiser
+    from rosic.pipeline.said import Said
 
 
 RESUME_LIFETIME_NS = 30_000_000_000
@@ -33,7 +35,7 @@ class Resuming:
         self._linker = linker
         self._board = board
 
-    async def resume(self, caller: Caller, inbound: Inbound, line: Resume, cid: CommandId) -> str:
+    async def resume(self, asked: Said, line: Resume, cid: CommandId) -> str:
         """Resume every robot of the line that is stopped. Return what to say.
 
         Raises:
@@ -43,32 +45,38 @@ class Resuming:
                 overtake, so an older resume can arrive after a younger stop (I5).
             Repeated, RecordUnavailable, RobotStopped: Robots not resumed so far stay stopped.
         """
+        caller, inbound = asked.caller, asked.inbound
         stopped = self._stopped(caller, line)
         for robot in stopped:
-            self._organiser.check_resume(caller, robot)
+            self._organiser.check_resume(caller, robot, asked.grounds())
             self._check_later(inbound, robot)
         # As they were when this was asked: what is stopped meanwhile stays stopped.
         generations = {robot: self._board[robot].generation for robot in stopped}
         for robot, generation in generations.items():
             robot_cid = robot_command_id(cid, robot)
             await self._container.resume(robot_cid, caller, robot, generation)
-            self._organiser.check_resume(caller, robot)  # the right may have ended meanwhile
+            # The right may have ended meanwhile.
+            self._organiser.check_resume(caller, robot, asked.grounds())
             shown = self._linker.profile(robot).shown
             try:
                 ready = await self._linker.resume(robot, generation)
             except Fault as fault:
-                raise RecordUnavailable(f"{shown} stays stopped: {fault}") from fault
+                raise RecordUnavailable(
+                    said("{shown} stays stopped: {fault}", shown=shown, fault=fault.sentence)
+                ) from fault
             if not ready:
-                raise RobotStopped(f"{shown} was stopped again meanwhile. It stays stopped.")
+                raise RobotStopped(
+                    said("{shown} was stopped again meanwhile. It stays stopped.", shown=shown)
+                )
         if not stopped:
-            return "Nothing is stopped there."
+            return said("Nothing is stopped there.")
         return words.resumed([self._linker.profile(robot).shown for robot in stopped])
 
     def _check_later(self, inbound: Inbound, robot: RobotId) -> None:
         old = inbound.received_ns - inbound.sent_ns > RESUME_LIFETIME_NS
         if old or inbound.sent_ns < inbound.listening_since_ns:
             raise Expired(
-                "You sent this while I could not listen. Nothing was done.",
+                said("You sent this while I could not listen. Nothing was done."),
                 offers=(f"resume {robot}",),
             )
         stopped_ns = self._board[robot].at_ns
@@ -76,7 +84,7 @@ class Resuming:
         if inbound.received_ns <= stopped_ns or inbound.sent_ns + SECOND_NS < stopped_ns:
             shown = self._linker.profile(robot).shown
             raise Expired(
-                f"{shown} was stopped after you sent this. It stays stopped.",
+                said("{shown} was stopped after you sent this. It stays stopped.", shown=shown),
                 offers=(f"resume {robot}",),
             )
 
@@ -85,7 +93,7 @@ class Resuming:
         stopped = [r for r in line.robots or sorted(visible) if self._board[r].latched]
         if not line.robots and len(stopped) > 1:
             raise NotUnderstood(
-                "Several robots are stopped. Say which one may go on.",
+                said("Several robots are stopped. Say which one may go on."),
                 offers=tuple(f"resume {robot}" for robot in stopped),
             )
         return stopped

@@ -11,7 +11,9 @@ from rosic.core import words
 from rosic.core.message import Inbound, Outbound
 from rosic.core.order import Rest
 from rosic.core.record import Stopped
+from rosic.core.saying import in_language, joined, said
 from rosic.errors import MessageGone, MessengerFault, Unrecognised
+from rosic.pipeline.languages import Languages
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 # nobody (I15).
 ANSWERS_AT_MOST = 8
 LATCH_WITHIN_S = 10.0
+NOT_WRITTEN = said("I could not write this down: after a restart, look before you move anything.")
 
 log = logging.getLogger("rosic.stop")
 
@@ -35,7 +38,10 @@ log = logging.getLogger("rosic.stop")
 class StopLane:
     """Stops whatever its author may see."""
 
-    def __init__(self, rooms: Rooms, store: Store, clock: Clock) -> None:
+    def __init__(
+        self, rooms: Rooms, store: Store, clock: Clock, languages: Languages | None = None
+    ) -> None:
+        self._languages = Languages() if languages is None else languages
         self._authoriser = rooms.authoriser
         self._organiser = rooms.organiser
         self._container = rooms.container
@@ -120,15 +126,18 @@ class StopLane:
         self, messenger: Messenger, inbound: Inbound, halting: Halting
     ) -> None:
         shown = [self._profiles[robot].shown for robot in halting.rests]
+        catalogue = self._languages.of_sender(inbound)
         message = ""
         if messenger.edits:
-            sent = Outbound(chat=inbound.chat, text=words.stopping(shown), urgent=True)
+            plain = in_language(words.stopping(shown), catalogue)
+            sent = Outbound(chat=inbound.chat, text=plain, urgent=True)
             message = await self._say(messenger, sent, "")
         rests = [await self._rest(robot, task) for robot, task in halting.rests.items()]
         text = words.rests(self._profiles, rests)
         if not await asyncio.shield(halting.latched):
-            text += " I could not write this down: after a restart, look before you move anything."
-        await self._say(messenger, Outbound(chat=inbound.chat, text=text, urgent=True), message)
+            text = joined(" ", (text, NOT_WRITTEN))
+        plain = in_language(text, catalogue)
+        await self._say(messenger, Outbound(chat=inbound.chat, text=plain, urgent=True), message)
 
     async def _rest(self, robot: RobotId, task: asyncio.Task[Rest]) -> Rest:
         try:

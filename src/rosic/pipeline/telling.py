@@ -18,6 +18,7 @@ from rosic.core.identity import CommandId
 from rosic.core.message import Outbound
 from rosic.errors import MessageGone, MessengerFault
 from rosic.pipeline.cards import Card
+from rosic.pipeline.languages import Languages
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -72,9 +73,13 @@ class Teller:
 
     Attributes:
         on_buttons: Hears which message shows a note now.
+        languages: Who reads which language; what is handed over here to be said is plain already.
     """
 
-    def __init__(self, containers: Containers, clock: Clock) -> None:
+    def __init__(
+        self, containers: Containers, clock: Clock, languages: Languages | None = None
+    ) -> None:
+        self.languages = Languages() if languages is None else languages
         self._containers = containers
         self._clock = clock
         self._voices: dict[tuple[str, str], Voice] = {}

@@ -6,6 +6,7 @@ import asyncio
 from collections import deque
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
 from rosic.errors import TooManyRequests
 
 if TYPE_CHECKING:
@@ -46,7 +47,9 @@ class Turns:
         if waiting is None:
             waiting = self._chats[where] = deque()
         if len(waiting) >= WAITING_AT_MOST:
-            raise TooManyRequests("Too many messages at once. Wait a moment.", retry_after_s=5.0)
+            raise TooManyRequests(
+                said("Too many messages at once. Wait a moment."), retry_after_s=5.0
+            )
         future: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         waiting.append(future)
         try:

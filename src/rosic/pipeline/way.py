@@ -20,7 +20,9 @@ from rosic.core.language import (
     Resume,
     Use,
 )
+from rosic.core.life import ENGLISH, wording_in
 from rosic.core.message import Button, ChatKind, Standing
+from rosic.core.saying import in_language, said
 from rosic.errors import (
     Expired,
     FirstNeeded,
@@ -61,7 +63,8 @@ if TYPE_CHECKING:
 # Robots commanded together start together: far enough ahead for all of them to have heard.
 TOGETHER_NS = 500_000_000
 FOLLOWED_KEPT = 10_000
-FAULT = "Something went wrong here. It is not known what was done; please look."
+FAULT = said("Something went wrong here. It is not known what was done; please look.")
+NOTHING_DONE = said("Nothing was done.")
 
 log = logging.getLogger("rosic.pipeline")
 
@@ -85,6 +88,7 @@ class Pipeline:
         self._reader = Reader(rooms.vocabulary)
         self._stop_lane = stop_lane
         self._teller = teller
+        self._languages = teller.languages
         self._clock = clock
         self._face = face
         self._shown = {robot: profile.shown for robot, profile in rooms.profiles.items()}
@@ -109,20 +113,20 @@ class Pipeline:
         Never raises: what is wrong with a message is said to its author.
         """
         arrived_ns = self._clock.monotonic_ns()
-        said = inbound.text if inbound.nonce is None else inbound.nonce
-        stop = self._reader.stop(said)
+        heard = inbound.text if inbound.nonce is None else inbound.nonce
+        stop = self._reader.stop(heard)
         if stop is not None:
             await self._stop_lane.stop(
                 messenger, inbound, stop or self._replied(messenger, inbound)
             )
-        only_stop = stop is not None and "\n" not in said.strip()
+        only_stop = stop is not None and "\n" not in heard.strip()
         if only_stop or inbound.standing is not Standing.FRESH:
             return
         try:
             if not self._turns.try_take(inbound.chat):
                 await self._turns.take(inbound.chat)
         except Refusal as refusal:
-            self._replies.say(messenger, inbound, str(refusal))
+            self._replies.say(messenger, inbound, refusal.sentence)
             return
         try:
             await self._take(messenger, inbound, arrived_ns)
@@ -141,6 +145,8 @@ class Pipeline:
             if _may_bring_a_code(inbound) and await self._brought_a_code(messenger, inbound):
                 return
             caller = self._rooms.authoriser.identify(inbound)
+            if inbound.locale:
+                self._languages.hear(caller.principal, inbound.locale)
             said = Said(messenger, inbound, caller, arrived_ns, self.reception.stepped_up)
             self._rooms.organiser.check_unlocked(caller)
             if inbound.nonce is None:
@@ -151,7 +157,7 @@ class Pipeline:
             await self._stranger(messenger, inbound, stranger)
         except Refusal as refusal:
             if not refusal.silent:
-                self._replies.say(messenger, inbound, str(refusal))
+                self._replies.say(messenger, inbound, refusal.sentence)
         except Exception:
             log.exception("a message could not be handled")
             self._replies.say(messenger, inbound, FAULT)
@@ -161,7 +167,7 @@ class Pipeline:
     ) -> None:
         """Answer somebody unknown: whoever brings a good code is let in."""
         if not await self._brought_a_code(messenger, inbound):
-            self._replies.turn_away(messenger, inbound, str(stranger))
+            self._replies.turn_away(messenger, inbound, stranger.sentence)
 
     async def _tapped(self, said: Said) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller
@@ -171,7 +177,7 @@ class Pipeline:
             self._outdated(said, void)
             raise
         if command == LEAVE:
-            self._replies.say(messenger, inbound, "Nothing was done.")
+            self._replies.say(messenger, inbound, NOTHING_DONE)
         elif command.startswith(ASK_FIRST):
             visible = self._rooms.organiser.visible(caller.principal)
             reply = self._choosing.ask(command[1:], visible)
@@ -226,16 +232,18 @@ class Pipeline:
             return
         if isinstance(line, Misunderstood) and not self._addressed(said.inbound):
             return  # people talk to each other in groups
+        # Before anything may refuse it: what was refused once is not done when it comes again.
+        repeated = self._repeated(cid)
         self._rooms.organiser.charge(said.caller)
         if isinstance(line, Misunderstood):
             raise NotUnderstood(line.sentence, offers=line.offers)
-        if not self._repeated(cid):
+        if not repeated:
             await self._answer(said, line, cid)
 
     async def _answer(self, said: Said, line: Line, cid: CommandId) -> None:
         """Do what is asked beside orders, and say so."""
         if isinstance(line, Resume):
-            text = await self._resuming.resume(said.caller, said.inbound, line, cid)
+            text = await self._resuming.resume(said, line, cid)
             self._replies.say(said.messenger, said.inbound, text)
         elif isinstance(line, Errand):
             asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid)
@@ -262,7 +270,7 @@ class Pipeline:
         """Say what has to come before something that is permitted."""
         consent = self.reception.consent
         if consent is None or not isinstance(line, Do):
-            self._replies.say(said.messenger, said.inbound, str(needed))
+            self._replies.say(said.messenger, said.inbound, needed.sentence)
             return
         skill = line.skills[line.robots.index(needed.robot)].id
         reply = consent.ask(said.caller, skill, needed)
@@ -328,7 +336,9 @@ class Pipeline:
 
     def _begin(self, said: Said, line: Do, orders: tuple[Order, ...]) -> None:
         messenger, chat, caller = said.messenger, said.inbound.chat, said.caller
-        card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self._face)
+        catalogue = self._languages.of(caller.principal)
+        words = ENGLISH if catalogue is None else wording_in(catalogue)
+        card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self._face, words)
         card.buttons = _stop_button(line.group or line.robots[0])
         if said.confirmed and messenger.edits and len(said.asked) == len(orders):
             # The question that was answered becomes the life it asked for.
@@ -336,9 +346,10 @@ class Pipeline:
         now_ns = self._clock.wall_ns()
         for order in orders:
             shown = self._shown[order.robot]
-            life = card.add(order.cid, shown, f"{shown}: {order.words}", now_ns)
+            what = order.words if catalogue is None else in_language(order.words, catalogue)
+            life = card.add(order.cid, shown, f"{shown}: {what}", now_ns)
             self.audience.note(order.robot, messenger, chat, caller.principal)
-            self.lives.begin(order, caller, card, life)
+            self.lives.begin(order, said, card, life)
         self._teller.show(card)
 
     def _check_all_free(self, requests: list[Request]) -> None:

@@ -64,7 +64,9 @@ class MemoryRobot:
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Act once. See the contract."""
         if not self.online:
-            raise RobotOffline(f"{self.profile.shown} is not there. Nothing was sent.")
+            raise RobotOffline(
+                said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
+            )
         self.gate.pass_order(order, self._clock.monotonic_ns())
         tell(SENT)
         self.acted.append(order.n)

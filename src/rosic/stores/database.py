@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from sqlalchemy import select
 
-from rosic.core.record import Fact, Letter
+from rosic.core.record import Fact, KeyRevoked, Letter, Resumed, Stopped
+from rosic.core.saying import said
 from rosic.errors import StoreFault
 from rosic.stores import reading, sqlite, tables
 from rosic.stores.folder import Folder
@@ -30,6 +31,8 @@ DEFAULTS = Settings()
 AT_ONCE = 500  # administrative acts read in one step
 NEWER_THAN_ALL = 2**63 - 1
 COMMANDS_SHOWN = 10_000  # the newest of one person
+URGENT = frozenset({Stopped, Resumed, KeyRevoked})
+LOCK = "lock"  # the kind of fact that keeps somebody out
 
 
 class Shelves(reading.Reader):
@@ -133,6 +136,19 @@ class ReadingWriter(Writer):
             raise fault(f"{sqlite.reason(error)}. Try again.", error) from error
 
 
+def is_urgent(records: tuple[Record, ...]) -> bool:
+    """Whether records go before others: stops, what undoes them, and what keeps somebody out.
+
+    Nothing else is written under their ids meanwhile, so it does not matter what they overtake:
+    the numbers of a robot only grow, and an administrative act is written before the next begins.
+    """
+    for record in records:
+        kind = type(record)
+        if kind in URGENT or (kind is Fact and record.kind == LOCK):  # type: ignore[union-attr]
+            return True
+    return False
+
+
 class DatabaseStore:
     """One SQLite file, one writer thread, one transaction for many calls.
 
@@ -162,6 +178,7 @@ class DatabaseStore:
             finish=writer.close,
             group_max=self._settings.group_max,
             queue_max=self._settings.queue_max,
+            urgent=is_urgent,
         )
         lane.start()
         try:
@@ -202,7 +219,7 @@ class DatabaseStore:
             StoreFault: Not all were forgotten; the rest is tried the next time.
         """
         if self._writer is None:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         total = 0
         while step := await self._opened().call(self._writer.prune):
             total += step
@@ -219,7 +236,7 @@ class DatabaseStore:
         """
         writer = self._writer
         if writer is None:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         found: list[Decided] = []
         before = NEWER_THAN_ALL
         while (size := min(limit - len(found), AT_ONCE)) > 0:
@@ -229,6 +246,25 @@ class DatabaseStore:
                 break
             before = page[-1][0]
         return tuple(found)
+
+    async def forget_decisions(self, before_ns: int) -> int:
+        """Forget administrative acts from before a time; return how many. In small steps.
+
+        The newest one of all is never forgotten, nor what is not that much older than it is: a
+        clock that jumps ahead forgets nothing.
+
+        Raises:
+            StoreFault: Not all were forgotten; the rest is tried the next time.
+        """
+        writer = self._writer
+        if writer is None:
+            raise StoreFault("The record is closed.")
+        kept_ns, total = self._clock.wall_ns() - before_ns, 0
+        while step := await self._opened().call(
+            partial(writer.forget_decisions, before_ns, kept_ns)
+        ):
+            total += step
+        return total
 
     async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
         """Return at most so many facts of a kind, by key, from behind a key on.
@@ -261,7 +297,7 @@ class DatabaseStore:
     async def _look(self, read: Callable[[Shelves], R]) -> R:
         writer = self._writer
         if writer is None:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         return await self._opened().call(lambda: writer.look(read))
 
     async def shred(self, container: str) -> None:
@@ -272,10 +308,10 @@ class DatabaseStore:
         """
         writer = self._writer
         if writer is None:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         await self._opened().call(lambda: writer.shred(container))
 
     def _opened(self) -> Lane[tuple[Record, ...]]:
         if self._lane is None:
-            raise StoreFault("The record is closed. Nothing was written.")
+            raise StoreFault(said("The record is closed. Nothing was written."))
         return self._lane

@@ -2,6 +2,10 @@
 
 An event loop that waits for a disk serves nobody. What is asked for in one turn of the loop goes
 over together, and comes back together: one wake-up each way, however many calls there were.
+
+What is urgent has room of its own and goes before everything that has not begun: it is neither
+refused nor delayed because much that is not urgent waits. Among themselves urgent jobs keep their
+order, and so do the others.
 """
 
 from __future__ import annotations
@@ -15,6 +19,7 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
+from rosic.core.saying import said
 from rosic.errors import StoreFault
 
 T = TypeVar("T")
@@ -54,7 +59,9 @@ class Lane(Generic[T]):
             Returns whether it wants to be called again soon without new jobs.
         finish: Runs in the thread, last.
         group_max: Jobs in one group.
-        queue_max: Jobs that may wait; notes may be twice as many, for they cannot be refused.
+        queue_max: Jobs that may wait; notes may be twice as many, for they cannot be refused. As
+            many again may wait that are urgent.
+        urgent: Says whether something goes before what is not; None: nothing does.
     """
 
     def __init__(
@@ -65,6 +72,7 @@ class Lane(Generic[T]):
         finish: Callable[[], None],
         group_max: int,
         queue_max: int,
+        urgent: Callable[[T], bool] | None = None,
     ) -> None:
         self._name = name
         self._settle = settle
@@ -75,6 +83,10 @@ class Lane(Generic[T]):
         self._queue: SimpleQueue[list[Job[T]] | Call | None] = SimpleQueue()
         self._turn: list[Job[T]] = []
         self._waiting = 0
+        self._is_urgent = urgent or _never
+        self._ahead: SimpleQueue[list[Job[T]]] = SimpleQueue()
+        self._ahead_turn: list[Job[T]] = []
+        self._ahead_waiting = 0
         self._running = False
         self._loop: asyncio.AbstractEventLoop | None = None
 
@@ -93,9 +105,13 @@ class Lane(Generic[T]):
             Exception: Whatever ``settle`` left in ``error``.
             CancelledError: It was done; with a cause, it was not.
         """
-        future = self._admit()
+        urgent = self._is_urgent(content)
+        future = self._admit(urgent=urgent)
         job = Job(content, future)
-        self._append(job)
+        if urgent:
+            self._overtake(job)
+        else:
+            self._append(job)
         try:
             await future
         except asyncio.CancelledError as cancelled:
@@ -119,9 +135,15 @@ class Lane(Generic[T]):
 
     def drop(self, content: T, then: Callable[[], None] | None = None) -> bool:
         """Have something done without waiting, and ``then`` called. Return whether it was taken."""
-        if not self._running or self._waiting >= 2 * self._queue_max:
+        urgent = self._is_urgent(content)
+        waiting = self._ahead_waiting if urgent else self._waiting
+        if not self._running or waiting >= 2 * self._queue_max:
             return False
-        self._append(Job(content, None, then))
+        job = Job(content, None, then)
+        if urgent:
+            self._overtake(job)
+        else:
+            self._append(job)
         return True
 
     async def stop(self) -> None:
@@ -134,11 +156,11 @@ class Lane(Generic[T]):
             self._queue.put(None)
         await asyncio.shield(self._stopped)
 
-    def _admit(self) -> asyncio.Future[Any]:
+    def _admit(self, *, urgent: bool = False) -> asyncio.Future[Any]:
         if not self._running or self._loop is None:
-            raise StoreFault("The record is closed. Nothing was written.")
-        if self._waiting >= self._queue_max:
-            raise StoreFault("The record cannot keep up. Nothing was written.")
+            raise StoreFault(said("The record is closed. Nothing was written."))
+        if (self._ahead_waiting if urgent else self._waiting) >= self._queue_max:
+            raise StoreFault(said("The record cannot keep up. Nothing was written."))
         return self._loop.create_future()
 
     def _append(self, job: Job[T]) -> None:
@@ -148,7 +170,17 @@ class Lane(Generic[T]):
             self._loop.call_soon(self._hand_over)
         turn.append(job)
 
+    def _overtake(self, job: Job[T]) -> None:
+        self._ahead_waiting += 1
+        if not self._ahead_turn and self._loop is not None:
+            self._loop.call_soon(self._hand_over)
+        self._ahead_turn.append(job)
+
     def _hand_over(self) -> None:
+        if self._ahead_turn:
+            self._ahead.put(self._ahead_turn)
+            self._ahead_turn = []
+            self._queue.put([])  # wakes the thread
         if self._turn:
             self._queue.put(self._turn)
             self._turn = []
@@ -160,6 +192,7 @@ class Lane(Generic[T]):
         going = True
         while going:
             jobs, call, going = self._next(again)
+            again = self._do_ahead() or again
             if jobs or call is None:
                 again = self._do(jobs)
             if call is not None:
@@ -187,9 +220,23 @@ class Lane(Generic[T]):
             return self._do_group(jobs)
         again = False
         for start in range(0, len(jobs), self._group_max):
+            self._do_ahead()
             group = jobs[start : start + self._group_max]
             again = self._do_group(group)
             self._report(self._resolve, group)
+        return again
+
+    def _do_ahead(self) -> bool:
+        """Do what is urgent by now. Return whether to do so again soon without new jobs."""
+        jobs: list[Job[T]] = []
+        with suppress(Empty):
+            while True:
+                jobs += self._ahead.get_nowait()
+        again = False
+        for start in range(0, len(jobs), self._group_max):
+            group = jobs[start : start + self._group_max]
+            again = self._do_group(group)
+            self._report(self._resolve_ahead, group)
         return again
 
     def _do_group(self, jobs: list[Job[T]]) -> bool:
@@ -217,6 +264,13 @@ class Lane(Generic[T]):
 
     def _resolve(self, jobs: list[Job[T]]) -> None:
         self._waiting -= len(jobs)
+        self._tell(jobs)
+
+    def _resolve_ahead(self, jobs: list[Job[T]]) -> None:
+        self._ahead_waiting -= len(jobs)
+        self._tell(jobs)
+
+    def _tell(self, jobs: list[Job[T]]) -> None:
         for job in jobs:
             future = job.future
             if job.then is not None:
@@ -240,3 +294,7 @@ class Lane(Generic[T]):
     def _end(self) -> None:
         if not self._stopped.done():
             self._stopped.set_result(None)
+
+
+def _never(_content: object) -> bool:
+    return False

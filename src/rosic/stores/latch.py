@@ -6,6 +6,7 @@ import os
 import threading
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores import slots
 from rosic.stores.folder import create
@@ -160,7 +161,7 @@ class FileLatch:
         except (OSError, Damaged) as error:
             for job in jobs:
                 if job.error is None:
-                    job.error = StoreFault("The stop holds, but could not be kept on disk.")
+                    job.error = StoreFault(said("The stop holds, but could not be kept on disk."))
                     job.error.__cause__ = error
             return False
         self._unsure.clear()
@@ -171,7 +172,9 @@ class FileLatch:
         known = self._states.get(state.robot)
         if known is None:
             if not slots.is_robot(state.robot) or len(self._places) >= self._robots_max:
-                job.error = StoreFault("The stop holds, but the stop file has no room for it.")
+                job.error = StoreFault(
+                    said("The stop holds, but the stop file has no room for it.")
+                )
                 return
             self._places[state.robot] = self._free_place()
         elif state.generation < known.generation:

@@ -29,6 +29,7 @@ from rosic.core.record import (
     Told,
     Unfinished,
 )
+from rosic.core.saying import said
 from rosic.errors import Repeated, StoreFault
 from rosic.stores.facts import by_kind
 
@@ -127,7 +128,7 @@ class MemoryStore:
             StoreFault: Closed, or too many commands whose end was never told.
         """
         if not self._open:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         self._refuse_repeated(records)
         take = self._take
         for record in records:
@@ -163,8 +164,16 @@ class MemoryStore:
             StoreFault: The record is closed.
         """
         if not self._open:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
         return tuple(islice(reversed(self._decisions), max(limit, 0)))
+
+    async def forget_decisions(self, before_ns: int) -> int:
+        """Forget administrative acts from before a time, but never the newest; return how many."""
+        count = 0
+        while len(self._decisions) > 1 and self._decisions[0].at_ns < before_ns:
+            self._decisions.popleft()
+            count += 1
+        return count
 
     async def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
         """Return at most so many facts of a kind, by key, from behind a key on.
@@ -220,7 +229,7 @@ class MemoryStore:
 
     def _check_open(self) -> None:
         if not self._open:
-            raise StoreFault("The record is closed.")
+            raise StoreFault(said("The record is closed."))
 
     async def shred(self, container: str) -> None:
         """Forget the personal content of one container for good."""
@@ -247,7 +256,7 @@ class MemoryStore:
                 if cid in young or cid in older or (fresh is not None and cid in fresh):
                     raise Repeated("This was already settled.")
                 if len(self._lives) >= self._lives_max:
-                    raise StoreFault("The record is full. Nothing was written.")
+                    raise StoreFault(said("The record is full. Nothing was written."))
                 if len(records) > 1:
                     fresh = fresh or set()
                     fresh.add(cid)

@@ -25,6 +25,7 @@ from rosic.core.record import (
     Stopped,
     Told,
 )
+from rosic.core.saying import said
 from rosic.errors import StoreFault
 from rosic.stores.batch import Batch
 from rosic.stores.sealing import place_of_fact
@@ -113,7 +114,7 @@ class Scribe:
             for record in records:
                 take[type(record)](batch, record)
         if batch.opened and len(self._lives) + len(batch.opened) > self._settings.lives_max:
-            raise StoreFault("The record is full. Nothing was written.")
+            raise StoreFault(said("The record is full. Nothing was written."))
         below = self._below
         batch.struck = [seq for seq in batch.closed.values() if seq < below]
         unsifted = self._settings.unsifted

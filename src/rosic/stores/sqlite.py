@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from sqlalchemy import Connection, Engine, create_engine, event, pool
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
+from rosic.core.saying import said
 from rosic.errors import ConfigurationError, StoreFault
 
 if TYPE_CHECKING:
@@ -170,7 +171,9 @@ def forget_erased(connection: Connection) -> None:
         StoreFault: Another program is reading; the erased content is still in the log file.
     """
     if pragma(connection, "wal_checkpoint(TRUNCATE)") != 0:
-        raise StoreFault("Another program is reading the record. Try again when it has ended.")
+        raise StoreFault(
+            said("Another program is reading the record. Try again when it has ended.")
+        )
 
 
 def reason(error: BaseException) -> str:

@@ -35,6 +35,7 @@ class Erasure:
         parts = (tables.endings, tables.places, tables.tellings, tables.commands)
         self._takes = [Take(dialect, table.c.seq) for table in parts]
         self._take_stops = Take(dialect, tables.stops.c.id)
+        self._take_decisions = Take(dialect, tables.decisions.c.id)
 
     def prune(self, connection: Connection, before_ns: int) -> int:
         """Forget the oldest commands that are settled, and old stops; some, not all at once."""
@@ -52,6 +53,24 @@ class Erasure:
         oldest_stops = select(stops.c.id, stops.c.at_ns).order_by(stops.c.id).limit(AT_ONCE)
         old_stops = [row.id for row in connection.execute(oldest_stops) if row.at_ns < before_ns]
         self._take_stops.run(cursor, old_stops)
+        return len(old)
+
+    def forget_decisions(self, connection: Connection, before_ns: int, kept_ns: int) -> int:
+        """Forget the oldest administrative acts; some, not all at once. Return how many.
+
+        Args:
+            connection: In a transaction.
+            before_ns: Wall clock.
+            kept_ns: Nothing goes that is not older than the newest act by this much.
+        """
+        table = tables.decisions.c
+        newest: int | None = connection.scalar(
+            select(table.at_ns).order_by(table.id.desc()).limit(1)
+        )
+        before_ns = min(before_ns, (newest or 0) - kept_ns)
+        oldest = select(table.id, table.at_ns).order_by(table.id).limit(AT_ONCE)
+        old = [row.id for row in connection.execute(oldest) if row.at_ns < before_ns]
+        self._take_decisions.run(connection.connection.cursor(), old)
         return len(old)
 
     def shred(self, connection: Connection, container: str) -> None:

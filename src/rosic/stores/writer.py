@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.record import Claimed, Decided, Memory, Record, Refused, Resumed, Stopped
+from rosic.core.saying import said
 from rosic.errors import ConfigurationError, Repeated, RosicError, StoreFault
 from rosic.stores import reading, schema, sqlite, tables, upkeep
 from rosic.stores.decisions import Decisions
@@ -135,7 +136,7 @@ class Writer:
     def _reconnected(self) -> tuple[Connection, Root]:
         """Return the connection, after a failure a new one, and the root key."""
         if self._root is None:
-            raise StoreFault("The record is closed. Nothing was written.")
+            raise StoreFault(said("The record is closed. Nothing was written."))
         if self._connection is None:
             connection = self._engine.connect()
             try:
@@ -281,6 +282,19 @@ class Writer:
             with connection.begin():
                 before_ns = upkeep.horizon(connection, self._clock.wall_ns(), self._settings)
                 return self._erasure.prune(connection, before_ns)
+        except sqlite.FAILURES as error:
+            raise fault(f"{sqlite.reason(error)}. Nothing was forgotten.", error) from error
+
+    def forget_decisions(self, before_ns: int, kept_ns: int) -> int:
+        """Forget some administrative acts that are old. Return how many.
+
+        Raises:
+            StoreFault: Nothing was forgotten.
+        """
+        connection, _ = self._connected()
+        try:
+            with connection.begin():
+                return self._erasure.forget_decisions(connection, before_ns, kept_ns)
         except sqlite.FAILURES as error:
             raise fault(f"{sqlite.reason(error)}. Nothing was forgotten.", error) from error
 

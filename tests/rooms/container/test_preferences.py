@@ -162,15 +162,30 @@ def test_in_the_open_stands_nothing_that_was_set() -> None:
     assert fact.kind == KIND
 
 
-def test_erased_or_damaged_settings_are_none(caplog: pytest.LogCaptureFixture) -> None:
+@pytest.mark.parametrize("letter", [None, Letter(ADA, b"\xc1"), Letter(ADA, b"")])
+def test_whoever_set_what_cannot_be_read_goes_slowly(
+    letter: Letter | None, caplog: pytest.LogCaptureFixture
+) -> None:
     book = a_book()
     fact = make_so(book, book.set_speed(ADA, "0.2 m/s"))
-    book.apply(Fact(kind=KIND, key=ADA, body=fact.body))
+    book.apply(Fact(kind=KIND, key=ADA, body=fact.body, letter=letter))
     assert book.of(ADA) == UNSET
-    assert book.limits(ADA) == ()
-    book.apply(Fact(kind=KIND, key=ADA, body=b"1", letter=Letter(ADA, b"\xc1")))
-    assert book.of(ADA) == UNSET
+    assert book.damaged() == (ADA,)
+    assert book.limits(ADA) == ("omni:drive speed <= 0.08 m/s", "omni:turn speed <= 9 deg/s")
     assert "cannot be read" in caplog.text
+
+    said = sentence(book, "set_units", "metric")
+    assert said.startswith("Your settings cannot be read any more"), "that would undo the cap"
+    make_so(book, book.set_speed(ADA, "none"))
+    assert (book.limits(ADA), book.damaged()) == ((), ())
+    make_so(book, book.set_units(ADA, "metric"))
+
+
+def test_damaged_settings_are_forgotten_with_their_owner() -> None:
+    book = a_book()
+    book.apply(Fact(kind=KIND, key=ADA, body=b"1"))
+    make_so(book, book.unset(ADA))
+    assert (book.limits(ADA), book.damaged()) == ((), ())
 
 
 def test_unsetting_takes_everything_back() -> None:

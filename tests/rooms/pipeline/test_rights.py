@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.authoriser.totp import hotp, step_at
+from rosic.core.record import Fact, Letter
 from rosic.core.robot import Slots
 from rosic.core.roles import DEFAULT_ROLES, Care, Role, Rulebook
+from rosic.core.skill import Parameter, Skill
+from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, FLEET, Place
 
 if TYPE_CHECKING:
@@ -270,6 +273,50 @@ async def test_an_archive_forgets_when_it_said_it_would() -> None:
         await place.clock.advance(86_400 + 120)
         await place.quiet()
         assert not kept.outdated()
+
+
+async def test_what_needs_a_good_channel_survives_a_change_of_policy_while_it_waits() -> None:
+    async with lab(rules(Care(scopes=("kuka1:wave",), assurance="local"))) as place:
+        kuka = place.robot("kuka1")
+        kuka.work_s = 1.0
+        await place.say("kuka1 move 1 m", account=BO, chat=BO)
+        await place.say("kuka1 wave", account=BO, chat=BO)  # waits for its turn
+        place.gateway.authority.renew(who(place, "Vi"))
+        assert kuka._end is not None
+        kuka._end.set_result(None)
+        await place.quiet()
+        assert place.acted("kuka1") == 2, "the message came over a channel that is good enough"
+
+
+async def test_a_resume_that_needs_a_good_channel_is_possible_there() -> None:
+    async with lab(rules(Care(scopes=("omni:resume",), assurance="local"))) as place:
+        await place.say("stop omni")
+        await place.clock.advance(1)
+        assert "omni" in await place.say("resume omni")
+        assert not place.robot("omni").gate.latched
+
+
+async def test_whose_cap_on_speed_is_damaged_goes_slowly_and_hears_of_it_once() -> None:
+    pace = Parameter(unit="m/s", min=0.05, max=1.0, default=0.1)
+    drive = Skill(id="drive", parameters={"speed": pace})
+    robot = replace(FLEET[0], skills=FLEET[0].skills | {"drive": drive})
+    store = MemoryStore()
+    async with Place(store, fleet=(robot,)).open() as place:
+        bo = who(place, "Bo")
+        await place.say("/settings speed 0.3 m/s", account=BO, chat=BO)
+        letter = Letter(bo, b"\xc1")
+        await store.write(Fact(kind="preference", key=bo, body=b"1", letter=letter))
+    async with Place(store, fleet=(robot,)).open() as place:
+        told = [(t.outbound.chat.id, t.outbound.text) for t in place.chat.told]
+        assert [chat for chat, text in told if "you go slowly" in text] == [BO]
+        said = await place.say("omni drive speed=0.3", account=BO, chat=BO, message="n1")
+        assert place.acted() == 0
+        assert "speed <= 0.1 m/s. Nothing was done." in said
+        await place.say("omni drive speed=0.1", account=BO, chat=BO, message="n2")
+        assert place.acted() == 1
+        await place.say("/settings speed none", account=BO, chat=BO, message="n3")
+        await place.say("omni drive speed=0.3", account=BO, chat=BO, message="n4")
+        assert place.acted() == 2
 
 
 def phone_code(text: str, place: Place) -> str:

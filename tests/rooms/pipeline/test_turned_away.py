@@ -256,7 +256,7 @@ CASES: list[tuple[Case, str, dict[str, int]]] = [
     ),
     (
         a_person_without_the_right,
-        'Wave needs the right "operator" on omni. Ada can give it.',
+        'Wave needs the right "operator" on omni. Ada can give it. It counts at once.',
         {"no-right": 1},
     ),
     (

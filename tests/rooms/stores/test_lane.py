@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from typing import TYPE_CHECKING
 
 import pytest
@@ -122,3 +123,71 @@ async def test_a_loop_that_has_gone_does_not_hurt_the_thread() -> None:
     async with asyncio.timeout(10):
         while not desk.groups:  # noqa: ASYNC110 - another thread gets there when it does
             await asyncio.sleep(0.001)
+
+
+class Slow(Desk):
+    """Its disk stands still until it is let go."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.go = threading.Event()
+        self.begun = threading.Event()
+
+    def settle(self, jobs: list[Job[str]]) -> bool:
+        self.begun.set()
+        assert self.go.wait(10)
+        return super().settle(jobs)
+
+    def urgent_lane(self, queue_max: int) -> Lane[str]:
+        lane: Lane[str] = Lane(
+            "desk", self.settle, finish=self.finish, group_max=10, queue_max=queue_max,
+            urgent=lambda content: content.startswith("!"),
+        )  # fmt: skip
+        lane.start()
+        return lane
+
+
+async def test_what_is_urgent_is_not_refused_because_of_what_is_not_and_goes_before_it() -> None:
+    desk = Slow()
+    lane = desk.urgent_lane(queue_max=20)
+    for number in range(100):
+        lane.drop(str(number))
+    await asyncio.to_thread(desk.begun.wait, 10)
+    with pytest.raises(StoreFault, match="keep up"):
+        await lane.put("ordinary")
+    assert lane.drop("!first")
+    putting = [asyncio.ensure_future(lane.put(f"!{number}")) for number in range(10)]
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+    desk.go.set()
+    await asyncio.gather(*putting)
+    everything = [content for group in desk.groups for content in group]
+    first = everything.index("!first")
+    assert first == 10, "only the group that had begun was before it"
+    assert everything[first + 1 : first + 11] == [f"!{number}" for number in range(10)]
+    await lane.stop()
+    everything = [content for group in desk.groups for content in group]
+    assert [c for c in everything if c[0] != "!"] == [str(number) for number in range(40)]
+
+
+async def test_what_is_urgent_has_bounds_of_its_own() -> None:
+    desk = Slow()
+    lane = desk.urgent_lane(queue_max=5)
+    putting = [asyncio.ensure_future(lane.put(f"!{number}")) for number in range(6)]
+    await asyncio.sleep(0)
+    assert "keep up" in str(putting[-1].exception())
+    ordinary = asyncio.ensure_future(lane.put("ordinary"))
+    desk.go.set()
+    await asyncio.gather(ordinary, *putting[:-1])
+    await lane.stop()
+
+
+async def test_a_call_comes_after_what_was_urgent_before_it() -> None:
+    desk = Desk()
+    lane: Lane[str] = Lane(
+        "desk", desk.settle, finish=desk.finish, group_max=10, queue_max=5, urgent=lambda _: True
+    )
+    lane.start()
+    lane.drop("!")
+    assert await lane.call(lambda: list(desk.groups)) == [["!"]]
+    await lane.stop()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.record import Letter
+from rosic.core.record import Fact, Letter
 from rosic.errors import Repeated, StoreFault
 from rosic.stores.database import DatabaseStore
 from rosic.stores.folder import DATABASE
@@ -22,6 +22,8 @@ from rosic.testing.records import (
     a_choice,
     a_claim,
     a_conclusion,
+    a_decision,
+    a_resumption,
     a_stop,
     told,
 )
@@ -195,6 +197,26 @@ async def test_too_many_waiting_calls_are_refused(tmp_path: Path, clock: ManualC
         assert answers[:50] == [None] * 50
         assert all("cannot keep up" in str(answer) for answer in answers[50:])
         await store.write(a_claim(79))
+
+
+async def test_a_stop_a_resume_and_a_lock_are_written_however_much_else_waits(
+    tmp_path: Path, clock: ManualClock
+) -> None:
+    async with opened(tmp_path, clock, Settings(queue_max=50)) as store:
+        for name in range(100):
+            store.note(a_choice(f"robot{name}"))
+        store.note(a_choice("lost"))
+        with pytest.raises(StoreFault, match="cannot keep up"):
+            await store.write(a_claim(1))
+        store.note(a_stop(1))
+        lock = Fact(kind="lock", key="bo", body=b"x")
+        await asyncio.gather(
+            store.write(a_resumption("again", 1)), store.write(a_decision("bo"), lock)
+        )
+        assert store.lost == 1, "the note that is one too many"
+    assert rows(tmp_path, "SELECT kind FROM commands") == [("resumed",)]
+    assert rows(tmp_path, "SELECT key FROM facts WHERE kind = 'lock'") == [("bo",)]
+    assert rows(tmp_path, "SELECT generation FROM stops") == [(1,)]
 
 
 async def test_too_many_open_commands_are_refused(tmp_path: Path, clock: ManualClock) -> None:

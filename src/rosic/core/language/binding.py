@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.language.cleaning import clean
 from rosic.core.language.compiled import TOLERANCE, CompiledParameter, CompiledSkill
 from rosic.core.language.objection import Objection
+from rosic.core.saying import said
 from rosic.errors import NotUnderstood
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def place(
     """
     compiled = vocabulary.compiled_skill(robot, skill.id)
     if compiled is None:
-        raise NotUnderstood(f"{robot} has no such skill. Nothing was done.")
+        raise NotUnderstood(said("{robot} has no such skill. Nothing was done.", robot=robot))
     given: dict[str, Argument] = {}
     for value in spoken:
         placed = _place(compiled, given, value, vocabulary.units)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from rosic.core.language.cleaning import REORDERING, clean, fold_word, is_plain
 from rosic.core.language.lines import Context, Line, Misunderstood
 from rosic.core.language.reading import LineReader
+from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from rosic.core.language.vocabulary import Vocabulary
@@ -42,24 +43,30 @@ def understand(text: str, vocabulary: Vocabulary, context: Context) -> tuple[Lin
     if len(lines) > MOST_LINES:
         return (
             Misunderstood(
-                f"That message has {len(lines)} lines; I read at most {MOST_LINES}. "
-                "Nothing was done."
+                said(
+                    "That message has {lines} lines; I read at most {most}. Nothing was done.",
+                    lines=len(lines),
+                    most=MOST_LINES,
+                )
             ),
         )
     return tuple([_cleaned(line, vocabulary, context) for line in lines]) or (_EMPTY,)
 
 
-_EMPTY = Misunderstood("There was nothing to read. Say help for what can be said.", ("help",))
+_EMPTY = Misunderstood(said("There was nothing to read. Say help for what can be said."), ("help",))
 _REORDERED = Misunderstood(
-    "That line has invisible marks that show its words in another order. Please type it anew. "
-    "Nothing was done."
+    said(
+        "That line has invisible marks that show its words in another order. Please "
+        "type it anew. Nothing was done."
+    )
 )
 
 
 def _too_long(length: int) -> str:
-    return (
-        f"That message has {length:,} characters; I read at most {LONGEST_TEXT:,}. "
-        "Nothing was done."
+    return said(
+        "That message has {length:,} characters; I read at most {most:,}. Nothing was done.",
+        length=length,
+        most=LONGEST_TEXT,
     )
 
 

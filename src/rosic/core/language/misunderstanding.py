@@ -13,6 +13,7 @@ from rosic.core.language.cleaning import quote
 from rosic.core.language.lines import Misunderstood
 from rosic.core.language.suggestions import MOST_CANDIDATES, did_you_mean, listed
 from rosic.core.language.words import HINTS, VERBS
+from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -44,19 +45,28 @@ class Misunderstanding:
 
     def nothing_said(self) -> Misunderstood:
         """The line has only words that mean nothing here."""
-        return Misunderstood("Say help for what can be said.", ("help",))
+        return Misunderstood(said("Say help for what can be said."), ("help",))
 
     def too_many_words(self, most: int) -> Misunderstood:
         """The line is longer than any command."""
         return Misunderstood(
-            f"That line has {len(self._low)} words; I read at most {most}. Nothing was done."
+            said(
+                "That line has {low} words; I read at most {most}. Nothing was done.",
+                low=len(self._low),
+                most=most,
+            )
         )
 
     def two_readings(self, callee: Callee, at: int, readings: tuple[str, ...]) -> Misunderstood:
         """A number may mean two."""
         name = _shown(callee)
         return Misunderstood(
-            f"{name}: {quote(self._raw[at])} may mean {listed(readings)}. Nothing was done.",
+            said(
+                "{name}: {quote} may mean {listed}. Nothing was done.",
+                name=name,
+                quote=quote(self._raw[at]),
+                listed=listed(readings),
+            ),
             self._offers(at, readings),
         )
 
@@ -71,33 +81,44 @@ class Misunderstanding:
         if (stop := self._stop_inside(callee.name)) is not None:
             return stop
         sentence = (
-            f"Nobody in {callee.name} has {quote(self._raw[at])}."
+            said("Nobody in {name} has {quote}.", name=callee.name, quote=quote(self._raw[at]))
             if callee.group
-            else f"{_shown(callee)} has no {quote(self._raw[at])}."
+            else said("{shown} has no {quote}.", shown=_shown(callee), quote=quote(self._raw[at]))
         )
         close = _one_each(did_you_mean(self._low[at], _phrases(callee)), _skills(callee))
         if not close and chosen:
             return self._guess(at, sentence)
         if not close:
-            return Misunderstood(f"{sentence} Say help {callee.name}.", (f"help {callee.name}",))
+            return Misunderstood(
+                said("{sentence} Say help {name}.", sentence=sentence, name=callee.name),
+                (f"help {callee.name}",),
+            )
         prefix = f"{callee.name} " if chosen else ""
         offers = tuple([prefix + offer for offer in self._offers(at, close)])
-        return Misunderstood(f"{sentence} Did you mean {listed(close)}?", offers)
+        return Misunderstood(
+            said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
+            offers,
+        )
 
     def no_such_robot(self, at: int) -> Misunderstood:
         """A name names nobody the person may see."""
         close = did_you_mean(self._low[at], self._callees())
         close = _one_each(close, self._vocabulary.callees)
-        sentence = f"I know no robot {quote(self._raw[at])}."
+        sentence = said("I know no robot {quote}.", quote=quote(self._raw[at]))
         if not close:
-            return Misunderstood(f"{sentence} Say robots for those you may use.", ("robots",))
-        return Misunderstood(f"{sentence} Did you mean {listed(close)}?", self._offers(at, close))
+            return Misunderstood(
+                said("{sentence} Say robots for those you may use.", sentence=sentence), ("robots",)
+            )
+        return Misunderstood(
+            said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
+            self._offers(at, close),
+        )
 
     def nothing_known(self, at: int) -> Misunderstood:
         """The line begins with nothing that is known."""
         if (stop := self._stop_inside("")) is not None:
             return stop
-        return self._guess(at, f"I do not know {quote(self._raw[at])}.")
+        return self._guess(at, said("I do not know {quote}.", quote=quote(self._raw[at])))
 
     def which_robot(
         self, chosen: Callee | None, phrase: str, at: int, able: list[RobotId]
@@ -112,9 +133,18 @@ class Misunderstanding:
         some = (*groups, *able)[:MOST_OFFERS]
         more = len(groups) + len(able) > len(some)
         rest = " ".join(self._raw[at:]).replace(" = ", "=")
-        has_not = f"{_shown(chosen)} has no {quote(phrase)}. " if chosen is not None else ""
+        has_not = (
+            said("{shown} has no {quote}. ", shown=_shown(chosen), quote=quote(phrase))
+            if chosen is not None
+            else ""
+        )
         return Misunderstood(
-            f"{has_not}Which robot is to {phrase}: {listed((*some, 'another') if more else some)}?",
+            said(
+                "{has_not}Which robot is to {phrase}: {listed}?",
+                has_not=has_not,
+                phrase=phrase,
+                listed=listed((*some, said("another")) if more else some),
+            ),
             tuple([f"{name} {rest}" for name in some if len(rest) <= LONGEST_OFFER]),
         )
 
@@ -126,7 +156,7 @@ class Misunderstanding:
         if "stop" not in self._low:
             return None
         offers = (f"stop {name}", "stop") if name else ("stop",)
-        return Misunderstood("To stop, send stop in a line of its own.", offers)
+        return Misunderstood(said("To stop, send stop in a line of its own."), offers)
 
     def _guess(self, at: int, sentence: str) -> Misunderstood:
         word = self._low[at]
@@ -134,8 +164,13 @@ class Misunderstanding:
         close = (hint,) if hint else did_you_mean(word, self._first_words())
         close = _one_each(close, self._vocabulary.callees)
         if not close:
-            return Misunderstood(f"{sentence} Say help for what can be said.", ("help",))
-        return Misunderstood(f"{sentence} Did you mean {listed(close)}?", self._offers(at, close))
+            return Misunderstood(
+                said("{sentence} Say help for what can be said.", sentence=sentence), ("help",)
+            )
+        return Misunderstood(
+            said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
+            self._offers(at, close),
+        )
 
     def _first_words(self) -> Iterator[str]:
         """Yield what a line may begin with for this person, up to some hundred words."""

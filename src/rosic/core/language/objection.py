@@ -7,9 +7,10 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
-from rosic.core.language.showing import show_bound, show_number, usual_values
-from rosic.core.language.suggestions import did_you_mean, listed
+from rosic.core.language.showing import show_bound, show_number, shown_bound, usual_values
+from rosic.core.language.suggestions import AND, did_you_mean, listed
 from rosic.core.order import Spoken
+from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 
 if TYPE_CHECKING:
@@ -24,7 +25,29 @@ if TYPE_CHECKING:
 MOST_OFFERS = 4
 # Parameters that say how much of the skill itself: "one move may be at most 5 m".
 _EXTENTS = frozenset({"angle", "distance", "duration"})
-_NOTHING_DONE = "Nothing was done."
+_NOTHING_DONE = said("Nothing was done.")
+_DIMENSIONS = {
+    "length": said("a length"),
+    "angle": said("an angle"),
+    "time": said("a time"),
+    "speed": said("a speed"),
+    "turning speed": said("a turning speed"),
+    "acceleration": said("an acceleration"),
+    "turning acceleration": said("a turning acceleration"),
+    "force": said("a force"),
+    "torque": said("a torque"),
+    "mass": said("a mass"),
+    "share": said("a share"),
+    "frequency": said("a frequency"),
+    "voltage": said("a voltage"),
+    "current": said("a current"),
+    "power": said("a power"),
+    "energy": said("an energy"),
+    "pressure": said("a pressure"),
+    "volume": said("a volume"),
+    "area": said("an area"),
+    "temperature": said("a temperature"),
+}
 
 
 class Objection:
@@ -49,19 +72,29 @@ class Objection:
     def missing(self, parameter: CompiledParameter) -> Refusal:
         """A parameter has no value and no default."""
         if parameter.text:
-            return self._refuse(f"write the {parameter.shown} after {self._compiled.spoken}.")
-        what = f"{self._compiled.spoken} needs {_article(parameter.shown)}"
+            return self._refuse(
+                said(
+                    "write the {shown} after {spoken}.",
+                    shown=parameter.shown,
+                    spoken=self._compiled.spoken,
+                )
+            )
+        what = said(
+            "{spoken} needs {article}",
+            spoken=self._compiled.spoken,
+            article=_article(parameter.shown),
+        )
         if parameter.words is not None:
             choices = tuple(dict.fromkeys(parameter.words.values()))
             offers = [self._command(extra=choice.replace("_", " ")) for choice in choices]
-            return self._refuse(f"{what}: {listed(_few(choices))}.", offers)
+            return self._refuse(joined("", (what, ": ", listed(_few(choices)), ".")), offers)
         low, high = (
-            show_bound(parameter.low, parameter.high, parameter.unit, upper=upper)
+            shown_bound(parameter.low, parameter.high, parameter.unit, upper=upper, with_unit=upper)
             for upper in (False, True)
         )
         return self._refuse(
-            f"{what}, from {low} to {high} {parameter.unit.symbol}".rstrip() + ".",
-            [self._command(extra=said) for said in self._usual(parameter)],
+            said("{what}, from {low} to {high}.", what=what, low=low, high=high),
+            [self._command(extra=given) for given in self._usual(parameter)],
         )
 
     def _usual(self, parameter: CompiledParameter) -> list[str]:
@@ -80,7 +113,12 @@ class Objection:
         if parameter is None:
             return self._unknown_parameter(at, value)
         if parameter.name in given:
-            return self._refuse(f"{parameter.shown} is given twice. {_NOTHING_DONE}")
+            return self._refuse(
+                said(
+                    "{shown} is given twice. Nothing was done.",
+                    shown=parameter.shown,
+                )
+            )
         return self._to_number(at, value, parameter)
 
     # ---- values without a name ----
@@ -102,20 +140,36 @@ class Objection:
         return self._wrong_dimension(value, unit, self._compiled.numbers)
 
     def _no_place(self, value: Spoken) -> Refusal:
-        skill, said = self._compiled.spoken, _said(value)
+        skill, given = self._compiled.spoken, _said(value)
         if not self._compiled.numbers:
-            return self._refuse(f"{skill} takes no number, so {said} has no place. {_NOTHING_DONE}")
+            return self._refuse(
+                said(
+                    "{skill} takes no number, so {rest} has no place. Nothing was done.",
+                    skill=skill,
+                    rest=given,
+                )
+            )
         names = tuple(p.shown for p in self._compiled.numbers)
         return self._refuse(
-            f"{skill} takes {_count(len(names))}, {listed(_few(names), 'and')}; "
-            f"{said} is one too many. {_NOTHING_DONE}"
+            said(
+                "{skill} takes {count}, {listed}; {rest} is one too many. Nothing was done.",
+                skill=skill,
+                count=_count(len(names)),
+                listed=listed(_few(names), AND),
+                rest=given,
+            )
         )
 
     def _unknown_word(self, at: int, value: Spoken) -> Refusal:
         word = value.word
         knowing = [p for p in self._compiled.choices if p.words and word in p.words]
         if knowing:
-            return self._refuse(f"{knowing[0].shown} is given twice. {_NOTHING_DONE}")
+            return self._refuse(
+                said(
+                    "{shown} is given twice. Nothing was done.",
+                    shown=knowing[0].shown,
+                )
+            )
         return self._guess(at, word, chain(self._compiled.words, self._compiled.by_name))
 
     def _unknown_unit(self, at: int, value: Spoken) -> Refusal:
@@ -126,24 +180,43 @@ class Objection:
     def _guess(self, at: int, word: str, candidates: chain[str]) -> Refusal:
         if any(value.word == "stop" for value in self._spoken):
             stops = [f"stop {self._addressee}", "stop"]
-            return self._refuse(f"to stop, send stop in a line of its own. {_NOTHING_DONE}", stops)
+            return self._refuse(
+                said(
+                    "to stop, send stop in a line of its own. Nothing was done.",
+                ),
+                stops,
+            )
         close = did_you_mean(word, candidates)
-        sentence = f"{self._compiled.spoken} does not know {quote(word)}."
+        sentence = said(
+            "{spoken} does not know {quote}.", spoken=self._compiled.spoken, quote=quote(word)
+        )
         if not close:
-            return self._refuse(f"{sentence} {_NOTHING_DONE}")
+            return self._refuse(joined(" ", (sentence, _NOTHING_DONE)))
         value = self._spoken[at]
         offers = [self._command(at, Spoken(value.name, value.number, other)) for other in close]
-        return self._refuse(f"{sentence} Did you mean {listed(close)}?", offers)
+        return self._refuse(
+            said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
+            offers,
+        )
 
     def _unknown_parameter(self, at: int, value: Spoken) -> Refusal:
         names = tuple(p.name for p in self._compiled.parameters)
         close = did_you_mean(value.name, names)
-        sentence = f"{self._compiled.spoken} has no {quote(value.name)}."
+        sentence = said(
+            "{spoken} has no {quote}.", spoken=self._compiled.spoken, quote=quote(value.name)
+        )
         if close:
             offers = [self._command(at, Spoken(name, value.number, value.word)) for name in close]
-            return self._refuse(f"{sentence} Did you mean {listed(close)}?", offers)
-        takes = f"It takes {listed(_few(names), 'and')}." if names else "It takes nothing."
-        return self._refuse(f"{sentence} {takes}")
+            return self._refuse(
+                said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
+                offers,
+            )
+        takes = (
+            said("It takes {listed}.", listed=listed(_few(names), AND))
+            if names
+            else said("It takes nothing.")
+        )
+        return self._refuse(joined(" ", (sentence, takes)))
 
     # ---- values that have a place ----
 
@@ -159,41 +232,71 @@ class Objection:
         if unit.dimension != parameter.unit.dimension:
             return self._wrong_dimension(value, unit, (parameter,))
         if not isfinite(value.number * unit.factor + unit.offset):
-            return self._refuse(f"{parameter.shown} takes a finite number. {_NOTHING_DONE}")
+            return self._refuse(
+                said(
+                    "{shown} takes a finite number. Nothing was done.",
+                    shown=parameter.shown,
+                )
+            )
         return self._out_of_bounds(at, value, parameter, unit)
 
     def _wrong_word(self, at: int, value: Spoken, parameter: CompiledParameter) -> Refusal:
         if not value.word:
-            return self._refuse(f"{parameter.shown} has no value. {_NOTHING_DONE}")
+            return self._refuse(
+                said(
+                    "{shown} has no value. Nothing was done.",
+                    shown=parameter.shown,
+                )
+            )
         if parameter.is_number:
             return self._refuse(
-                f"{parameter.shown} takes a number, not {quote(value.word)}. {_NOTHING_DONE}"
+                said(
+                    "{shown} takes a number, not {quote}. Nothing was done.",
+                    shown=parameter.shown,
+                    quote=quote(value.word),
+                )
             )
         return self._not_a_word(at, value, parameter)
 
     def _not_a_word(self, at: int, value: Spoken, parameter: CompiledParameter) -> Refusal:
         if parameter.words is None:
-            return self._refuse(f"{parameter.shown} is empty. {_NOTHING_DONE}")
+            return self._refuse(
+                said(
+                    "{shown} is empty. Nothing was done.",
+                    shown=parameter.shown,
+                )
+            )
         choices = tuple(dict.fromkeys(parameter.words.values()))
         close = did_you_mean(value.word, parameter.words) if value.number is None else ()
         offers = [self._command(at, Spoken(value.name, None, word)) for word in close or choices]
         return self._refuse(
-            f"{parameter.shown} is one of {listed(_few(choices))}, not {_said(value)}.", offers
+            said(
+                "{shown} is one of {listed}, not {rest}.",
+                shown=parameter.shown,
+                listed=listed(_few(choices)),
+                rest=_said(value),
+            ),
+            offers,
         )
 
     def _wrong_dimension(
         self, value: Spoken, unit: Unit, parameters: tuple[CompiledParameter, ...]
     ) -> Refusal:
         wanted = dict.fromkeys(
-            f"{_article(p.unit.dimension)} ({p.unit.symbol})"
+            said("{dimension} ({symbol})", dimension=_kind(p.unit.dimension), symbol=p.unit.symbol)
             if p.unit.dimension
-            else "a plain number"
+            else said("a plain number")
             for p in parameters
         )
         taker = parameters[0].shown if len(parameters) == 1 else self._compiled.spoken
         return self._refuse(
-            f"{_said(value)} is {_article(unit.dimension)}; {taker} takes "
-            f"{listed(_few(tuple(wanted)))}. {_NOTHING_DONE}"
+            said(
+                "{rest} is {article}; {taker} takes {listed}. Nothing was done.",
+                rest=_said(value),
+                article=_kind(unit.dimension),
+                taker=taker,
+                listed=listed(_few(tuple(wanted))),
+            )
         )
 
     def _out_of_bounds(
@@ -203,20 +306,36 @@ class Objection:
         upper = si > parameter.high
         if parameter.low <= si <= parameter.high:
             return self._refuse(
-                f"{parameter.shown} must be a whole number, not {_said(value)}. {_NOTHING_DONE}"
+                said(
+                    "{shown} must be a whole number, not {rest}. Nothing was done.",
+                    shown=parameter.shown,
+                    rest=_said(value),
+                )
             )
         subject = parameter.shown
         if parameter.name in _EXTENTS:
-            subject = f"one {self._compiled.spoken}"
+            subject = said("one {spoken}", spoken=self._compiled.spoken)
         if si < 0 <= parameter.low:
             return self._refuse(
-                f"{parameter.shown} cannot be negative. {_NOTHING_DONE}", kind=OutOfBounds
+                said(
+                    "{shown} cannot be negative. Nothing was done.",
+                    shown=parameter.shown,
+                ),
+                kind=OutOfBounds,
             )
         bound = show_bound(parameter.low, parameter.high, unit, upper=upper)
         offer = self._command(at, Spoken(value.name, float(bound), value.word or unit.symbol))
-        limit = "may be at most" if upper else "must be at least"
+        parts = {
+            "subject": subject,
+            "bound": shown_bound(parameter.low, parameter.high, unit, upper=upper),
+        }
+        limit = (
+            said("{subject} may be at most {bound}. Nothing was done.", **parts)
+            if upper
+            else said("{subject} must be at least {bound}. Nothing was done.", **parts)
+        )
         return self._refuse(
-            f"{subject} {limit} {bound} {unit.symbol}".rstrip() + f". {_NOTHING_DONE}",
+            limit,
             [offer],
             kind=OutOfBounds,
         )
@@ -230,7 +349,7 @@ class Objection:
         *,
         kind: type[NotUnderstood | OutOfBounds] = NotUnderstood,
     ) -> Refusal:
-        return kind(f"{self._robot}: {sentence}", offers=tuple(offers or ())[:MOST_OFFERS])
+        return kind(joined(": ", (self._robot, sentence)), offers=tuple(offers or ())[:MOST_OFFERS])
 
     def _command(self, at: int = -1, instead: Spoken | None = None, extra: str = "") -> str:
         """Return the command with another value at one place, or with one more word."""
@@ -257,13 +376,18 @@ def _said(value: Spoken) -> str:
 
 
 def _article(noun: str) -> str:
-    return f"an {noun}" if noun[:1] in "aeiou" else f"a {noun}"
+    return said("an {noun}", noun=noun) if noun[:1] in "aeiou" else said("a {noun}", noun=noun)
+
+
+def _kind(dimension: str) -> str:
+    """Return what a unit measures, as a thing: ``a length``."""
+    return _DIMENSIONS.get(dimension) or _article(dimension)
 
 
 def _count(number: int) -> str:
-    return "one number" if number == 1 else f"{number} numbers"
+    return said("one number") if number == 1 else said("{number} numbers", number=number)
 
 
 def _few(words: tuple[str, ...]) -> tuple[str, ...]:
     """Return at most eight of the words, so that a sentence stays one."""
-    return words if len(words) <= 8 else (*words[:7], "others")  # noqa: PLR2004
+    return words if len(words) <= 8 else (*words[:7], said("others"))  # noqa: PLR2004

@@ -6,6 +6,8 @@ from math import ceil, floor, isfinite, log10
 from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
+from rosic.core.measures import imperial_unit, measured
+from rosic.core.saying import Measured, joined
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -41,7 +43,21 @@ def show_value(si: float, unit: Unit) -> str:
     if unit.symbol == "m" and "e" not in text:
         whole, _, decimals = text.partition(".")
         text = f"{whole}.{decimals:0<2}"
-    return f"{text} {unit.symbol}".rstrip()
+    return measured(f"{text} {unit.symbol}".rstrip(), value, unit.symbol)
+
+
+def shown_bound(low: float, high: float, unit: Unit, *, upper: bool, with_unit: bool = True) -> str:
+    """Return one of two SI bounds as it is read; in other units it is rounded inwards as well."""
+    shown = Measured(_with_unit(show_bound(low, high, unit, upper=upper), unit, with_unit))
+    other = imperial_unit(unit)
+    if other is None:
+        return str(shown)
+    shown.imperial = _with_unit(show_bound(low, high, other, upper=upper), other, with_unit)
+    return shown
+
+
+def _with_unit(number: str, unit: Unit, with_unit: bool) -> str:
+    return f"{number} {unit.symbol}".rstrip() if with_unit else number
 
 
 def show_bound(low: float, high: float, unit: Unit, *, upper: bool) -> str:
@@ -116,8 +132,8 @@ def show(
         for parameter in compiled.parameters
         if not parameter.is_number and parameter.name in arguments
     ]
-    values = " ".join([", ".join(numbers), *words]).strip()
-    return f"{compiled.spoken}, {values}" if values else compiled.spoken
+    values = joined(" ", filter(None, (joined(", ", numbers), *words)))
+    return joined(", ", (compiled.spoken, values)) if values else compiled.spoken
 
 
 def _show_word(parameter: CompiledParameter, word: str) -> str:
@@ -130,5 +146,5 @@ def _show_named(compiled: CompiledSkill, parameter: CompiledParameter, value: Ar
     dimension = parameter.unit.dimension
     alike = [p for p in compiled.numbers if p.unit.dimension == dimension]
     if len(alike) > 1 or not dimension:
-        return f"{parameter.shown} {text}"
+        return joined(" ", (parameter.shown, text))
     return text

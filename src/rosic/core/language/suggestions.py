@@ -5,12 +5,15 @@ from __future__ import annotations
 from itertools import islice
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import joined, said
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
 MOST_CANDIDATES = 512
 MOST_SUGGESTIONS = 3
 LONGEST_WORD = 32
+OR, AND = said(" or "), said(" and ")
 _SHORT = 4  # up to this length one slip of a finger is enough to be another word
 _PREFIX = 3
 
@@ -60,7 +63,7 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
     return tuple(sorted(c for c in found if found[c] == closest))[:MOST_SUGGESTIONS]
 
 
-def listed(words: tuple[str, ...], joint: str = "or") -> str:
+def listed(words: tuple[str, ...], joint: str = OR) -> str:
     """Return ``a``, ``a or b``, ``a, b or c``."""
     *before, last = words or ("",)
-    return f"{', '.join(before)} {joint} {last}" if before else last
+    return joined(joint, (joined(", ", before), last)) if before else last

@@ -24,6 +24,7 @@ from rosic.core.civil import (
 )
 from rosic.core.language.lines import Misunderstood
 from rosic.core.language.when_said import Said, Unclear
+from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -69,10 +70,14 @@ def read_when(text: str, now_ns: int, local_at: Callable[[int], Local]) -> When 
     try:
         return _Reckoning(Said(text), now_ns, local_at).when()
     except Unclear as unclear:
-        sentence, offers = str(unclear), unclear.offers
+        sentence, offers = unclear.sentence, unclear.offers
         if not offers:
             offers = EXAMPLES
-            sentence = f"{sentence} Write it as {EXAMPLES[0]}, or the day as 2027-02-01."
+            sentence = said(
+                "{sentence} Write it as {example}, or the day as 2027-02-01.",
+                sentence=sentence,
+                example=EXAMPLES[0],
+            )
         return Misunderstood(sentence, offers)
 
 
@@ -86,67 +91,71 @@ class _Reckoning:
         self._local_at = local_at
 
     def when(self) -> When:
-        said = self._said
-        if said.delay_s is not None:
-            return self._soon(said.delay_s)
-        if said.start is None:
+        given = self._said
+        if given.delay_s is not None:
+            return self._soon(given.delay_s)
+        if given.start is None:
             raise self._what_time()
-        if said.rrule and said.every:
-            raise Unclear("That says twice how often.")
-        start = self._clock_time(self._day(said.start), said.start)
+        if given.rrule and given.every:
+            raise Unclear(said("That says twice how often."))
+        start = self._clock_time(self._day(given.start), given.start)
         length_s, ends = self._length(start)
-        return When(start, length_s, ends, None, said.rrule or self._rule(start))
+        return When(start, length_s, ends, None, given.rrule or self._rule(start))
 
     def _soon(self, delay_s: float) -> When:
-        said = self._said
-        days = said.day is not None or said.weekdays or said.date or said.start is not None
-        if days or said.every or said.rrule or said.until or said.count:
-            raise Unclear("That says two times at once.")
+        given = self._said
+        days = given.day is not None or given.weekdays or given.date or given.start is not None
+        if days or given.every or given.rrule or given.until or given.count:
+            raise Unclear(said("That says two times at once."))
         if delay_s > _LONGEST_DELAY_S:
-            raise Unclear("That is further away than a year; name the day.", "2027-02-01 14:00 1h")
+            raise Unclear(
+                said("That is further away than a year; name the day."), "2027-02-01 14:00 1h"
+            )
         start_ns = (self._now_ns + int(delay_s * 1e9)) // MINUTE_NS * MINUTE_NS
         start = self._local_at(start_ns)
         length_s, ends = self._length(start)
         return When(start, length_s, ends, start_ns)
 
     def _what_time(self) -> Unclear:
-        said = self._said
-        if said.length_s is None and not (said.weekdays or said.date or said.day is not None):
-            return Unclear("When, and for how long?", *EXAMPLES)
-        length = _length_text(said.length_s)
+        given = self._said
+        if given.length_s is None and not (given.weekdays or given.date or given.day is not None):
+            return Unclear(said("When, and for how long?"), *EXAMPLES)
+        length = _length_text(given.length_s)
         today = Local.at(self._now.day_number).date_text()
-        return Unclear("At what time?", f"tomorrow 14:00 {length}", f"{today} 14:00 {length}")
+        return Unclear(said("At what time?"), f"tomorrow 14:00 {length}", f"{today} 14:00 {length}")
 
     # ---- the day ----
 
     def _day(self, minute: int) -> int:
         """Return the day's number: the named one, or the next on which the time is to come."""
-        said = self._said
-        if sum((said.day is not None, bool(said.weekdays), said.date is not None)) > 1:
+        given = self._said
+        if sum((given.day is not None, bool(given.weekdays), given.date is not None)) > 1:
             return self._checked_day()
         today = self._now.day_number
         over = minute < self._now.minute_of_day
-        if said.day is not None:
-            return today + said.day
-        if said.date is not None:
-            return self._dated(said.date, today)
-        if not said.weekdays:
+        if given.day is not None:
+            return today + given.day
+        if given.date is not None:
+            return self._dated(given.date, today)
+        if not given.weekdays:
             return today + over
-        if len(said.weekdays) > 1 and not said.every:
-            raise Unclear("On one day, or on each of these?", "every mon and tue 9:00 1h 5 times")
+        if len(given.weekdays) > 1 and not given.every:
+            raise Unclear(
+                said("On one day, or on each of these?"), "every mon and tue 9:00 1h 5 times"
+            )
         return next(
             day for day in range(today + over, today + over + _A_WEEK)
-            if weekday_of(day) in said.weekdays
+            if weekday_of(day) in given.weekdays
         )  # fmt: skip
 
     def _checked_day(self) -> int:
         """Return a day said in two ways, as in ``Tue 24 Nov``: they have to agree."""
-        said = self._said
-        if said.date is None or said.day is not None or said.every:
-            raise Unclear("That says two days at once.")
-        day = self._dated(said.date, self._now.day_number)
-        if weekday_of(day) not in said.weekdays:
-            raise Unclear("That date is another day of the week.", self._again(day))
+        given = self._said
+        if given.date is None or given.day is not None or given.every:
+            raise Unclear(said("That says two days at once."))
+        day = self._dated(given.date, self._now.day_number)
+        if weekday_of(day) not in given.weekdays:
+            raise Unclear(said("That date is another day of the week."), self._again(day))
         return day
 
     def _dated(self, date: Date, today: int) -> int:
@@ -162,10 +171,13 @@ class _Reckoning:
 
     def _no_such_day(self, year: int, month: int, day: int) -> Unclear:
         if not is_date(year, month, 1):
-            return Unclear("There is no such month.", self._again(self._now.day_number))
+            return Unclear(said("There is no such month."), self._again(self._now.day_number))
         last = day_number(year, month, month_length(year, month))
         name = MONTHS[month - 1]
-        return Unclear(f"{name} {year} has no day {day}.", self._again(last))
+        return Unclear(
+            said("{name} {year} has no day {day}.", name=name, year=year, day=day),
+            self._again(last),
+        )
 
     def _again(self, day: int) -> str:
         """Return what would be understood, on another day."""
@@ -178,23 +190,23 @@ class _Reckoning:
         try:
             return Local.at(day, minute)
         except ValueError:
-            raise Unclear("That is further away than the calendar goes.") from None
+            raise Unclear(said("That is further away than the calendar goes.")) from None
 
     # ---- how long ----
 
     def _length(self, start: Local) -> tuple[int, Local | None]:
         """Return the length in seconds, and the end if that is what was said."""
-        said = self._said
-        if said.end is None and said.length_s is None:
+        given = self._said
+        if given.end is None and given.length_s is None:
             offers = [f"{self._typed(start)} {length}" for length in ("30 min", "1h", "2h")]
-            raise Unclear("For how long?", *offers)
-        if said.end is None:
-            return round(said.length_s or 0.0), None
-        if said.length_s is not None:
-            raise Unclear("That says how long, and until when. One of them is enough.")
-        minutes = (said.end - start.minute_of_day) % MINUTES_A_DAY
+            raise Unclear(said("For how long?"), *offers)
+        if given.end is None:
+            return round(given.length_s or 0.0), None
+        if given.length_s is not None:
+            raise Unclear(said("That says how long, and until when. One of them is enough."))
+        minutes = (given.end - start.minute_of_day) % MINUTES_A_DAY
         if not minutes:
-            raise Unclear("That ends as it begins.", f"{self._typed(start)} 1h")
+            raise Unclear(said("That ends as it begins."), f"{self._typed(start)} 1h")
         return minutes * 60, self._clock_time(start.day_number, start.minute_of_day + minutes)
 
     def _typed(self, start: Local) -> str:
@@ -205,32 +217,34 @@ class _Reckoning:
     # ---- again and again ----
 
     def _rule(self, start: Local) -> str:
-        said = self._said
-        if not said.every:
-            if said.until or said.count is not None:
-                raise Unclear("Every which day until then?", "every tue 14:00 1h until 2027-02-01")
+        given = self._said
+        if not given.every:
+            if given.until or given.count is not None:
+                raise Unclear(
+                    said("Every which day until then?"), "every tue 14:00 1h until 2027-02-01"
+                )
             return ""
-        parts = ["FREQ=DAILY" if len(said.weekdays) == _A_WEEK else "FREQ=WEEKLY"]
-        if said.every > 1:
-            parts.append(f"INTERVAL={said.every}")
-        if len(said.weekdays) < _A_WEEK:
-            parts.append("BYDAY=" + ",".join(_CODES[day] for day in said.weekdays))
+        parts = ["FREQ=DAILY" if len(given.weekdays) == _A_WEEK else "FREQ=WEEKLY"]
+        if given.every > 1:
+            parts.append(f"INTERVAL={given.every}")
+        if len(given.weekdays) < _A_WEEK:
+            parts.append("BYDAY=" + ",".join(_CODES[day] for day in given.weekdays))
         parts.extend(self._end_of_rule(start))
         return ";".join(parts)
 
     def _end_of_rule(self, start: Local) -> list[str]:
-        said = self._said
-        if said.until is not None and said.count is not None:
-            raise Unclear("That ends on a day and after a number of times. One is enough.")
-        if said.count is not None:
-            if said.count < 1:
-                raise Unclear("At least once.", "every tue 14:00 1h 10 times")
-            return [f"COUNT={said.count}"]
-        if said.until is None:
+        given = self._said
+        if given.until is not None and given.count is not None:
+            raise Unclear(said("That ends on a day and after a number of times. One is enough."))
+        if given.count is not None:
+            if given.count < 1:
+                raise Unclear(said("At least once."), "every tue 14:00 1h 10 times")
+            return [f"COUNT={given.count}"]
+        if given.until is None:
             return []
-        last = self._dated(said.until, start.day_number)
+        last = self._dated(given.until, start.day_number)
         if last < start.day_number:
-            raise Unclear("That is over before it begins.", "every tue 14:00 1h 10 times")
+            raise Unclear(said("That is over before it begins."), "every tue 14:00 1h 10 times")
         year, month, day = date_of(last)
         return [f"UNTIL={year:04}{month:02}{day:02}T235959"]
 

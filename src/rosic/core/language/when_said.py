@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from rosic.core.civil import MINUTES_A_DAY, MONTHS, WEEKDAYS
 from rosic.core.language.cleaning import clean, fold_word, quote
 from rosic.core.language.numerals import read_numeral
+from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -70,6 +71,7 @@ class Unclear(Exception):
 
     def __init__(self, sentence: str, *offers: str) -> None:
         super().__init__(sentence)
+        self.sentence = sentence
         self.offers = offers
 
 
@@ -116,7 +118,9 @@ class Said:
         )
         while self._at < len(self._words):
             if not any(rule() for rule in rules):
-                raise Unclear(f"I cannot read {quote(self._words[self._at])} as a time.")
+                raise Unclear(
+                    said("I cannot read {quote} as a time.", quote=quote(self._words[self._at]))
+                )
 
     def _word(self, ahead: int = 0) -> str:
         at = self._at + ahead
@@ -125,7 +129,7 @@ class Said:
     def _once(self, name: str, value: object) -> None:
         """Keep what was said; saying it twice says nothing."""
         if name in self._told:
-            raise Unclear("That says two times at once.")
+            raise Unclear(said("That says two times at once."))
         self._told.add(name)
         setattr(self, name, value)
 
@@ -179,7 +183,7 @@ class Said:
                 days.add(_DAYS[self._word()])
             self._at += 1
         if not days:
-            raise Unclear("Every which day?", "every tue 14:00 1h until 2027-02-01")
+            raise Unclear(said("Every which day?"), "every tue 14:00 1h until 2027-02-01")
         self.weekdays = tuple(sorted(days))
 
     def _ending(self) -> bool:
@@ -221,7 +225,7 @@ class Said:
         """Read a date, some words ahead; return it and how many words it has."""
         word = self._word(ahead)
         if _SLASHED.match(word):
-            raise Unclear(f"{quote(word)} is one day here and another there.")
+            raise Unclear(said("{quote} is one day here and another there.", quote=quote(word)))
         if match := _ISO.match(word):
             return (int(match[1]), int(match[2]), int(match[3])), 1
         if match := _DOTTED.match(word):
@@ -249,13 +253,16 @@ class Said:
             return False
         found = self._length_at(1)
         if found is None:
-            raise Unclear("In how long?", "in 20 min 1h")
+            raise Unclear(said("In how long?"), "in 20 min 1h")
         seconds, used, terms = found
         self._once("delay_s", seconds)
         self._at += 1 + used
         if terms > 1 and self._at == len(self._words):
             start, length = "".join(self._words[1:-1]), self._words[-1]
-            raise Unclear("In how long, and for how long?", f"in {start} for {length}")
+            raise Unclear(
+                said("In how long, and for how long?"),
+                f"in {start} for {length}",
+            )
         return True
 
     def _length(self) -> bool:
@@ -275,7 +282,7 @@ class Said:
         if not terms:
             return None
         if not (isfinite(total) and total < LONGEST_S):
-            raise Unclear(f"{quote(self._word(ahead))} is no length I can read.")
+            raise Unclear(said("{quote} is no length I can read.", quote=quote(self._word(ahead))))
         return total, used, terms
 
     def _term_at(self, ahead: int) -> tuple[float, float, int] | None:
@@ -296,7 +303,7 @@ class Said:
         if unit is None:
             return None
         if numeral.value < 0:
-            raise Unclear("A time cannot be shorter than nothing.")
+            raise Unclear(said("A time cannot be shorter than nothing."))
         return numeral.value * unit, unit, 1 + apart
 
     # ---- times of day ----
@@ -312,7 +319,12 @@ class Said:
         if dash:
             self._words[self._at] = second  # the rest of the word is a word of its own
             if not self._end_time(0, half):
-                raise Unclear(f"I cannot read {quote(f'{first}-{second}')} as a time.")
+                raise Unclear(
+                    said(
+                        "I cannot read {quote} as a time.",
+                        quote=quote(f"{first}-{second}"),
+                    )
+                )
             return True
         self._at += used
         if self._word() in JOINTS and self._date_at(1) is None:
@@ -344,7 +356,12 @@ class Said:
 def _words(text: str) -> list[str]:
     """Split into folded lower-case words; a comma is a word of its own."""
     if len(text) > LONGEST_TEXT:
-        raise Unclear(f"That is longer than any time: I read at most {LONGEST_TEXT} characters.")
+        raise Unclear(
+            said(
+                "That is longer than any time: I read at most {longest_text} characters.",
+                longest_text=LONGEST_TEXT,
+            )
+        )
     folded = (fold_word(word).casefold() for word in clean(text).split())
     words: list[str] = []
     for word in folded:
@@ -376,5 +393,5 @@ def _clock(word: str, after: str) -> tuple[int, str, int] | None:
     if (hour, minute) == (24, 0):
         return MINUTES_A_DAY, half, 1 + apart
     if hour > 23 or minute > 59:  # noqa: PLR2004
-        raise Unclear(f"There is no {quote(word)} on a clock.")
+        raise Unclear(said("There is no {quote} on a clock.", quote=quote(word)))
     return hour * 60 + minute, half, 1 + apart

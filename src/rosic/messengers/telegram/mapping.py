@@ -115,6 +115,7 @@ def _text(
         standing=standing(message),
         answers=_answered(message),
         shown_as="" if message.sender is None else message.sender.first_name,
+        locale="" if message.sender is None else message.sender.language_code or "",
     )
 
 
@@ -133,6 +134,7 @@ def _tap(query: wire.CallbackQuery, received: Received) -> Inbound | None:
         tap=query.id,
         under=str(query.message.message_id),
         shown_as=query.sender.first_name,
+        locale=query.sender.language_code or "",
     )
 
 

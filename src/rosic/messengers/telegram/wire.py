@@ -24,6 +24,7 @@ class User(msgspec.Struct):
     id: int
     is_bot: bool = False
     first_name: str = ""
+    language_code: str | None = None
 
 
 class Chat(msgspec.Struct):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.container.preferences import IMPERIAL, METRIC
 from rosic.core.message import Button
+from rosic.core.saying import capital, said
 from rosic.errors import NotUnderstood
 from rosic.organiser.zones import known_zones, zone_named
 from rosic.pipeline.containers import words_containers as words
@@ -77,7 +78,7 @@ class Settings:
             robots = dict.fromkeys(limit.partition(":")[0] for limit in limits)
             seen = self._holdings.visible(principal)
             shown = [self._holdings.shown(robot) for robot in robots if robot in seen]
-            return Reply(words.speed_set(kept.speed, shown or ["robots you get later"]))
+            return Reply(words.speed_set(kept.speed, shown or [said("robots you get later")]))
         return Reply(words.SAVED)
 
     def _decide(self, principal: PrincipalId, what: str, value: str) -> tuple[Fact, ...]:
@@ -103,7 +104,7 @@ class Settings:
         zone = self._holdings.zone_of(principal).name
         text = words.settings(kept, languages[self._spoken(principal)][0], robot, zone)
         other = METRIC if kept.units == IMPERIAL else IMPERIAL
-        row = [Button(other.capitalize(), f"/settings {UNITS} {other}")]
+        row = [Button(capital(words.UNITS_SAID[other]), f"/settings {UNITS} {other}")]
         row += [
             Button(names[0], f"/{LANGUAGE} {code}")
             for code, names in languages.items()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from rosic.container.preferences import IMPERIAL, METRIC
 from rosic.container.words_container import size
 from rosic.core.language.cleaning import quote
-from rosic.core.saying import said, said_n
+from rosic.core.saying import joined, said, said_n
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -14,74 +15,93 @@ if TYPE_CHECKING:
     from rosic.container.export import Sum
     from rosic.container.preferences import Preferences
 
-SAVED: Final = "Saved."
-LEAVE_IT: Final = "Leave it"
-NOT_READABLE: Final = "I cannot read what is kept now. Nothing was changed. Try again in a while."
-NO_SUCH_CONTAINER: Final = "There is no such container."
+SAVED: Final = said("Saved.")
+LEAVE_IT: Final = said("Leave it")
+NOT_READABLE: Final = said(
+    "I cannot read what is kept now. Nothing was changed. Try again in a while."
+)
+NO_SUCH_CONTAINER: Final = said("There is no such container.")
 
 # ---- settings ----
 
-HOW_TO_SET: Final = (
-    "Write what and how, for example: /settings speed 0.2 m/s, /settings units imperial, "
-    "/settings robot none, /settings zone Europe/Vienna, /settings language en"
+HOW_TO_SET: Final = said(
+    "Write what and how, for example: /settings speed 0.2 m/s, /settings units "
+    "imperial, /settings robot none, /settings zone Europe/Vienna, /settings "
+    "language en"
 )
 
 
-def no_such_setting(said: str) -> str:
+METRIC_SAID, IMPERIAL_SAID = said("metric"), said("imperial")
+UNITS_SAID: Final[Mapping[str, str]] = {METRIC: METRIC_SAID, IMPERIAL: IMPERIAL_SAID}
+
+
+def no_such_setting(given: str) -> str:
     """Return that there is nothing of that name to set."""
-    return f"There is no setting {quote(said)}. {HOW_TO_SET}"
+    return said(
+        "There is no setting {quote}. {how_to_set}", quote=quote(given), how_to_set=HOW_TO_SET
+    )
 
 
 def settings(kept: Preferences, language: str, robot: str, zone: str) -> str:
     """Return everything that somebody has set, and what holds where they have set nothing."""
     speed = kept.speed.partition("<=")[2].strip()
     lines = (
-        ("Language", language),
-        ("Units", kept.units or "metric"),
-        ("Robot, when none is named", robot or "none"),
-        ("Highest speed", speed or "whatever each robot allows"),
-        ("Time zone", zone),
+        (said("Language"), language),
+        (said("Units"), UNITS_SAID.get(kept.units, METRIC_SAID)),
+        (said("Robot, when none is named"), robot or said("none")),
+        (said("Highest speed"), speed or said("whatever each robot allows")),
+        (said("Time zone"), zone),
     )
-    return "\n".join(["Your settings:", *(f"  {what}: {value}" for what, value in lines)])
+    return joined(
+        "\n",
+        [said("Your settings:"), *(joined("", ("  ", what, ": ", value)) for what, value in lines)],
+    )
 
 
 def speed_set(speed: str, robots: Sequence[str]) -> str:
     """Return what a highest speed touches."""
-    said = speed.partition("<=")[2].strip()
-    return f"Saved. Nothing you command goes faster than {said}. It holds for {', '.join(robots)}."
+    given = speed.partition("<=")[2].strip()
+    return said(
+        "Saved. Nothing you command goes faster than {speed}. It holds for {robots}.",
+        speed=given,
+        robots=joined(", ", robots),
+    )
 
 
 # ---- my data ----
 
 KINDS: Final[Mapping[str, str]] = {
-    "archived": "your messages in chats that are kept",
-    "card": "your name and your addresses",
-    "command": "your commands, and where I answered",
-    "invitation": "invitations you made",
-    "message": "which messages showed your commands",
-    "outcome": "how your commands ended",
-    "pending": "your request to come in",
-    "preference": "your settings",
-    "shelf": "data you keep",
-    "shelf-loan": "data you share",
-    "totp": "your authenticator",
+    "archived": said("your messages in chats that are kept"),
+    "card": said("your name and your addresses"),
+    "command": said("your commands, and where I answered"),
+    "invitation": said("invitations you made"),
+    "message": said("which messages showed your commands"),
+    "outcome": said("how your commands ended"),
+    "pending": said("your request to come in"),
+    "preference": said("your settings"),
+    "shelf": said("data you keep"),
+    "shelf-loan": said("data you share"),
+    "totp": said("your authenticator"),
 }
-NOTHING_KEPT: Final = "Nothing about you is kept."
-SEALED: Final = "It is sealed with a key of your own. /forget me erases that key."
-OPEN: Final = (
-    "In the open stand only numbers: that an id gave which robot which command when, "
-    "and who decided what about that id."
+NOTHING_KEPT: Final = said("Nothing about you is kept.")
+SEALED: Final = said("It is sealed with a key of your own. /forget me erases that key.")
+OPEN: Final = said(
+    "In the open stand only numbers: that an id gave which robot which command "
+    "when, and who decided what about that id."
 )
-EXPORT: Final = "Show all of it"
-FORGET: Final = "Forget me"
+EXPORT: Final = said("Show all of it")
+FORGET: Final = said("Forget me")
 
 
 def my_data(sums: Iterable[Sum]) -> str:
     """Return what is kept about somebody."""
-    lines = [f"  {KINDS.get(s.kind, s.kind)}: {s.count} ({size(s.size)})" for s in sums]
+    lines = [
+        joined("", ("  ", KINDS.get(s.kind, s.kind), ": ", s.count, " (", size(s.size), ")"))
+        for s in sums
+    ]
     if not lines:
         return NOTHING_KEPT
-    return "\n".join(["What is kept about you:", *lines, SEALED, OPEN])
+    return joined("\n", [said("What is kept about you:"), *lines, SEALED, OPEN])
 
 
 NO_FILES_HERE: Final = said("I cannot send files here, so this is what fits into a message:")
@@ -116,32 +136,33 @@ def rest_left_out(count: int, command: str) -> str:
 
 # ---- being forgotten ----
 
-HOW_TO_FORGET: Final = "To have everything about you erased here, write: /forget me"
-ONLY_ME: Final = (
-    "You can have only yourself forgotten. An admin can end somebody's access with /revoke, and "
-    "the operator can erase them."
+HOW_TO_FORGET: Final = said("To have everything about you erased here, write: /forget me")
+ONLY_ME: Final = said(
+    "You can have only yourself forgotten. An admin can end somebody's access with "
+    "/revoke, and the operator can erase them."
 )
-SURE: Final = (
-    "Shall I forget you? Your access ends at once, your times are given back, and everything "
-    "here that names you or repeats your words becomes unreadable for good. Numbers stay: that "
-    "somebody gave which command when. What you wrote stays in this messenger. Backups made "
-    "earlier stay readable for whoever has them and the key that belongs to them."
+SURE: Final = said(
+    "Shall I forget you? Your access ends at once, your times are given back, and "
+    "everything here that names you or repeats your words becomes unreadable for "
+    "good. Numbers stay: that somebody gave which command when. What you wrote "
+    "stays in this messenger. Backups made earlier stay readable for whoever has "
+    "them and the key that belongs to them."
 )
-YES_FORGET: Final = "Forget me for good"
-LAST_ADMIN: Final = (
-    "You are the only admin here, so nobody could let anybody in any more. Nothing was erased. "
-    "Make somebody else admin first."
+YES_FORGET: Final = said("Forget me for good")
+LAST_ADMIN: Final = said(
+    "You are the only admin here, so nobody could let anybody in any more. Nothing "
+    "was erased. Make somebody else admin first."
 )
-FORGOTTEN: Final = "You are forgotten here. Farewell."
-FORGOTTEN_MOVING: Final = (
-    "You are forgotten here. A robot of yours has not confirmed that it is at rest: please look, "
-    "and use its own stop button if need be."
+FORGOTTEN: Final = said("You are forgotten here. Farewell.")
+FORGOTTEN_MOVING: Final = said(
+    "You are forgotten here. A robot of yours has not confirmed that it is at rest: "
+    "please look, and use its own stop button if need be."
 )
-NOT_ERASED_YET: Final = (
-    "Your access has ended, but the record could not be cleared now. It is tried again until it is "
-    "done; the operator has been told."
+NOT_ERASED_YET: Final = said(
+    "Your access has ended, but the record could not be cleared now. It is tried "
+    "again until it is done; the operator has been told."
 )
-NOBODY: Final = "There is nobody of that id, or they were erased before."
+NOBODY: Final = said("There is nobody of that id, or they were erased before.")
 
 
 def in_use(shown: str, who: str) -> str:
@@ -155,23 +176,32 @@ def in_use(shown: str, who: str) -> str:
 
 def last_admin(name: str) -> str:
     """Return why the operator cannot erase somebody."""
-    return f"{name} is the only admin here. Nothing was erased. Make somebody else admin first."
+    return said(
+        "{name} is the only admin here. Nothing was erased. Make somebody else admin first.",
+        name=name,
+    )
 
 
 def erased(name: str, *, at_rest: bool) -> str:
     """Return that somebody was erased, to whoever did it."""
     if at_rest:
-        return f"{name} is erased. Copies of the record made before stay readable with their key."
-    return f"{name} is erased, but a robot of theirs has not confirmed that it is at rest. Look."
+        return said(
+            "{name} is erased. Copies of the record made before stay readable with their key.",
+            name=name,
+        )
+    return said(
+        "{name} is erased, but a robot of theirs has not confirmed that it is at rest. Look.",
+        name=name,
+    )
 
 
 # ---- archives ----
 
-HOW_TO_ARCHIVE: Final = (
-    "Write /archive on, /archive on 30 days, /archive off, /archive erase, or /archive export with "
-    "text, jsonl or xlsx."
+HOW_TO_ARCHIVE: Final = said(
+    "Write /archive on, /archive on 30 days, /archive off, /archive erase, or "
+    "/archive export with text, jsonl or xlsx."
 )
-NOT_YOURS: Final = "Only an admin decides whether messages are kept, and takes them out."
+NOT_YOURS: Final = said("Only an admin decides whether messages are kept, and takes them out.")
 
 
 def spreadsheet_later(command: str) -> str:
@@ -182,59 +212,74 @@ def spreadsheet_later(command: str) -> str:
     )
 
 
-NO_MESSAGES: Final = "No message of this chat is kept."
-ERASE_SURE: Final = "Shall every message of this chat that is kept be erased?"
-YES_ERASE: Final = "Erase them"
-ARCHIVE_ERASED: Final = "Every message of this chat that was kept is erased, and none is kept now."
+NO_MESSAGES: Final = said("No message of this chat is kept.")
+ERASE_SURE: Final = said("Shall every message of this chat that is kept be erased?")
+YES_ERASE: Final = said("Erase them")
+ARCHIVE_ERASED: Final = said(
+    "Every message of this chat that was kept is erased, and none is kept now."
+)
 
 
 def begun(name: str, days: int) -> str:
     """Return what a chat is told when its messages begin to be kept."""
-    return (
-        f"From now on the messages of this chat are kept for {_days(days)}: {name} decided so. "
-        "Everybody here may ask with /archive. They are sealed; what I write is kept, too."
+    return said(
+        "From now on the messages of this chat are kept for {days}: {name} decided so. "
+        "Everybody here may ask with /archive. They are sealed; what I write is kept, "
+        "too.",
+        days=_days(days),
+        name=name,
     )
 
 
 def ended(name: str, days: int) -> str:
     """Return what a chat is told when its messages are kept no longer."""
-    return (
-        f"From now on the messages of this chat are not kept: {name} decided so. "
-        f"Those kept before go after {_days(days)}; /archive erase erases them at once."
+    return said(
+        "From now on the messages of this chat are not kept: {name} decided so. Those "
+        "kept before go after {days}; /archive erase erases them at once.",
+        name=name,
+        days=_days(days),
     )
 
 
 def archive_off(count: int) -> str:
     """Return that a chat is not kept."""
     if not count:
-        return "The messages of this chat are not kept."
-    return f"The messages of this chat are not kept now. {_entries(count)} of before are left."
+        return said("The messages of this chat are not kept.")
+    return said(
+        "The messages of this chat are not kept now. {entries} of before are left.",
+        entries=_entries(count),
+    )
 
 
 def archive_on(name: str, since: str, days: int, count: int, most_bytes: int) -> str:
     """Return that a chat is kept."""
-    return (
-        f"The messages of this chat are kept since {since}, for {_days(days)}: {name} decided so. "
-        f"Kept now: {_entries(count)}, {size(most_bytes)}."
+    return said(
+        "The messages of this chat are kept since {since}, for {days}: {name} decided "
+        "so. Kept now: {entries}, {size}.",
+        since=since,
+        days=_days(days),
+        name=name,
+        entries=_entries(count),
+        size=size(most_bytes),
     )
 
 
 def _days(count: int) -> str:
-    return "1 day" if count == 1 else f"{count} days"
+    return said_n("{n} day", "{n} days", count)
 
 
 def _entries(count: int) -> str:
-    return "1 entry" if count == 1 else f"{count} entries"
+    return said_n("{n} entry", "{n} entries", count)
 
 
 # ---- shared data ----
 
-HOW_TO_KEEP: Final = (
-    "Write /data and a robot's name to see what it keeps, /data NAME = VALUE to keep something "
-    "yourself, /data ROBOT NAME = VALUE to keep it with a robot you have now; an empty value "
-    "removes it."
+HOW_TO_KEEP: Final = said(
+    "Write /data and a robot's name to see what it keeps, /data NAME = VALUE to "
+    "keep something yourself, /data ROBOT NAME = VALUE to keep it with a robot you "
+    "have now; an empty value removes it."
 )
 TO_EXPORT: Final = "rosic container export"
-DATA_STORED: Final = "Data stored."
-DATA_REMOVED: Final = "Data removed."
-YOU: Final = "Your container"
+DATA_STORED: Final = said("Data stored.")
+DATA_REMOVED: Final = said("Data removed.")
+YOU: Final = said("Your container")

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language import clean_name
 from rosic.core.reach import FLEET
+from rosic.core.saying import joined
 from rosic.core.words import spoken
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import UNIVERSAL, zone_named
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
-from rosic.pipeline.people import words
+from rosic.pipeline.people import words, words_access
 from rosic.pipeline.people.admitting import buttons_for
 from rosic.pipeline.people.powers import PEOPLE
 
@@ -129,9 +130,9 @@ class About:
     def _phone(self, asked: Asked) -> str:
         principal, stepup = asked.caller.principal, self._registry.stepup
         if not stepup.is_set_up(principal):
-            return words.NO_PHONE
+            return words_access.NO_PHONE
         fresh = stepup.fresh(principal, asked.inbound.chat)
-        return words.PHONE_PROVEN if fresh else words.PHONE_SET_UP
+        return words_access.PHONE_PROVEN if fresh else words_access.PHONE_SET_UP
 
     # ---- everybody ----
 
@@ -167,7 +168,7 @@ class About:
         return self._registry.authoriser.directory.has_good_key(person.id)
 
     def _person(self, person: Principal, by: PrincipalId) -> str:
-        what = "; ".join(self._grants(person.id, reader=by))
+        what = joined("; ", self._grants(person.id, reader=by))
         lock = self._registry.locks.all().get(person.id)
         locked_by = "" if lock is None else self._registry.name(lock.by)
         access = self._registry.authoriser.directory.has_good_key(person.id)
@@ -183,7 +184,7 @@ class About:
         """
         self._powers.check(asked.caller.principal, PEOPLE)
         check_private(asked)
-        return Reply(_cut(self._registry.security.text().splitlines()))
+        return Reply(_cut(self._registry.security.lines()))
 
 
 def _cut(lines: Sequence[str]) -> str:
@@ -193,6 +194,6 @@ def _cut(lines: Sequence[str]) -> str:
     for line in lines:
         room -= len(line) + 1
         if room < 0:
-            return "\n".join([*shown, words.lines_left(len(lines) - len(shown))])
+            return joined("\n", [*shown, words.lines_left(len(lines) - len(shown))])
         shown.append(line)
-    return "\n".join(shown)
+    return joined("\n", shown)

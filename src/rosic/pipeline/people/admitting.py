@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.authoriser import words_entry
 from rosic.authoriser.newcomers import PENDING_S
 from rosic.core.message import Button
+from rosic.core.saying import joined
 from rosic.errors import Expired, NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.people import words
@@ -170,7 +171,7 @@ class Admitting:
     def _welcome(self, redeemed: Redeemed) -> None:
         person = redeemed.person
         menu = self.menu(person.id)
-        text = "\n".join(filter(None, (redeemed.sentence, menu.text)))
+        text = joined("\n", filter(None, (redeemed.sentence, menu.text)))
         self._registry.reach.tell((person.id,), text, menu.buttons)
 
     def _tell_others(self, applicant: Applicant, by: PrincipalId, text: str) -> None:

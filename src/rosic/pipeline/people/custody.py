@@ -14,7 +14,7 @@ from rosic.core.record import Fact
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
-from rosic.pipeline.people import words
+from rosic.pipeline.people import words, words_access
 from rosic.pipeline.people.names import CONFIRMED, Names, confirmed
 from rosic.pipeline.people.powers import LOCK, PEOPLE
 from rosic.pipeline.replies import LEAVE
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Principal, PrincipalId
     from rosic.core.record import Record
     from rosic.pipeline.office import Asked
+    from rosic.pipeline.people.notices import Notices
     from rosic.pipeline.people.powers import Powers
     from rosic.pipeline.people.registry import Registry
 
@@ -35,9 +36,10 @@ MYSELF = frozenset({"me", "myself"})
 class Custody:
     """Takes access away and gives a locked person theirs back."""
 
-    def __init__(self, registry: Registry, powers: Powers) -> None:
+    def __init__(self, registry: Registry, powers: Powers, notices: Notices) -> None:
         self._registry = registry
         self._powers = powers
+        self._notices = notices
         self._names = Names(registry)
         self._directory = registry.authoriser.directory
         self._locks = registry.locks
@@ -56,18 +58,17 @@ class Custody:
         check_private(asked)
         said, sure = confirmed(asked.rest)
         if not said:
-            return Reply(words.HOW_TO_REVOKE)
+            return Reply(words_access.HOW_TO_REVOKE)
         found = self._names.find(said, "revoke", self._has_access, private=True)
         if isinstance(found, Reply):
             return found
         if not sure:
             self._check_revocable(found)
-            yes = Button(words.REVOKE, f"/revoke {found.id} {CONFIRMED}")
-            question = words.revoke_question(found.name, self._given(found.id))
+            yes = Button(words_access.REVOKE, f"/revoke {found.id} {CONFIRMED}")
+            question = words_access.revoke_question(found.name, self._given(found.id))
             return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         written = await self._end_for_good(found, by)
-        self._registry.reach.tell((found.id,), words_keys.ENDED)
-        self._tell_admins(by, PEOPLE, words.was_revoked(self._registry.name(by), found.name))
+        self._notices.revoked(found, by)
         return Reply(words.noted(words_keys.revoked(found.name), written=written))
 
     def _has_access(self, person: Principal) -> bool:
@@ -75,9 +76,9 @@ class Custody:
 
     def _check_revocable(self, person: Principal) -> None:
         if not self._has_access(person):
-            raise NotUnderstood(words.no_access(person.name))
+            raise NotUnderstood(words_access.no_access(person.name))
         if self._powers.is_last_admin(person.id, for_good=True):
-            raise NotPermitted(words.last_admin(person.name))
+            raise NotPermitted(words_access.last_admin(person.name))
 
     def _revocation(self, person: Principal, by: PrincipalId) -> tuple[Record, ...]:
         """Return what ends everything of somebody: what they invited to, asked for and hold."""
@@ -126,19 +127,19 @@ class Custody:
         if not own:
             self._powers.check(by, LOCK)
         if not said:
-            return Reply(words.HOW_TO_LOCK)
+            return Reply(words_access.HOW_TO_LOCK)
         found = self._names.find(said, "lock", self._is_free, private=asked.private)
         if isinstance(found, Reply):
             return found
         if self._powers.is_last_admin(found.id, for_good=False):
             if found.id != by:
-                raise NotPermitted(words.last_admin(found.name))
+                raise NotPermitted(words_access.last_admin(found.name))
             if not sure:
-                yes = Button(words.LOCK_ME, f"/lock {by} {CONFIRMED}")
-                return Reply(words.LOCK_LAST, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+                yes = Button(words_access.LOCK_ME, f"/lock {by} {CONFIRMED}")
+                return Reply(words_access.LOCK_LAST, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         written = await self._end_for_now(found.id, by)
-        self._tell_admins(by, LOCK, words.was_locked(self._registry.name(by), found.name))
-        sentence = words.LOCKED_YOURSELF if found.id == by else words_keys.locked(found.name)
+        self._notices.locked(found, by)
+        sentence = words_access.LOCKED_YOURSELF if found.id == by else words_keys.locked(found.name)
         return Reply(words.noted(sentence, written=written))
 
     def _is_free(self, person: Principal) -> bool:
@@ -153,7 +154,7 @@ class Custody:
         by, said = asked.caller.principal, asked.rest.strip()
         self._powers.check(by, LOCK)
         if not said:
-            return Reply(words.how_to_unlock(self._locked_names() if asked.private else ()))
+            return Reply(words_access.how_to_unlock(self._locked_names() if asked.private else ()))
         found = self._names.find(
             said, "unlock", lambda person: self._locks.locked(person.id), private=asked.private
         )
@@ -162,9 +163,7 @@ class Custody:
         async with self._registry.changes.turn() as turn:
             self._powers.check(by, LOCK)
             await turn.write(self._locks.unlock(found.id, by, found.name))
-        name = self._registry.name(by)
-        self._registry.reach.tell((found.id,), words.you_are_unlocked(name))
-        self._tell_admins(by, LOCK, words.was_unlocked(name, found.name))
+        self._notices.unlocked(found, by)
         return Reply(words_keys.unlocked(found.name))
 
     def _locked_names(self) -> tuple[str, ...]:
@@ -194,9 +193,6 @@ class Custody:
         self._ending.add(ending)
         ending.add_done_callback(self._ending.discard)
         return ending
-
-    def _tell_admins(self, by: PrincipalId, verb: str, text: str) -> None:
-        self._registry.reach.tell(self._powers.holders(verb, besides=by), text, urgent=True)
 
 
 def _all(found: Iterable[Iterable[Record]]) -> tuple[Record, ...]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.authoriser.buttons import Buttons
 from rosic.core.message import Button, Chat, Outbound
+from rosic.core.saying import in_language
 from rosic.errors import Refusal
 from rosic.pipeline.people import words
 from rosic.pipeline.telling import Note
@@ -118,9 +119,10 @@ class Doorstep:
     def tell(self, address: Address, text: str) -> None:
         """Tell something in the private chat of an address, if its platform has one."""
         chat = Chat(address.platform, address.account)
+        plain = in_language(text, self._teller.languages.of_address(address))
         for messenger in self._messengers:
             if messenger.platform == address.platform:
-                self._teller.say(Note(messenger, Outbound(chat=chat, text=text)))
+                self._teller.say(Note(messenger, Outbound(chat=chat, text=plain)))
 
 
 def stand_in(address: Address) -> PrincipalId:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.authoriser.codes import join_text
 from rosic.authoriser.qr import qr_png, qr_text
 from rosic.core.message import Attachment
+from rosic.core.saying import joined
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words
@@ -95,7 +96,7 @@ class Inviting:
         else:
             picture = qr_picture(asked.messenger, "invitation.png", link or text)
         row = (words.take_back_button(offer.invitation.id),)
-        return Reply("\n".join(lines), (row,), picture)
+        return Reply(joined("\n", lines), (row,), picture)
 
     async def _take_back(self, asked: Asked, invitation: str) -> Reply:
         by, made = asked.caller.principal, self._registry.enrolment.invitations

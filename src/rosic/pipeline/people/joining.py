@@ -10,6 +10,7 @@ from rosic.authoriser.admission import Redeemed, TurnedAway, Waiting
 from rosic.authoriser.codes import READ_AT_MOST, code_said, codes_in
 from rosic.core.message import ChatKind
 from rosic.core.rate import Bucket, RateLimit
+from rosic.core.saying import joined
 from rosic.core.secret import Secret
 from rosic.errors import RecordUnavailable, Refusal
 from rosic.pipeline.desk import Reply
@@ -163,7 +164,7 @@ class Joining:
         try:
             tapped = self._doorstep.redeem(inbound)
         except Refusal as refusal:
-            await messenger.answer_tap(inbound, words.ANSWERED if settled else str(refusal))
+            await messenger.answer_tap(inbound, words.ANSWERED if settled else refusal.sentence)
             return SILENT if settled else Reply(words.OPEN_AGAIN)
         await messenger.answer_tap(inbound, "")
         if not tapped.joins:
@@ -201,7 +202,9 @@ class Joining:
 
     def _waits(self, answer: Waiting) -> Reply:
         asked = self._admitting.ask(answer.applicant)
-        return Reply(answer.sentence if asked else f"{answer.sentence} {words.NOBODY_TO_ASK}")
+        return Reply(
+            answer.sentence if asked else joined(" ", (answer.sentence, words.NOBODY_TO_ASK))
+        )
 
     def _is_in(self, inbound: Inbound, answer: Redeemed, tapped: Tapped) -> Reply:
         person, offered = answer.person, tapped.offered
@@ -212,4 +215,4 @@ class Joining:
             tuple(issue(button, person.id, inbound.chat.id) for button in row)
             for row in menu.buttons
         )
-        return Reply("\n".join(filter(None, (answer.sentence, menu.text))), bound)
+        return Reply(joined("\n", filter(None, (answer.sentence, menu.text))), bound)

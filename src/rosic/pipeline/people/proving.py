@@ -10,7 +10,7 @@ from rosic.core.saying import joined
 from rosic.errors import RecordUnavailable
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
-from rosic.pipeline.people import words
+from rosic.pipeline.people import words_access
 from rosic.pipeline.people.inviting import TERMINAL, qr_picture
 from rosic.pipeline.people.names import Names
 from rosic.pipeline.people.powers import PEOPLE
@@ -46,13 +46,13 @@ class Proving:
         self._powers.check_not_locked(caller.principal)
         setup = self._stepup.begin(caller.principal, caller.name, asked.inbound.chat)
         uri = setup.uri.reveal()
-        lines = [words.set_up(uri, setup.key.reveal())]
+        lines = [words_access.set_up(uri, setup.key.reveal())]
         if asked.messenger.platform == TERMINAL:
             lines.append(qr_text(uri))
-            return Reply("\n".join(lines))
+            return Reply(joined("\n", lines))
         picture = qr_picture(asked.messenger, "authenticator.png", uri)
         if picture is not None:
-            lines.append(words.SCAN)
+            lines.append(words_access.SCAN)
         return Reply(joined("\n", lines), attachment=picture)
 
     async def code(self, asked: Asked) -> Reply:
@@ -79,15 +79,17 @@ class Proving:
         self._powers.check(by, PEOPLE)
         check_private(asked)
         if not said:
-            return Reply(words.HOW_TO_RESET)
+            return Reply(words_access.HOW_TO_RESET)
         found = self._names.find(said, f"authenticator {RESET}", self._has_phone, private=True)
         if isinstance(found, Reply):
             return found
         async with self._registry.changes.turn() as turn:
             self._powers.check(by, PEOPLE)
             await turn.write(self._stepup.reset(found.id, by))
-        self._registry.reach.tell((found.id,), words.your_phone_was_reset(self._registry.name(by)))
-        return Reply(words.phone_reset(found.name))
+        self._registry.reach.tell(
+            (found.id,), words_access.your_phone_was_reset(self._registry.name(by))
+        )
+        return Reply(words_access.phone_reset(found.name))
 
     def _has_phone(self, person: Principal) -> bool:
         return self._stepup.is_set_up(person.id)

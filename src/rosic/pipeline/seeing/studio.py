@@ -16,6 +16,7 @@ from rosic.core.message import Attachment, Button, Outbound
 from rosic.core.rate import Bucket, RateLimit
 from rosic.core.view import Subject
 from rosic.errors import MessengerFault, NothingToSee, NotPermitted, Refusal, TooManyRequests
+from rosic.pipeline.languages import translated
 from rosic.pipeline.replies import reply_id
 from rosic.pipeline.seeing import words_seeing as words
 from rosic.pipeline.telling import Note
@@ -146,7 +147,7 @@ class Studio:
                 drawing = await asyncio.to_thread(painter, shot.subject, low=shot.low)
             await self._send(asked, robot, shot, drawing)
         except Refusal as refusal:
-            self._say(asked, str(refusal))
+            self._say(asked, refusal.sentence)
         except (MessengerFault, TimeoutError) as fault:
             log.warning("a picture was not sent: %s", fault)
             self._say(asked, words.NOT_SENT)
@@ -171,12 +172,14 @@ class Studio:
             attachment=Attachment(name, drawing.media_type, drawing.content),
         )
         async with asyncio.timeout(SEND_WITHIN_S):
-            await asked.messenger.send(outbound)
+            readers = self._teller.languages
+            await asked.messenger.send(translated(outbound, readers.of(principal)))
 
     def _say(self, asked: Asked, text: str) -> None:
         inbound = asked.inbound
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound))
-        self._teller.say(Note(asked.messenger, outbound))
+        reader = self._teller.languages.of(asked.caller.principal)
+        self._teller.say(Note(asked.messenger, translated(outbound, reader)))
 
     async def close(self) -> None:
         """Make no more; what is being looked at is let go."""

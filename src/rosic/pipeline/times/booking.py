@@ -11,6 +11,7 @@ from rosic.core.language.misunderstanding import LONGEST_OFFER
 from rosic.core.language.when import When, read_when
 from rosic.core.message import Button
 from rosic.core.robot import Slots
+from rosic.core.saying import said
 from rosic.core.slot import Pattern, Slot
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.organiser.hindrance import SlotTaken
@@ -86,7 +87,7 @@ class Booking:
         found = occasion(robot, when, zone)
         facts = times.calendar.book(principal, robot, found.start_ns, found.length_s, principal)
         (slot,) = await self._write(turn, principal, facts)
-        button = Button("Cancel it", f"/cancel {slot.id}")
+        button = Button(said("Cancel it"), f"/cancel {slot.id}")
         return Reply(words.booked(times.shown(robot), slot, zone, found.note), ((button,),))
 
     async def _series(
@@ -106,8 +107,10 @@ class Booking:
         slots = await self._write(turn, principal, facts)
         every = len(occasions(pattern, now_ns, calendar.limits))
         notes = words.left_out(every - len(slots)), _moved(slots, when, zone)
-        said = words.booked_series(times.shown(robot), slots, zone, *notes)
-        return Reply(said, ((Button("Cancel all of them", f"/cancel all {slots[0].series}"),),))
+        given = words.booked_series(times.shown(robot), slots, zone, *notes)
+        return Reply(
+            given, ((Button(said("Cancel all of them"), f"/cancel all {slots[0].series}"),),)
+        )
 
     async def _write(
         self, turn: Turn, principal: PrincipalId, facts: tuple[Fact, ...]

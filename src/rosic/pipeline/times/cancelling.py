@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
+from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood
 from rosic.organiser.words_calendar import no_such_time
 from rosic.pipeline.desk import Reply
@@ -61,13 +62,15 @@ class Cancelling:
         lines, buttons = [words.which_to_cancel(zone)], []
         for slots in page:
             line = words.mine(times.shown(slots[0].robot), slots[0], now_ns, zone)
-            lines.append(line + (words.again(len(slots) - 1) if len(slots) > 1 else ""))
+            lines.append(
+                joined("", (line, words.again(len(slots) - 1))) if len(slots) > 1 else line
+            )
             buttons.append((Button(line, f"/cancel {slots[0].id}"),))
         left = len(entries) - begin - len(page)
         if left > 0:
             lines.append(words.and_more(left))
-            buttons.append((Button("More", f"/cancel {FROM} {begin + len(page)}"),))
-        return Reply("\n".join(lines), tuple(buttons))
+            buttons.append((Button(said("More"), f"/cancel {FROM} {begin + len(page)}"),))
+        return Reply(joined("\n", lines), tuple(buttons))
 
     async def _ask_or_cancel(self, asked: Asked, slot_id: str) -> Reply:
         times, principal = self._times, asked.caller.principal
@@ -80,8 +83,8 @@ class Cancelling:
         zone, now_ns = times.sides.zone_of(principal), times.clock.wall_ns()
         shown = times.shown(slot.robot)
         row = (
-            Button("This one", f"/cancel {ONLY} {slot.id}"),
-            Button("All of them", f"/cancel {ALL} {slot.series}"),
+            Button(said("This one"), f"/cancel {ONLY} {slot.id}"),
+            Button(said("All of them"), f"/cancel {ALL} {slot.series}"),
         )
         when = words.soon(slot, now_ns, zone)
         return Reply(words.this_or_all(shown, when, len(left)), (row,))

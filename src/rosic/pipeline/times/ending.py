@@ -7,7 +7,9 @@ import logging
 from typing import TYPE_CHECKING
 
 from rosic.core.message import Button
+from rosic.core.saying import said
 from rosic.organiser.words_calendar import moment
+from rosic.pipeline.times import words_keeper
 from rosic.pipeline.times import words_times as words
 from rosic.pipeline.times.vacancy import SECOND_NS
 
@@ -106,7 +108,7 @@ class Ending:
             except Exception:
                 log.exception("%s could not be handed over", robot)
             if not told:
-                said = words.no_answer(self._times.shown(robot))
+                said = words_keeper.no_answer(self._times.shown(robot))
                 self._times.reach.tell((holder,), said, urgent=True)
                 told = True
             await self._times.clock.sleep(AGAIN_S)
@@ -117,10 +119,10 @@ class Ending:
         times, shown = self._times, self._times.shown(robot)
         slot = self._vacancy.slot(robot)
         if reason == words.OVER or slot is None:
-            said = words.ended(shown, at_rest=at_rest)
+            said = words_keeper.ended(shown, at_rest=at_rest)
         else:
             name = times.calendar.name_of(slot.principal)
-            said = words.taken_over(shown, name, at_rest=at_rest)
+            said = words_keeper.taken_over(shown, name, at_rest=at_rest)
         times.reach.tell((holder,), said)
 
     def _tell_begins(self, robot: RobotId, before: PrincipalId) -> None:
@@ -131,7 +133,7 @@ class Ending:
             zone = times.sides.zone_of(slot.principal)
             until = moment(slot.end_ns, times.clock.wall_ns(), zone)
             menu = Button(shown, f"/use {robot}")
-            times.reach.tell((slot.principal,), words.begins(shown, until), ((menu,),))
+            times.reach.tell((slot.principal,), words_keeper.begins(shown, until), ((menu,),))
 
     def _tell_wait(self, robot: RobotId, before: PrincipalId) -> None:
         slot = self._vacancy.slot(robot)
@@ -141,8 +143,8 @@ class Ending:
     def tell_to_wait(self, slot: Slot) -> None:
         """Tell an owner that their time has begun and the robot has not confirmed rest."""
         shown = self._times.shown(slot.robot)
-        resume = Button(f"Resume {shown}", f"/resume {slot.robot}")
-        self._times.reach.tell((slot.principal,), words.wait_for_rest(shown), ((resume,),))
+        resume = Button(said("Resume {shown}", shown=shown), f"/resume {slot.robot}")
+        self._times.reach.tell((slot.principal,), words_keeper.wait_for_rest(shown), ((resume,),))
 
     async def close(self) -> None:
         """Wait for what is under way, briefly, and let go of the rest."""

@@ -10,7 +10,7 @@ from rosic.core.civil import MINUTE_NS
 from rosic.core.message import Button
 from rosic.errors import Refusal
 from rosic.organiser.words_calendar import moment
-from rosic.pipeline.times import words_times as words
+from rosic.pipeline.times import words_keeper
 from rosic.pipeline.times.ending import Ending
 from rosic.pipeline.times.offering import Offering
 from rosic.pipeline.times.unused import Unused
@@ -152,11 +152,11 @@ class Keeper:
         shown, until = times.shown(slot.robot), self._moment(slot, slot.end_ns)
         holder = self.vacancy.holder(slot.robot)
         if holder not in {None, slot.principal}:
-            said = words.begins_taken(shown, times.calendar.name_of(holder or ""))
+            said = words_keeper.begins_taken(shown, times.calendar.name_of(holder or ""))
             times.reach.tell((slot.principal,), said)
             return
         menu = Button(shown, f"/use {slot.robot}")
-        times.reach.tell((slot.principal,), words.begins(shown, until), ((menu,),))
+        times.reach.tell((slot.principal,), words_keeper.begins(shown, until), ((menu,),))
 
     def _warn(self, slot: Slot) -> None:
         """Say how long it goes on from now on, which after a pause is less than the bell says."""
@@ -165,7 +165,9 @@ class Keeper:
         if following is not None and following.principal == slot.principal:
             return  # it goes on
         left_s = -(-(slot.end_ns - times.clock.wall_ns()) // SECOND_NS)
-        said = words.ends_soon(times.shown(slot.robot), left_s, self._moment(slot, slot.end_ns))
+        said = words_keeper.ends_soon(
+            times.shown(slot.robot), left_s, self._moment(slot, slot.end_ns)
+        )
         times.reach.tell((slot.principal,), said)
 
     def _moment(self, slot: Slot, at_ns: int) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.message import Button
+from rosic.core.saying import said
 from rosic.organiser.words_waiting import turn_over, your_turn
 from rosic.pipeline.times import words_times as words
 from rosic.pipeline.times.vacancy import SECOND_NS
@@ -43,9 +44,9 @@ class Offering:
                 lapsed = times.waiting.lapsed()  # somebody may have taken it meanwhile
                 await turn.write([waiting.no_more() for waiting in lapsed])
             for waiting in lapsed:
-                again = Button("Wait again", f"/wait {waiting.robot}")
-                said = turn_over(times.shown(waiting.robot))
-                times.reach.tell((waiting.principal,), said, ((again,),))
+                again = Button(said("Wait again"), f"/wait {waiting.robot}")
+                given = turn_over(times.shown(waiting.robot))
+                times.reach.tell((waiting.principal,), given, ((again,),))
         return times.waiting.next_expiry_ns()
 
     async def offer(self, robot: RobotId) -> int | None:
@@ -71,12 +72,12 @@ class Offering:
     def _tell(self, made: Offer) -> None:
         times = self._times
         seconds = (made.expires_ns - times.clock.monotonic_ns()) / SECOND_NS
-        said = your_turn(times.shown(made.robot), seconds)
+        given = your_turn(times.shown(made.robot), seconds)
         row = (
-            Button("Take it", f"/wait take {made.robot}"),
-            Button("Not now", f"/wait none {made.robot}"),
+            Button(said("Take it"), f"/wait take {made.robot}"),
+            Button(said("Not now"), f"/wait none {made.robot}"),
         )
-        times.reach.tell((made.principal,), said, (row,), lifetime_s=seconds)
+        times.reach.tell((made.principal,), given, (row,), lifetime_s=seconds)
 
     async def _drop_who_has_it(self, robot: RobotId) -> None:
         """Whoever has a robot does not wait for it any more."""

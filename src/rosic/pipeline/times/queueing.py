@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.language.compiled import fold
 from rosic.core.language.words import NOTHING
 from rosic.core.message import Button
+from rosic.core.saying import joined, said
 from rosic.errors import NotPermitted, NotUnderstood, RobotTaken
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.words_waiting import your_place
@@ -74,8 +75,8 @@ class Queueing:
                 return Reply(words.yours_already(times.shown(robot), until))
             await turn.write(times.waiting.join(principal, robot))
             place = self._place(principal, robot)
-        leave = Button("Leave the queue", f"/wait none {robot}")
-        return Reply(words.joined(place), ((leave,),))
+        leave = Button(said("Leave the queue"), f"/wait none {robot}")
+        return Reply(words.queued(place), ((leave,),))
 
     def _check(self, principal: PrincipalId, robot: RobotId) -> None:
         refusal = self._times.sides.may_book(principal, robot)
@@ -97,10 +98,10 @@ class Queueing:
     def _places(self, principal: PrincipalId, robots: tuple[RobotId, ...]) -> Reply:
         lines = [self._place(principal, robot) for robot in sorted(robots)]
         rows = tuple(
-            (Button(f"Leave {self._times.shown(robot)}", f"/wait none {robot}"),)
+            (Button(said("Leave {shown}", shown=self._times.shown(robot)), f"/wait none {robot}"),)
             for robot in sorted(robots)
         )
-        return Reply("\n".join(lines), rows)
+        return Reply(joined("\n", lines), rows)
 
     async def _leave(self, asked: Asked, text: str) -> Reply:
         """Leave one queue, or every queue if none is named."""
@@ -116,7 +117,7 @@ class Queueing:
         async with times.changes.turn() as turn:
             facts = [fact for r in robots for fact in times.waiting.leave(principal, r)]
             await turn.write(facts)
-        return Reply("\n".join(words.left_queue(times.shown(r)) for r in sorted(robots)))
+        return Reply(joined("\n", (words.left_queue(times.shown(r)) for r in sorted(robots))))
 
     # ---- turns ----
 

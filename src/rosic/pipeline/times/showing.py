@@ -9,6 +9,7 @@ from rosic.core.language.compiled import fold
 from rosic.core.language.when import When, read_when
 from rosic.core.message import Attachment, Button
 from rosic.core.robot import Slots
+from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood
 from rosic.organiser.icalendar import icalendar
 from rosic.organiser.words_calendar import bookable
@@ -65,8 +66,8 @@ class Showing:
         waiting = times.waiting
         for robot in sorted(waiting.waits_for(principal)):
             lines.append(words.in_queue(times.shown(robot), waiting.place(principal, robot)))
-        buttons = ((Button("Cancel one", "/cancel"),),) if slots else ()
-        return Reply("\n".join(lines), buttons)
+        buttons = ((Button(said("Cancel one"), "/cancel"),),) if slots else ()
+        return Reply(joined("\n", lines), buttons)
 
     def _file(self, asked: Asked) -> Reply:
         """Return the calendar as a file; where none can be sent, as its text, to be copied."""
@@ -113,13 +114,13 @@ class Showing:
         lines = [words.day_of(shown, day, zone) if slots else words.day_free(shown, day, zone)]
         for slot in slots[:MOST_LINES]:
             mine = slot.principal == principal
-            who = "you" if mine else times.calendar.name_of(slot.principal)
+            who = said("you") if mine else times.calendar.name_of(slot.principal)
             lines.append(words.day_line(slot, who, day, zone))
         if len(slots) > MOST_LINES:
             lines.append(words.and_more(len(slots) - MOST_LINES))
         elif slots:
             lines.append(words.otherwise_free())
-        return Reply("\n".join(lines), self._buttons(principal, robot, day, zone))
+        return Reply(joined("\n", lines), self._buttons(principal, robot, day, zone))
 
     def _buttons(
         self, principal: PrincipalId, robot: RobotId, day: Local, zone: Zone
@@ -128,9 +129,9 @@ class Showing:
         times, after = self._times, day.later(MINUTES_A_DAY)
         from_ns = max(zone.instant(day).start_ns, times.clock.wall_ns())
         free_ns = times.calendar.next_free(robot, from_ns, HOUR_S)
-        row = [Button("Next day", f"/slots {robot} {after.date_text()}")]
+        row = [Button(said("Next day"), f"/slots {robot} {after.date_text()}")]
         may = times.sides.may_book(principal, robot) is None
         if may and free_ns < zone.instant(after).start_ns:
             line = bookable(robot, free_ns, HOUR_S, zone)
-            row.insert(0, Button(f"Book {line.split()[3]} for 1 h", f"/{line}"))
+            row.insert(0, Button(said("Book {at} for 1 h", at=line.split()[3]), f"/{line}"))
         return (tuple(row),)

@@ -8,9 +8,10 @@ import msgspec
 
 from rosic.core.identity import OPERATOR
 from rosic.core.message import Button
+from rosic.core.saying import said
 from rosic.core.slot import SlotId
 from rosic.organiser.words_calendar import moment
-from rosic.pipeline.times import words_times as words
+from rosic.pipeline.times import words_keeper
 from rosic.pipeline.times.deciding import decided
 from rosic.pipeline.times.vacancy import SECOND_NS
 
@@ -102,10 +103,10 @@ class Unused:
     def _ask(self, slot: Slot, watch: Watch, now_ns: int) -> None:
         times = self._times
         idle_s, notice_s = (now_ns - watch.since_ns) / SECOND_NS, self._notice_ns / SECOND_NS
-        said = words.unused(times.shown(slot.robot), idle_s, notice_s)
-        keep = Button("Keep it", f"/wait keep {slot.robot}")
-        give = Button("Give it back", f"/cancel only {slot.id}")
-        times.reach.tell((slot.principal,), said, ((keep, give),), lifetime_s=notice_s)
+        given = words_keeper.unused(times.shown(slot.robot), idle_s, notice_s)
+        keep = Button(said("Keep it"), f"/wait keep {slot.robot}")
+        give = Button(said("Give it back"), f"/cancel only {slot.id}")
+        times.reach.tell((slot.principal,), given, ((keep, give),), lifetime_s=notice_s)
 
     async def _release(self, slot: Slot) -> None:
         times = self._times
@@ -117,5 +118,5 @@ class Unused:
         self._watches.pop(slot.robot, None)
         zone = times.sides.zone_of(slot.principal)
         until = moment(slot.end_ns, times.clock.wall_ns(), zone)
-        said = words.released(times.shown(slot.robot), until)
+        said = words_keeper.released(times.shown(slot.robot), until)
         times.reach.tell((slot.principal,), said)

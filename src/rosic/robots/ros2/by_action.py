@@ -9,6 +9,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Outcome
+from rosic.core.saying import said
 from rosic.errors import RobotUnreachable, RosicError
 from rosic.robots.ros2.errand import DECLINED, Answer, check_fields, filled, note
 from rosic.robots.ros2.faults import NoAnswer, NotSent
@@ -83,7 +84,11 @@ class ByAction:
             raise errand.offline() from fault
         except NoAnswer as fault:
             raise RobotUnreachable(
-                f"{errand.side.shown} has not answered for {ACCEPT_WITHIN_S:g} s."
+                said(
+                    "{shown} has not answered for {accept_within_s:g} s.",
+                    shown=errand.side.shown,
+                    accept_within_s=ACCEPT_WITHIN_S,
+                )
             ) from fault
         if goal is None:
             reason = await self._reasons.why(errand.side.namespace, sent_ns)
@@ -128,7 +133,9 @@ class ByAction:
                     return None
                 await _give_up(goal, errand, watch, limit_s if watch.now_ns() > deadline_ns else 0)
         except NoAnswer as fault:
-            raise RobotUnreachable(f"{errand.side.shown} cannot be reached any more.") from fault
+            raise RobotUnreachable(
+                said("{shown} cannot be reached any more.", shown=errand.side.shown)
+            ) from fault
         finally:
             if not end.done():
                 goal.forget()
@@ -141,7 +148,9 @@ class ByAction:
         result = end.result
         words, facts = self._answer.words(result), self._answer.facts(result)
         if end.status == "unknown":
-            raise RobotUnreachable(f"{errand.side.shown} has not said how it ended.")
+            raise RobotUnreachable(
+                said("{shown} has not said how it ended.", shown=errand.side.shown)
+            )
         if end.status == "succeeded" and self._answer.succeeded(result):
             return Outcome(Ending.DONE, words, facts)
         if end.status == "cancelled" or not errand.allowed():
@@ -194,7 +203,7 @@ def _confirmed(errand: Errand) -> None:
         RobotUnreachable: It was not.
     """
     if errand.rest is None or not errand.rest.confirmed:
-        raise RobotUnreachable(f"{errand.side.shown} has not confirmed the stop.")
+        raise RobotUnreachable(said("{shown} has not confirmed the stop.", shown=errand.side.shown))
 
 
 async def _give_up(goal: Goal, errand: Errand, watch: _Watch, passed_s: float) -> None:
@@ -206,10 +215,18 @@ async def _give_up(goal: Goal, errand: Errand, watch: _Watch, passed_s: float) -
     shown, silent_s = errand.side.shown, watch.silent_s()
     if silent_s > errand.side.measured.silence_s:
         await _call_off(goal)
-        raise RobotUnreachable(f"{shown} has not answered for {silent_s:.1f} s.")
+        raise RobotUnreachable(
+            said("{shown} has not answered for {silent_s:.1f} s.", shown=shown, silent_s=silent_s)
+        )
     if passed_s:
         await _call_off(goal)
-        raise RobotUnreachable(f"{shown} was not done within {passed_s:g} s and was told to stop.")
+        raise RobotUnreachable(
+            said(
+                "{shown} was not done within {passed_s:g} s and was told to stop.",
+                shown=shown,
+                passed_s=passed_s,
+            )
+        )
 
 
 async def _call_off(goal: Goal) -> None:
@@ -225,4 +242,6 @@ def _until_start_s(order: Order, now_ns: int) -> float:
 
 def _declined(errand: Errand, reason: str) -> str:
     shown = errand.side.shown
-    return f"{shown}: {reason}. Nothing was done." if reason else f"{shown} declined."
+    if not reason:
+        return said("{shown} declined.", shown=shown)
+    return said("{shown}: {reason}. Nothing was done.", shown=shown, reason=reason)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Outcome
+from rosic.core.saying import joined, said
 from rosic.robots.ros2.by_service import ask
 from rosic.robots.ros2.errand import filled, note
 from rosic.robots.ros2.names import check_graph_name
@@ -68,9 +69,11 @@ class ByParameters:
         found = {} if read is None else dict(zip(asked, map(_value, read.values), strict=False))
         wrong = [name for name, value in asked.items() if found.get(name) != value]
         if wrong:
-            return Outcome(Ending.FAILED, f"{', '.join(wrong)} reads back differently")
+            return Outcome(
+                Ending.FAILED, said("{join} reads back differently", join=joined(", ", wrong))
+            )
         facts = {n: float(v) for n, v in asked.items() if not isinstance(v, str)}
-        return Outcome(Ending.DONE, "set and read back", facts)
+        return Outcome(Ending.DONE, said("set and read back"), facts)
 
 
 def _value(entry: RosObject) -> object:

@@ -6,6 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Outcome
+from rosic.core.saying import said
 from rosic.errors import RobotUnreachable
 from rosic.robots.ros2.errand import Answer, check_fields, filled
 from rosic.robots.ros2.faults import NoAnswer, NotSent
@@ -92,12 +93,18 @@ async def ask(
         if call.done():
             return call.result()
         if errand.rest is None or not errand.rest.confirmed:
-            raise RobotUnreachable(f"{errand.side.shown} has not confirmed the stop.")
+            raise RobotUnreachable(
+                said("{shown} has not confirmed the stop.", shown=errand.side.shown)
+            )
     except NotSent as fault:
         raise errand.offline() from fault
     except NoAnswer as fault:
         raise RobotUnreachable(
-            f"{errand.side.shown} has not answered for {timeout_s:g} s."
+            said(
+                "{shown} has not answered for {timeout_s:g} s.",
+                shown=errand.side.shown,
+                timeout_s=timeout_s,
+            )
         ) from fault
     finally:
         call.cancel()

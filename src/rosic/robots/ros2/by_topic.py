@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Outcome
+from rosic.core.saying import said
 from rosic.errors import RobotUnreachable
 from rosic.robots.ros2.errand import check_fields, filled
 from rosic.robots.ros2.faults import NotSent
@@ -97,15 +98,19 @@ class ByTopic:
         if not side.measured.measures_rest or (resting.confirmed and not moved):
             return Outcome(Ending.SENT)
         if resting.confirmed:
-            return Outcome(Ending.DONE, f"drove for {_duration_s(errand):g} s")
+            return Outcome(
+                Ending.DONE, said("drove for {duration_s:g} s", duration_s=_duration_s(errand))
+            )
         return await self._does_not_obey(errand)
 
     async def _does_not_obey(self, errand: Errand) -> Outcome:
         """Zero did not bring it to rest: apply everything else."""
         shown = errand.side.shown
         if not (await errand.side.brakes.apply()).confirmed:
-            raise RobotUnreachable(f"{shown} was sent zero and told to stop, and still moves.")
-        return Outcome(Ending.FAILED, "it came to rest only when its own stop was called")
+            raise RobotUnreachable(
+                said("{shown} was sent zero and told to stop, and still moves.", shown=shown)
+            )
+        return Outcome(Ending.FAILED, said("it came to rest only when its own stop was called"))
 
     async def _stream(
         self, errand: Errand, publisher: Publisher, values: dict[str, object]
@@ -126,7 +131,9 @@ class ByTopic:
             except NotSent as fault:
                 if past_s == 0.0:
                     raise errand.offline() from fault
-                raise RobotUnreachable(f"{side.shown} cannot be reached any more.") from fault
+                raise RobotUnreachable(
+                    said("{shown} cannot be reached any more.", shown=side.shown)
+                ) from fault
             await side.clock.sleep(min(period_s, duration_s - past_s))
             if not moved and side.measured.at_rest(begun_ns) is False:
                 moved = True

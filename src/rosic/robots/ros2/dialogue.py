@@ -7,6 +7,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Outcome
+from rosic.core.saying import said
 from rosic.errors import RosicError
 from rosic.robots.ros2.errand import DECLINED
 from rosic.robots.ros2.faults import NotSent
@@ -27,7 +28,7 @@ TO, FROM = "to_robot_topic", "from_robot_topic"
 TYPE = "std_msgs/msg/String"
 GREETING = "Hello from ROSIC."
 STOP = "stop"
-NOT_REACHABLE = "robot not reachable"
+NOT_REACHABLE = said("robot not reachable")
 ANSWER_WITHIN_S = 5.0
 LOOK_EVERY_S = 0.1
 DEPTH = 50
@@ -107,7 +108,7 @@ class Dialogue:
         words = [v for v in errand.order.arguments.values() if isinstance(v, str)]
         text = clean_text(" ".join(words)).strip()
         if not text:
-            return Outcome(Ending.REFUSED, "There is nothing to say.", code=DECLINED)
+            return Outcome(Ending.REFUSED, said("There is nothing to say."), code=DECLINED)
         await errand.there(self._there, self._namespace)
         errand.leave()
         try:

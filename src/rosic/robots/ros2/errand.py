@@ -7,6 +7,7 @@ import logging
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.core.order import Report, Stage
+from rosic.core.saying import said
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.faults import BadName, NotSent
 from rosic.robots.ros2.reading import Reader, compile_path
@@ -103,7 +104,7 @@ class Errand:
 
     def offline(self) -> RobotOffline:
         """Return the refusal of a robot that is not there."""
-        return RobotOffline(f"{self.side.shown} is not there. Nothing was sent.")
+        return RobotOffline(said("{shown} is not there. Nothing was sent.", shown=self.side.shown))
 
     def leave(self) -> None:
         """Pass the gate and say that it is sent. The message must leave without suspension.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot import Presence, Profile
+from rosic.core.saying import said
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.by_action import ByAction
 from rosic.robots.ros2.by_parameters import ByParameters
@@ -159,7 +160,9 @@ class Ros2Robot:
             return await self._carriers[order.skill.id].carry(errand)
         except BadValue as fault:
             _log.warning("an order for %s was not sent: %s", self.profile.id, fault)
-            sentence = f"{self.profile.shown} cannot take these values. Nothing was done."
+            sentence = said(
+                "{shown} cannot take these values. Nothing was done.", shown=self.profile.shown
+            )
             return Outcome(Ending.REFUSED, sentence, code=UNFIT)
         except asyncio.CancelledError:
             if errand.left:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
 from rosic.core.robot import Presence, Profile
-from rosic.core.saying import said
+from rosic.core.saying import joined, said
 from rosic.core.view import Pose, Sight, View
 from rosic.errors import ConfigurationError, NothingToSee
 from rosic.robots.simulated.goals import goal_of, machine_arguments
@@ -90,7 +90,8 @@ class SimulatedRobot:
                 return await self._drive(order, tell)
             return await self._perform(order, tell)
         except CannotDo as cannot:
-            return Outcome(Ending.REFUSED, str(cannot), code="robot-declined")
+            sentence = joined(": ", (cannot.robot, cannot.reason))
+            return Outcome(Ending.REFUSED, sentence, code="robot-declined")
         except asyncio.CancelledError:
             await self._rest()
             raise
@@ -121,7 +122,7 @@ class SimulatedRobot:
         """Send a bounded stream of velocities that ends in zero."""
         machine = self._machine
         if not isinstance(machine, Omni):
-            raise CannotDo(self.profile.id, "cannot be driven by a velocity")
+            raise CannotDo(self.profile.id, said("cannot be driven by a velocity"))
         given = order.arguments
         x, y, turn = (float(given.get(name, 0.0)) for name in ("linear", "lateral", "angular"))
         machine.set_velocity(x, y, turn, self._theatre.now_s())
@@ -149,13 +150,13 @@ class SimulatedRobot:
         if not self.gate.still_allows(order):
             return Outcome(Ending.CANCELLED)
         await self._rest()
-        return Outcome(Ending.DONE, f"drove for {duration_s:g} s")
+        return Outcome(Ending.DONE, said("drove for {duration_s:g} s", duration_s=duration_s))
 
     async def stop(self, stop: Stop) -> Rest:
         """Latch, halt, and wait until rest is measured."""
         self.gate.apply_stop(stop)
         seconds, confirmed = await self._rest()
-        landed = "on the ground" if self.profile.link.model == "crazyflie" else ""
+        landed = said("on the ground") if self.profile.link.model == "crazyflie" else ""
         return Rest(stop.robot, confirmed, seconds, landed)
 
     async def _rest(self) -> tuple[float, bool]:

@@ -18,6 +18,7 @@ from rosic.app.people import remember
 from rosic.app.profiles import known_units
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
+from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
 from rosic.core.language import Errand, Reader, Vocabulary
@@ -40,6 +41,7 @@ from rosic.pipeline.people.doorstep import Doorstep
 from rosic.pipeline.people.hiring import Clerks, hire
 from rosic.pipeline.people.inviting import Inviting
 from rosic.pipeline.people.joining import Joining
+from rosic.pipeline.people.notices import Notices
 from rosic.pipeline.people.powers import Powers
 from rosic.pipeline.people.proving import Proving
 from rosic.pipeline.people.registry import Registry
@@ -103,7 +105,7 @@ class Hall:
         self.authoriser = Authoriser(self.directory, self.clock, entropy)
         self.authority = Authority(Rulebook(roles=ROLES), FLEET, known_units(), self.clock)
         self.access = Access(
-            self.authoriser, self.authority, self.store, self.clock, entropy, place="lab"
+            self.authoriser, self.authority, self.store, HighWater(self.clock), entropy, place="lab"
         )
         self.changes, self.time = self.access.changes, self.access.time
         self.tally, self.locks, self.keys = self.access.tally, self.access.locks, self.access.keys
@@ -166,7 +168,9 @@ class Hall:
             slots=lambda _: self.slots,
             shown=lambda robot: robot.upper(),
         )
-        custody, proving = Custody(registry, self.powers), Proving(registry, self.powers)
+        notices = Notices(registry, self.powers)
+        custody = Custody(registry, self.powers, notices)
+        proving = Proving(registry, self.powers)
         inviting = Inviting(registry, self.powers, link=self.link)
         self.consent = Consent(self.organiser, registry.reach, self.clock, entropy)
         clerks = Clerks(about, self.admitting, custody, inviting, proving)

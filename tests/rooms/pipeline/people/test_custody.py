@@ -9,7 +9,7 @@ from rosic.core.identity import Address
 from rosic.core.record import Decided, Fact, KeyRevoked, Record
 from rosic.core.roles import Grant
 from rosic.pipeline.office import ONLY_IN_PRIVATE
-from rosic.pipeline.people import words
+from rosic.pipeline.people import words, words_access
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import settle
 from tests.rooms.pipeline.people.hall import ADA, BO, CY, DI, ED, BrokenStore, Hall, a_hall
@@ -190,7 +190,7 @@ async def test_revoking_is_for_admins_in_private() -> None:
             "Looking after people is for admins. Ada or Bo can. Nothing was done."
         )
         assert await hall.in_group(ADA, "/revoke Cy Young") == ONLY_IN_PRIVATE
-        assert await hall.say(ADA, "/revoke") == words.HOW_TO_REVOKE
+        assert await hall.say(ADA, "/revoke") == words_access.HOW_TO_REVOKE
         assert hall.ended == []
 
 
@@ -272,10 +272,10 @@ async def test_what_is_in_hand_ends_before_the_disk_has_answered() -> None:
 
 async def test_anybody_locks_themselves() -> None:
     async with a_hall() as hall:
-        assert await hall.say(CY, "/lock me") == words.LOCKED_YOURSELF
+        assert await hall.say(CY, "/lock me") == words_access.LOCKED_YOURSELF
         assert hall.last(ADA).text == "Cy Young locked their own access."
         await hall.say(ADA, "/unlock Cy Young")
-        assert await hall.say(CY, "/lock Cy Young") == words.LOCKED_YOURSELF
+        assert await hall.say(CY, "/lock Cy Young") == words_access.LOCKED_YOURSELF
         assert await hall.say(CY, "/unlock me") == "Your access is locked. Ask an admin."
 
 
@@ -284,11 +284,11 @@ async def test_nobody_locks_the_last_admin_but_they_themselves() -> None:
         await hall.knows(DI, "Di", "guard")
         await hall.say(ADA, "/lock Bo")
         assert await hall.say(DI, "/lock Ada") == LAST
-        assert await hall.say(ADA, "/lock me") == words.LOCK_LAST
+        assert await hall.say(ADA, "/lock me") == words_access.LOCK_LAST
         assert not hall.locks.locked("p-1")
         assert await hall.tap(ADA, "Leave it") == "Nothing was done."
         await hall.say(ADA, "/lock me")
-        assert await hall.tap(ADA, "Lock me") == words.LOCKED_YOURSELF
+        assert await hall.tap(ADA, "Lock me") == words_access.LOCKED_YOURSELF
         assert hall.locks.locked("p-1")
 
 
@@ -296,7 +296,7 @@ async def test_locking_is_for_those_who_may() -> None:
     async with a_hall() as hall:
         for line in ("/lock Ada", "/unlock Ada", "/lock", "/lock Nobody", "/unlock"):
             assert await hall.say(CY, line) == NOT_YOURS, line
-        assert await hall.say(ADA, "/lock") == words.HOW_TO_LOCK
+        assert await hall.say(ADA, "/lock") == words_access.HOW_TO_LOCK
         await hall.say(ADA, "/lock Bo")
         assert await hall.say(BO, "/unlock Bo") == "Your access is locked. Ask an admin."
         assert await hall.say(BO, "/lock Ada") == "Your access is locked. Ask an admin."

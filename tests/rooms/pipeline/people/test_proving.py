@@ -8,7 +8,7 @@ from rosic.authoriser import totp, words_keys
 from rosic.authoriser.qr import qr_png
 from rosic.core.message import Chat, ChatKind
 from rosic.pipeline.office import ONLY_IN_PRIVATE
-from rosic.pipeline.people import words
+from rosic.pipeline.people import words_access
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.people.hall import ADA, BO, CY, BrokenStore, Hall, a_hall
 
@@ -47,15 +47,15 @@ async def test_a_phone_is_set_up_by_a_link_and_its_first_code() -> None:
         picture = hall.last(CY).attachment
         assert picture is not None
         assert (picture.media_type, picture.content) == ("image/png", qr_png(lines[1]))
-        assert lines[4] == words.SCAN
+        assert lines[4] == words_access.SCAN
         assert not hall.stepup.is_set_up("p-3")
         code = code_now(hall, secret_in(said))
         assert await hall.say(CY, f"/code {code[:3]} {code[3:]}") == words_keys.PHONE_READY
         assert hall.stepup.is_set_up("p-3")
         assert fresh(hall)
-        assert words.PHONE_PROVEN in await hall.say(CY, "/me")
+        assert words_access.PHONE_PROVEN in await hall.say(CY, "/me")
         await hall.clock.advance(3_601.0)
-        assert words.PHONE_SET_UP in await hall.say(CY, "/me")
+        assert words_access.PHONE_SET_UP in await hall.say(CY, "/me")
 
 
 async def test_a_code_is_good_once_and_proves_one_chat() -> None:
@@ -149,7 +149,7 @@ async def test_an_admin_forgets_a_lost_phone_but_not_their_own() -> None:
             "Looking after people is for admins. Ada or Bo can. Nothing was done."
         )
         assert await hall.in_group(ADA, "/authenticator reset Cy Young") == ONLY_IN_PRIVATE
-        assert await hall.say(ADA, "/authenticator reset") == words.HOW_TO_RESET
+        assert await hall.say(ADA, "/authenticator reset") == words_access.HOW_TO_RESET
         assert await hall.say(ADA, "/authenticator reset Cy Young") == (
             "The phone of Cy Young is forgotten. They can set up another with /authenticator."
         )

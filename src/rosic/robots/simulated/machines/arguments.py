@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
+from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import CannotDo
 
 if TYPE_CHECKING:
@@ -35,12 +36,19 @@ class Arguments:
         value = self._values.get(name, default)
         self._read.add(name)
         if value is None:
-            raise CannotDo(self._robot, f"{self._skill} needs {name}")
+            raise CannotDo(self._robot, said("{skill} needs {name}", skill=self._skill, name=name))
         if isinstance(value, (bool, str)) or not isfinite(value):
-            raise CannotDo(self._robot, f"{name} is not a number")
+            raise CannotDo(self._robot, said("{name} is not a number", name=name))
         if not low <= value <= high:
             raise CannotDo(
-                self._robot, f"{name} must be between {low:g} and {high:g}, not {value:g}"
+                self._robot,
+                said(
+                    "{name} must be between {low:g} and {high:g}, not {value:g}",
+                    name=name,
+                    low=low,
+                    high=high,
+                    value=value,
+                ),
             )
         return float(value)
 
@@ -53,7 +61,10 @@ class Arguments:
         value = self._values.get(name, default)
         self._read.add(name)
         if value not in choices:
-            raise CannotDo(self._robot, f"{name} must be one of {', '.join(choices)}")
+            raise CannotDo(
+                self._robot,
+                said("{name} must be one of {choices}", name=name, choices=", ".join(choices)),
+            )
         return str(value)
 
     def has(self, name: str) -> bool:
@@ -68,4 +79,7 @@ class Arguments:
         """
         for name in self._values:
             if name not in self._read:
-                raise CannotDo(self._robot, f"{self._skill} knows no {str(name)[:40]!r}")
+                raise CannotDo(
+                    self._robot,
+                    said("{skill} knows no {name!r}", skill=self._skill, name=str(name)[:40]),
+                )

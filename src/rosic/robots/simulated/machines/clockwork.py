@@ -7,6 +7,7 @@ from collections.abc import Callable, Generator, Mapping
 from math import inf, isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
+from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import Activity, CannotDo, Failed, State
 from rosic.robots.simulated.machines.arguments import Arguments, Value
 
@@ -106,11 +107,11 @@ class SteppedMachine(abc.ABC):
         """Begin a skill; see `Machine.begin`."""
         self.step(now_s)
         if self.activity is not None and self.activity.running:
-            raise CannotDo(self.id, f"busy with {self.activity.skill}")
+            raise CannotDo(self.id, said("busy with {skill}", skill=self.activity.skill))
         start = self._start(now_s, start_s)
         plan = self._plan(skill)
         if plan is None:
-            raise CannotDo(self.id, f"has no skill {skill[:40]!r}")
+            raise CannotDo(self.id, said("has no skill {skill!r}", skill=skill[:40]))
         self._able()
         asked = Arguments(self.id, skill, arguments)
         recipe = plan(asked)
@@ -132,7 +133,13 @@ class SteppedMachine(abc.ABC):
         if start_s is None:
             return now_s
         if not isfinite(start_s) or start_s > now_s + LONGEST_WAIT_S:
-            raise CannotDo(self.id, f"a start may be at most {LONGEST_WAIT_S:g} s ahead")
+            raise CannotDo(
+                self.id,
+                said(
+                    "a start may be at most {longest_wait_s:g} s ahead",
+                    longest_wait_s=LONGEST_WAIT_S,
+                ),
+            )
         return max(start_s, now_s)
 
     def halt(self, now_s: float) -> None:
@@ -141,7 +148,7 @@ class SteppedMachine(abc.ABC):
 
     def link_lost(self, now_s: float) -> None:
         """Hold; see `Machine.link_lost`."""
-        self._give_up(now_s, "link lost, holding")
+        self._give_up(now_s, said("link lost, holding"))
 
     def _give_up(self, now_s: float, sentence: str) -> None:
         self.step(now_s)
@@ -189,9 +196,9 @@ class SteppedMachine(abc.ABC):
         try:
             next(recipe)
         except StopIteration as stop:
-            self._end(State.DONE, str(stop.value))
+            self._end(State.DONE, stop.value or "")
         except Failed as failed:
-            self._end(State.FAILED, str(failed))
+            self._end(State.FAILED, failed.args[0])
             self._after_failure()
 
     def _end(self, state: State, detail: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import hypot, isfinite
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import CannotDo, Failed, State
 from rosic.robots.simulated.machines.battery import Battery
 from rosic.robots.simulated.machines.clockwork import Plan, Recipe, SteppedMachine
@@ -86,11 +87,11 @@ class Crazyflie(SteppedMachine):
         """
         self.step(now_s)
         if not all(map(isfinite, (x_m, y_m, z_m))):
-            raise CannotDo(self.id, "a position is not a finite number")
+            raise CannotDo(self.id, said("a position is not a finite number"))
         if max(abs(x_m), abs(y_m)) > ROOM_M or not LOWEST_M <= z_m <= HIGHEST_M:
-            raise CannotDo(self.id, "that is out of the room")
+            raise CannotDo(self.id, said("that is out of the room"))
         if self.activity is not None and self.activity.running:
-            raise CannotDo(self.id, f"busy with {self.activity.skill}")
+            raise CannotDo(self.id, said("busy with {skill}", skill=self.activity.skill))
         self._must_fly()
         self._setpoint_s = now_s
         self.flight.goal = (x_m, y_m)
@@ -103,22 +104,24 @@ class Crazyflie(SteppedMachine):
 
     def _must_fly(self) -> None:
         if not self.airborne:
-            raise CannotDo(self.id, "on the ground, take off first")
+            raise CannotDo(self.id, said("on the ground, take off first"))
         if self._landing:
             raise CannotDo(self.id, "landing")
 
     def _plan_takeoff(self, asked: Arguments) -> Recipe:
         height = asked.number("height_m", LOWEST_M, HIGHEST_M, 1.0)
         if self.airborne:
-            raise CannotDo(self.id, "already flying")
+            raise CannotDo(self.id, said("already flying"))
         if self._cell.fraction < LOWEST_TAKEOFF:
-            raise CannotDo(self.id, f"battery {self._cell.percent} %: too low")
+            raise CannotDo(
+                self.id, said("battery {percent} %: too low", percent=self._cell.percent)
+            )
         distance, peer = self._peers.nearest(self._here())
         if distance < APART_M:
-            raise CannotDo(self.id, f"{peer} is too near to take off")
+            raise CannotDo(self.id, said("{peer} is too near to take off", peer=peer))
         lost = self._peers.unheard(self._time_s)
         if lost is not None:
-            raise CannotDo(self.id, f"{lost} flies and is not heard")
+            raise CannotDo(self.id, said("{lost} flies and is not heard", lost=lost))
         self._intent = self._here()
         return self._recipe_takeoff(height)
 
@@ -133,7 +136,7 @@ class Crazyflie(SteppedMachine):
         self._must_fly()
         peer = self._peers.at((x, y))
         if peer is not None:
-            raise CannotDo(self.id, f"{peer} is there or on its way there")
+            raise CannotDo(self.id, said("{peer} is there or on its way there", peer=peer))
         self._intent = (x, y)
         return self._recipe_fly(x, y, z)
 
@@ -143,7 +146,7 @@ class Crazyflie(SteppedMachine):
         self._must_fly()
         members = self.swarm.members
         if shape == "triangle" and len(members) != 3:  # noqa: PLR2004
-            raise CannotDo(self.id, "a triangle needs three drones")
+            raise CannotDo(self.id, said("a triangle needs three drones"))
         places = slots(shape, spacing, len(members), self.swarm.centre)
         x, y = places[members.index(self.id)]
         self._intent = (x, y)
@@ -153,7 +156,7 @@ class Crazyflie(SteppedMachine):
 
     def _recipe_takeoff(self, height_m: float) -> Recipe:
         flight = self.flight
-        self._stage("taking off")
+        self._stage(said("taking off"))
         self._started_s = self._time_s
         self.airborne = True
         flight.goal = (flight.x_m, flight.y_m)
@@ -161,11 +164,11 @@ class Crazyflie(SteppedMachine):
         while not flight.height.arrived:
             self._advance(flight.height.position / height_m)
             yield
-        return f"hovering at {flight.height.position:.1f} m"
+        return said("hovering at {position:.1f} m", position=flight.height.position)
 
     def _recipe_land(self) -> Recipe:
         if not self.airborne:
-            return "on the ground"
+            return said("on the ground")
         self._stage("landing")
         self._started_s = self._time_s
         height = max(self.flight.height.position, NEAR_M)
@@ -188,11 +191,21 @@ class Crazyflie(SteppedMachine):
             if self._time_s > until_s:
                 flight.goal = None
                 flight.height.target = flight.height.position
-                raise Failed(f"{self._peers.nearest(self._here())[1]} is in the way, hovering")
+                raise Failed(
+                    said(
+                        "{nearest} is in the way, hovering",
+                        nearest=self._peers.nearest(self._here())[1],
+                    )
+                )
             left = flight.left_m() + abs(z_m - flight.height.position)
             self._advance(1.0 - left / whole)
             yield
-        return f"at {flight.x_m:.2f}, {flight.y_m:.2f}, {flight.height.position:.2f} m"
+        return said(
+            "at {x_m:.2f}, {y_m:.2f}, {position:.2f} m",
+            x_m=flight.x_m,
+            y_m=flight.y_m,
+            position=flight.height.position,
+        )
 
     # ------------------------------------------------------------------------------------ mechanics
 
@@ -216,15 +229,15 @@ class Crazyflie(SteppedMachine):
     def link_lost(self, now_s: float) -> None:
         """Land where it is; see `Machine.link_lost`."""
         if self.airborne:
-            self.note = "link lost, landing"
-        self._give_up(now_s, "link lost, landing")
+            self.note = said("link lost, landing")
+        self._give_up(now_s, said("link lost, landing"))
 
     def _watch(self) -> None:
         if not self.airborne or self._landing:
             return
         reason = self._reason_to_land()
         if reason:
-            self.note = f"{reason}, landing"
+            self.note = said("{reason}, landing", reason=reason)
             self._land()
             self._end(State.FAILED, self.note)
         elif self._setpoint_s is not None and self._time_s - self._setpoint_s >= LEVEL_AFTER_S:
@@ -233,11 +246,15 @@ class Crazyflie(SteppedMachine):
 
     def _reason_to_land(self) -> str:
         if self._cell.fraction < LOWEST_FLIGHT:
-            return f"battery {self._cell.percent} %"
+            return said("battery {percent} %", percent=self._cell.percent)
         if self._setpoint_s is not None and self._time_s - self._setpoint_s >= LAND_AFTER_S:
-            return f"no set-point for {LAND_AFTER_S:g} s"
+            return said("no set-point for {land_after_s:g} s", land_after_s=LAND_AFTER_S)
         lost = self._peers.unheard(self._time_s)
-        return f"{lost} not heard for {PEER_LOST_S:g} s" if lost is not None else ""
+        return (
+            said("{lost} not heard for {peer_lost_s:g} s", lost=lost, peer_lost_s=PEER_LOST_S)
+            if lost is not None
+            else ""
+        )
 
     def _here(self) -> Place:
         return (self.flight.x_m, self.flight.y_m)
@@ -325,7 +342,7 @@ class Crazyflie(SteppedMachine):
 
     def _mode(self) -> str:
         if not self.airborne:
-            return "on the ground"
+            return said("on the ground")
         if self._landing:
             return "landing"
         return "hovering" if self.flight.steady else "flying"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import radians
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import CannotDo, Failed
 from rosic.robots.simulated.machines.clockwork import Plan, Recipe, SteppedMachine
 from rosic.robots.simulated.machines.joints import JointGroup, JointLimit
@@ -85,7 +86,7 @@ class Kuka(SteppedMachine):
 
     def _able(self) -> None:
         if not (self.arm.still and self.gripper.still):
-            raise CannotDo(self.id, "still coming to rest")
+            raise CannotDo(self.id, said("still coming to rest"))
 
     def _plan_home(self, _asked: Arguments) -> Recipe:
         return self._recipe_home(self._way(HOME))
@@ -94,25 +95,31 @@ class Kuka(SteppedMachine):
         joint = asked.number("joint", 1, len(IIWA_LIMITS))
         angle = asked.number("angle_rad", -10.0, 10.0)
         if joint != int(joint):
-            raise CannotDo(self.id, "joint must be a whole number")
+            raise CannotDo(self.id, said("joint must be a whole number"))
         index = int(joint) - 1
         limit = IIWA_LIMITS[index]
         if not limit.lower_rad <= angle <= limit.upper_rad:
             raise CannotDo(
                 self.id,
-                f"joint {index + 1} reaches from {limit.lower_rad:.2f} to "
-                f"{limit.upper_rad:.2f} rad, not {angle:.2f}",
+                said(
+                    "joint {index} reaches from {lower_rad:.2f} to {upper_rad:.2f} rad, not "
+                    "{angle:.2f}",
+                    index=index + 1,
+                    lower_rad=limit.lower_rad,
+                    upper_rad=limit.upper_rad,
+                    angle=angle,
+                ),
             )
         targets = (*self.arm.positions[:index], angle, *self.arm.positions[index + 1 :])
         if not self._clear(self.arm.positions, targets):
-            raise CannotDo(self.id, "the arm would touch the table")
+            raise CannotDo(self.id, said("the arm would touch the table"))
         return self._recipe_move_joint(index, targets)
 
     def _plan_grasp(self, asked: Arguments) -> Recipe:
         force = asked.number("force_n", FORCE_LOW_N, FORCE_HIGH_N, FORCE_N)
         held = self.gripper.held
         if held is not None:
-            raise CannotDo(self.id, f"already holds the {held.name}")
+            raise CannotDo(self.id, said("already holds the {name}", name=held.name))
         return self._recipe_grasp(force, self._way(self._above))
 
     def _plan_release(self, _asked: Arguments) -> Recipe:
@@ -125,7 +132,9 @@ class Kuka(SteppedMachine):
             return [targets]
         if self._clear(here, STRAIGHT_UP) and self._clear(STRAIGHT_UP, targets):
             return [STRAIGHT_UP, targets]
-        raise CannotDo(self.id, "the arm would touch the table; move a joint away from it first")
+        raise CannotDo(
+            self.id, said("the arm would touch the table; move a joint away from it first")
+        )
 
     @staticmethod
     def _clear(start: Sequence[float], end: Sequence[float]) -> bool:
@@ -140,14 +149,18 @@ class Kuka(SteppedMachine):
     # -------------------------------------------------------------------------------------- recipes
 
     def _recipe_home(self, way: list[Sequence[float]]) -> Recipe:
-        self._stage("going home")
+        self._stage(said("going home"))
         yield from self._follow(way, 0.0, 1.0)
-        return "at home"
+        return said("at home")
 
     def _recipe_move_joint(self, index: int, targets: Sequence[float]) -> Recipe:
-        self._stage(f"moving joint {index + 1}")
+        self._stage(said("moving joint {index}", index=index + 1))
         yield from self._move(targets, SHARE, 0.0, 1.0)
-        return f"joint {index + 1} at {self.arm.positions[index]:.3f} rad"
+        return said(
+            "joint {index} at {angle:.3f} rad",
+            index=index + 1,
+            angle=self.arm.positions[index],
+        )
 
     def _recipe_grasp(self, force_n: float, way: list[Sequence[float]]) -> Recipe:
         self._stage("approaching")
@@ -165,24 +178,26 @@ class Kuka(SteppedMachine):
         self._advance(0.7)
         if self.gripper.held is None:
             yield from self._return()
-            raise Failed("nothing between the fingers, opened and returned")
+            raise Failed(said("nothing between the fingers, opened and returned"))
         self._stage("lifting")
         yield from self._lift()
         self._extra["lift_m"] = self._tips()[2] - height
-        return f"object held, lifted {self._extra['lift_m'] * 100:.0f} cm"
+        return said("object held, lifted {lift_cm:.0f} cm", lift_cm=self._extra["lift_m"] * 100)
 
     def _lift(self) -> Recipe:
         held = self.gripper.held
         if held is not None and self.gripper.force_n < held.force_needed_n:
             force = self.gripper.force_n
             self.gripper.lose()
-            self._stage("the object slipped")
+            self._stage(said("the object slipped"))
             yield from self._return()
-            raise Failed(f"the object slipped at {force:g} N, opened and returned")
+            raise Failed(
+                said("the object slipped at {force:g} N, opened and returned", force=force)
+            )
         yield from self._move(self._above, SLOW_SHARE, 0.7, 1.0)
         if self.gripper.held is None:
             yield from self._return()
-            raise Failed("the object was lost while lifting, opened and returned")
+            raise Failed(said("the object was lost while lifting, opened and returned"))
         return ""
 
     def _return(self) -> Recipe:
@@ -199,8 +214,8 @@ class Kuka(SteppedMachine):
             self._stage("opening")
             self.gripper.open()
             yield from self._fingers(1.0)
-            return "gripper open, it held nothing"
-        self._stage("putting down")
+            return said("gripper open, it held nothing")
+        self._stage(said("putting down"))
         yield from self._follow(way, 0.0, 0.4)
         yield from self._move(self._at, SLOW_SHARE, 0.4, 0.6)
         self._stage("opening")
@@ -208,7 +223,7 @@ class Kuka(SteppedMachine):
         yield from self._fingers(0.7)
         self._stage("rising")
         yield from self._move(self._above, SLOW_SHARE, 0.7, 1.0)
-        return f"{held.name} put down"
+        return said("{name} put down", name=held.name)
 
     def _follow(self, way: list[Sequence[float]], start: float, end: float) -> Recipe:
         part = (end - start) / len(way)

@@ -6,6 +6,7 @@ from math import atan2, cos, hypot, isfinite, pi, radians, sin
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import CannotDo, State
 from rosic.robots.simulated.machines.battery import Battery
 from rosic.robots.simulated.machines.clockwork import Plan, Recipe, SteppedMachine
@@ -107,15 +108,15 @@ class Omni(SteppedMachine):
         self.step(now_s)
         velocity = Velocity(x_m_s, y_m_s, yaw_rad_s)
         if not all(map(isfinite, velocity)):
-            raise CannotDo(self.id, "a velocity is not a finite number")
+            raise CannotDo(self.id, said("a velocity is not a finite number"))
         if velocity == REST:
             self.halt(now_s)
             return
         if self._recipe is not None and self.activity is not None:
-            raise CannotDo(self.id, f"busy with {self.activity.skill}")
+            raise CannotDo(self.id, said("busy with {skill}", skill=self.activity.skill))
         self._powered()
         if self._braking or not self.arm.still:
-            raise CannotDo(self.id, "still coming to rest")
+            raise CannotDo(self.id, said("still coming to rest"))
         self._setpoint_s = now_s
         self._wanted = velocity
 
@@ -127,13 +128,15 @@ class Omni(SteppedMachine):
     def _able(self) -> None:
         self._powered()
         if self._setpoint_s is not None:
-            raise CannotDo(self.id, "driven by velocities at present")
+            raise CannotDo(self.id, said("driven by velocities at present"))
         if not self._quiet():
-            raise CannotDo(self.id, "still coming to rest")
+            raise CannotDo(self.id, said("still coming to rest"))
 
     def _powered(self) -> None:
         if self._cell.fraction < LOWEST_BATTERY:
-            raise CannotDo(self.id, f"battery {self._cell.percent} %: too low")
+            raise CannotDo(
+                self.id, said("battery {percent} %: too low", percent=self._cell.percent)
+            )
 
     def _quiet(self) -> bool:
         return self.base.still and self.arm.still
@@ -172,32 +175,37 @@ class Omni(SteppedMachine):
 
     def _reachable(self, x_m: float, y_m: float) -> None:
         if max(abs(x_m), abs(y_m)) > FARTHEST_M:
-            raise CannotDo(self.id, f"that is more than {FARTHEST_M:g} m from the start")
+            raise CannotDo(
+                self.id,
+                said("that is more than {farthest_m:g} m from the start", farthest_m=FARTHEST_M),
+            )
 
     def _recipe_move(self, x_m: float, y_m: float, speed: float, direction: str) -> Recipe:
         yield from self._drive_to(x_m, y_m, speed, 1.0)
         way = self._measured()["distance_m"]
-        return f"moved {way:.2f} m {direction}"
+        return said("moved {way:.2f} m {direction}", way=way, direction=direction)
 
     def _recipe_turn(self, yaw_rad: float, speed: float) -> Recipe:
         yield from self._turn_to(yaw_rad, speed, 0.0)
         turned = self._measured()["angle_rad"]
-        return f"turned {abs(turned):.2f} rad {'left' if turned > 0 else 'right'}"
+        if turned > 0:
+            return said("turned {turned:.2f} rad left", turned=turned)
+        return said("turned {turned:.2f} rad right", turned=-turned)
 
     def _recipe_goto(self, x_m: float, y_m: float, yaw: float | None, speed: float) -> Recipe:
         share = 1.0 if yaw is None else 0.7
         yield from self._drive_to(x_m, y_m, speed, share)
         if yaw is not None:
             yield from self._turn_to(yaw, 0.5, share)
-        return f"at {self.base.x_m:.2f}, {self.base.y_m:.2f} m"
+        return said("at {x_m:.2f}, {y_m:.2f} m", x_m=self.base.x_m, y_m=self.base.y_m)
 
     def _recipe_arm(self, pose: str) -> Recipe:
-        self._stage("moving the arm")
+        self._stage(said("moving the arm"))
         self.arm.go(ARM_POSES[pose], ARM_SHARE)
         while not self.arm.still:
             self._advance(self.arm.progress)
             yield
-        return f"arm in pose {pose}"
+        return said("arm in pose {pose}", pose=pose)
 
     def _mark(self) -> None:
         self._from = (self.base.x_m, self.base.y_m, self.base.yaw_rad)
@@ -252,10 +260,12 @@ class Omni(SteppedMachine):
 
     def _watch(self) -> None:
         if self._setpoint_s is not None and self._time_s - self._setpoint_s >= self.watchdog_s:
-            self.note = f"no set-point for {self.watchdog_s:g} s, stopped"
+            self.note = said(
+                "no set-point for {watchdog_s:g} s, stopped", watchdog_s=self.watchdog_s
+            )
             self._brake()
         if self._cell.fraction <= 0.0 and not self._braking:
-            self._end(State.FAILED, "battery empty")
+            self._end(State.FAILED, said("battery empty"))
             self._brake()
 
     def _drive(self, dt_s: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import dist, radians
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from rosic.core.saying import joined, said
 from rosic.robots.simulated.machines.activity import CannotDo, Failed, State
 from rosic.robots.simulated.machines.clockwork import Plan, Recipe, SteppedMachine
 from rosic.robots.simulated.machines.joints import JointGroup, JointLimit
@@ -92,7 +93,7 @@ class Yumi(SteppedMachine):
         """Let one arm fail: both stop, grippers keep what they hold, the activity fails."""
         self.step(now_s)
         self.failed.add(side)
-        self.note = f"the {side} arm has failed, both arms stopped"
+        self.note = said("the {side} arm has failed, both arms stopped", side=side)
         held = self._held()
         self._end(State.FAILED, f"{self.note}, {held}" if held else self.note)
         self._brake()
@@ -105,7 +106,10 @@ class Yumi(SteppedMachine):
         sides = [side for side, gripper in self.grippers.items() if gripper.held is not None]
         if not sides:
             return ""
-        return f"the object is still held by the {' and the '.join(sides)} gripper"
+        return said(
+            "the object is still held by the {sides} gripper",
+            sides=joined(said(" and the "), sides),
+        )
 
     # --------------------------------------------------------------------------------------- plans
 
@@ -114,9 +118,9 @@ class Yumi(SteppedMachine):
 
     def _able(self) -> None:
         for side in self.failed:
-            raise CannotDo(self.id, f"the {side} arm has failed")
+            raise CannotDo(self.id, said("the {side} arm has failed", side=side))
         if self._in_motion():
-            raise CannotDo(self.id, "still coming to rest")
+            raise CannotDo(self.id, said("still coming to rest"))
 
     def _plan_home(self, _asked: Arguments) -> Recipe:
         return self._recipe_home()
@@ -128,18 +132,22 @@ class Yumi(SteppedMachine):
         giver: Side = "right" if receiver == "left" else "left"
         thing = self.grippers[giver].held
         if self.grippers[receiver].held is not None:
-            raise CannotDo(self.id, f"the {receiver} gripper already holds something")
+            raise CannotDo(
+                self.id, said("the {receiver} gripper already holds something", receiver=receiver)
+            )
         if thing is None:
-            raise CannotDo(self.id, f"the {giver} gripper holds nothing to hand over")
+            raise CannotDo(
+                self.id, said("the {giver} gripper holds nothing to hand over", giver=giver)
+            )
         return self._recipe_handover(giver, receiver, thing)
 
     # -------------------------------------------------------------------------------------- recipes
 
     def _recipe_home(self) -> Recipe:
         yield from self._leave_meeting(0.5)
-        self._stage("going home")
+        self._stage(said("going home"))
         yield from self._move(HOME, SHARE, 0.5, 1.0)
-        return "both arms at home"
+        return said("both arms at home")
 
     def _recipe_handover(self, giver: Side, receiver: Side, thing: Thing) -> Recipe:
         yield from self._leave_meeting(0.05)
@@ -149,25 +157,25 @@ class Yumi(SteppedMachine):
         yield from self._fingers(self.grippers[receiver])
         self._stage("meeting")
         yield from self._move(MEET, SLOW_SHARE, 0.3, 0.45)
-        self._stage(f"{receiver} closes")
+        self._stage(said("{receiver} closes", receiver=receiver))
         yield from self._take(giver, receiver, thing)
         self._advance(0.6)
-        self._stage("verifying both hold")
+        self._stage(said("verifying both hold"))
         yield from self._wait(SETTLE_S)
         if not self._both_hold(thing):
             yield from self._undo(giver, receiver, thing)
-        self._stage(f"{giver} opens")
+        self._stage(said("{giver} opens", giver=giver))
         both_since = self._time_s
         self.grippers[giver].open()
         yield from self._fingers(self.grippers[giver])
         self._extra["opened_s"] = self._time_s - both_since
         self._stage("parting")
         yield from self._move(BEFORE, SLOW_SHARE, 0.7, 0.85)
-        self._stage("going home")
+        self._stage(said("going home"))
         yield from self._move(HOME, SHARE, 0.85, 1.0)
         if self.grippers[receiver].held is not thing:
-            raise Failed("the object was lost after the hand-over")
-        return f"the {receiver} gripper holds the {thing.name}"
+            raise Failed(said("the object was lost after the hand-over"))
+        return said("the {receiver} gripper holds the {name}", receiver=receiver, name=thing.name)
 
     def _take(self, giver: Side, receiver: Side, thing: Thing) -> Recipe:
         """Close the receiver on what the giver really brings."""
@@ -190,13 +198,15 @@ class Yumi(SteppedMachine):
         self._stage("parting")
         yield from self._move(BEFORE, SLOW_SHARE, 0.0, 0.0)
         yield from self._move(HOME, SHARE, 0.0, 0.0)
-        raise Failed(f"the {receiver} gripper did not get hold of the object")
+        raise Failed(
+            said("the {receiver} gripper did not get hold of the object", receiver=receiver)
+        )
 
     def _leave_meeting(self, end: float) -> Recipe:
         """Part first if the arms were stopped at a meeting; a shared object stays with the left."""
         left, right = self.grippers["left"], self.grippers["right"]
         if left.held is not None and left.held is right.held:
-            self._stage("right opens")
+            self._stage(said("right opens"))
             right.open()
             yield from self._fingers(right)
         if self.separation_m() < APART_M:

@@ -1,0 +1,56 @@
+"""What robots begin with: the numbers, leases and stops that earlier runs left them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.gate import Gate
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.app.gateway import Parts
+    from rosic.contracts.robot import Robot
+    from rosic.core.robot import Profile, RobotId
+    from rosic.core.stopboard import StopBoard
+
+
+def robots_of(
+    parts: Parts,
+    profiles: Mapping[RobotId, Profile],
+    numbers: Mapping[RobotId, tuple[int, int]],
+    board: StopBoard,
+) -> dict[RobotId, Robot]:
+    """Return the robots, not connected yet, each behind a gate that knows where it was.
+
+    Args:
+        parts: Makes adapters.
+        profiles: Of the robots.
+        numbers: The highest order number and fence of each so far.
+        board: What is stopped.
+    """
+    return {
+        robot: parts.robot_factory(profile.link.kind)(
+            profile,
+            Gate(
+                robot, n=numbers[robot][0], fence=numbers[robot][1],
+                generation=board[robot].generation, latched=board[robot].latched,
+            ),
+            parts.clock,
+        )
+        for robot, profile in profiles.items()
+    }  # fmt: skip
+
+
+def stops_of(
+    found: Mapping[RobotId, tuple[int, bool]], generations: Mapping[RobotId, int]
+) -> dict[RobotId, tuple[int, bool]]:
+    """Join what the latch and the record say; the higher generation counts (I13).
+
+    A stop that only the record knows holds: the latch could not be written when it was applied.
+    """
+    joined = dict(found)
+    for robot, generation in generations.items():
+        if generation > joined.get(robot, (0, False))[0]:
+            joined[robot] = (generation, True)
+    return joined

@@ -1,0 +1,48 @@
+"""Quantities as they are read: in the units of the profile, or in feet, pounds and Fahrenheit."""
+
+from __future__ import annotations
+
+from rosic.core.language.units import Unit
+from rosic.core.saying import Measured
+
+# The unit as it is shown, to what it is read in: imperial = value * factor + offset.
+_IMPERIAL = {
+    "mm": ("in", 1 / 25.4, 0.0),
+    "cm": ("in", 1 / 2.54, 0.0),
+    "dm": ("in", 1 / 0.254, 0.0),
+    "m": ("ft", 1 / 0.3048, 0.0),
+    "km": ("mi", 1 / 1.609344, 0.0),
+    "mm/s": ("in/s", 1 / 25.4, 0.0),
+    "cm/s": ("in/s", 1 / 2.54, 0.0),
+    "m/s": ("ft/s", 1 / 0.3048, 0.0),
+    "km/h": ("mph", 1 / 1.609344, 0.0),
+    "kg": ("lb", 1 / 0.45359237, 0.0),
+    "°C": ("°F", 1.8, 32.0),
+}
+
+
+def measured(text: str, value: float, symbol: str) -> str:
+    """Return a quantity that is shown in other units to whoever reads those.
+
+    Args:
+        text: How it reads as it is: ``0.50 m``.
+        value: In that unit.
+        symbol: Of that unit.
+    """
+    other = _IMPERIAL.get(symbol)
+    if other is None:
+        return text
+    name, factor, offset = other
+    shown = Measured(text)
+    shown.imperial = f"{round(value * factor + offset, 2):g} {name}"
+    return shown
+
+
+def imperial_unit(unit: Unit) -> Unit | None:
+    """Return what a unit is read in instead; None if it stays."""
+    other = _IMPERIAL.get(unit.symbol)
+    if other is None:
+        return None
+    name, factor, offset = other
+    per = unit.factor / factor
+    return Unit(name, unit.dimension, per, unit.offset - offset * per)

@@ -1,0 +1,62 @@
+"""Whoever's access changes hears of it, and so do the admins; whoever changed it, and from where.
+
+The same for a command in a chat and for one of the machine's owner.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.authoriser import words_keys
+from rosic.core.identity import OPERATOR
+from rosic.core.saying import said
+from rosic.pipeline.people import words_access
+from rosic.pipeline.people.powers import LOCK, PEOPLE
+
+if TYPE_CHECKING:
+    from rosic.core.identity import Principal, PrincipalId
+    from rosic.pipeline.people.powers import Powers
+    from rosic.pipeline.people.registry import Registry
+
+
+class Notices:
+    """Tells them, in private, wherever they can be reached."""
+
+    def __init__(self, registry: Registry, powers: Powers) -> None:
+        self._registry = registry
+        self._powers = powers
+
+    def revoked(self, person: Principal, by: PrincipalId) -> None:
+        """Somebody's access has ended for good."""
+        self._person(person, words_keys.ENDED)
+        self._admins(by, PEOPLE, words_access.was_revoked(self._name(by), person.name))
+
+    def key_taken(self, person: Principal, by: PrincipalId) -> None:
+        """A key of somebody was taken back; perhaps it was their last one."""
+        if not self._registry.authoriser.directory.has_good_key(person.id):
+            self.revoked(person, by)
+            return
+        self._person(person, words_keys.KEY_TAKEN)
+        self._admins(by, PEOPLE, words_access.was_key_taken(self._name(by), person.name))
+
+    def locked(self, person: Principal, by: PrincipalId) -> None:
+        """Somebody is locked. Nothing is told to who did it in a chat: they read the answer."""
+        if by == OPERATOR:
+            self._person(person, words_keys.LOCKED)
+        self._admins(by, LOCK, words_access.was_locked(self._name(by), person.name))
+
+    def unlocked(self, person: Principal, by: PrincipalId) -> None:
+        """Somebody has their access back."""
+        name = self._name(by)
+        self._person(person, words_access.you_are_unlocked(name))
+        self._admins(by, LOCK, words_access.was_unlocked(name, person.name))
+
+    def _name(self, by: PrincipalId) -> str:
+        """Return who it was, as a sentence begins with it."""
+        return said("The operator") if by == OPERATOR else self._registry.name(by)
+
+    def _person(self, person: Principal, text: str) -> None:
+        self._registry.reach.tell((person.id,), text)
+
+    def _admins(self, by: PrincipalId, verb: str, text: str) -> None:
+        self._registry.reach.tell(self._powers.holders(verb, besides=by), text, urgent=True)
