@@ -222,9 +222,14 @@ class RobotUnreachable(Fault):
 
 
 class MessengerFault(Fault):
-    """The platform did not take the message. What was to be told is still in the record."""
+    """The platform did not take the message. What was to be told is still in the record.
+
+    Attributes:
+        perhaps_sent: It may have arrived all the same: nobody can know.
+    """
 
     code = "messenger-fault"
+    perhaps_sent = False
 
 
 class MessageGone(MessengerFault):

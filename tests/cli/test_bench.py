@@ -32,6 +32,29 @@ def test_the_bench_of_stops_prints_one_object() -> None:
         assert case["rate_per_s"] > 0
 
 
+@pytest.mark.limit(120)
+def test_the_bench_of_telegram_keeps_to_the_limits_and_uses_them() -> None:
+    ran = rosic("bench", "telegram", "--quick", "--json", within_s=100)
+
+    assert (ran.status, ran.err) == (0, "")
+    report = json.loads(ran.out)
+    assert set(report) == {"machine", "method", "cases"}
+    cases = {case["name"]: case for case in report["cases"]}
+    batch, stops, naive, durable, memory, foreign, disk = cases.values()
+    assert batch["permitted_share"] >= 0.95
+    assert "permitted_share" not in stops
+    assert stops["p50_us"] < 500_000
+    assert "naive" in naive["name"]
+    for case, name in (
+        (durable, "durable"),
+        (memory, "in memory"),
+        (foreign, "empty handler"),
+        (disk, "synced"),
+    ):
+        assert name in case["name"]
+        assert 0 < case["p50_us"] <= case["p99_us"]
+
+
 @pytest.mark.limit(180)
 def test_the_bench_of_the_pipeline_covers_a_large_place() -> None:
     ran = rosic("bench", "pipeline", "--quick", "--json", within_s=160)

@@ -11,12 +11,16 @@ from pathlib import Path
 import pytest
 
 from tests.planted.faults import FAULTS, Fault
+from tests.planted.faults_of_telling import OF_TELLING
 
 ROOT = Path(__file__).parents[2]
 PYTEST_TESTS_FAILED = 1
 
 
-@pytest.mark.parametrize("fault", FAULTS, ids=[fault.name for fault in FAULTS])
+ALL = (*FAULTS, *OF_TELLING)
+
+
+@pytest.mark.parametrize("fault", ALL, ids=[fault.name for fault in ALL])
 def test_the_fault_is_caught(fault: Fault, tmp_path: Path) -> None:
     source = tmp_path / "src"
     shutil.copytree(

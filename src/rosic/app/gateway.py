@@ -17,6 +17,7 @@ from rosic.app.gates import robots_of, stops_of
 from rosic.app.holding import Holding
 from rosic.app.languages import LANGUAGES, catalogue, whose
 from rosic.app.minding import Minder
+from rosic.app.owing import owe_over_crashes
 from rosic.app.painting import furnish_seeing
 from rosic.app.people import Seed, remember, seed
 from rosic.app.retention import Keep, Ledger, Retention
@@ -234,11 +235,13 @@ class Gateway:
         return authority
 
     async def _recover(self, memory: Memory) -> None:
-        assert self._teller is not None  # noqa: S101 - made just before
         parts = self._parts
+        assert self._teller is not None  # noqa: S101 - made just before
         messengers = {messenger.name: messenger for messenger in self._messengers}
         recovery = Recovery(parts.store, self.rooms.linker, self._teller, parts.clock, messengers)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
+        outbox = owe_over_crashes(parts, self.furnishing, self.stop_lane, self._teller)
+        outbox.restore(memory.facts, messengers)
         if count:
             log.warning("%d interrupted commands were settled", count)
 
@@ -320,7 +323,8 @@ class Gateway:
         """Whether no order is under way, no stop is being measured and nothing is left to say."""
         told = self._teller is None or self._teller.quiet
         seen = not hasattr(self, "seeing") or self.seeing.studio.quiet
-        return told and seen and self.stop_lane.quiet and not len(self.pipeline.lives)
+        told = told and seen and self.pipeline.arrears.quiet
+        return told and self.stop_lane.quiet and not len(self.pipeline.lives)
 
     def _robot_says(self, profile: Profile, text: str) -> None:
         """Bring a robot's own words to everybody who chose it, as inert text (Algorithm 8)."""

@@ -30,10 +30,17 @@ def _schedule(quick: bool) -> Report:
     return measure(quick=quick)
 
 
+def _telegram(quick: bool) -> Report:
+    from rosic.bench.telegram import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick)
+
+
 BENCHES: dict[str, Callable[[bool], Report]] = {
     "pipeline": _pipeline,
     "schedule": _schedule,
     "stop": _stop,
+    "telegram": _telegram,
 }
 
 

@@ -21,6 +21,7 @@ class Case(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     Attributes:
         rate_per_s, p50_us, p99_us: Of what, the report's method says.
+        permitted_share: Of what a platform permits, how much was used; left out elsewhere.
         bytes_each: Memory of each of many, where that is what a case is about; else not shown.
     """
 
@@ -28,6 +29,7 @@ class Case(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     rate_per_s: float
     p50_us: float
     p99_us: float
+    permitted_share: float | msgspec.UnsetType = msgspec.UNSET
     bytes_each: float | None = None
 
 
@@ -74,13 +76,19 @@ def as_json(report: Report) -> str:
     return msgspec.json.encode(report).decode()
 
 
+def _share(case: Case) -> str:
+    if case.permitted_share is msgspec.UNSET:
+        return ""
+    return f"   {case.permitted_share:>6.1%} of what is permitted"
+
+
 def as_text(report: Report) -> str:
     """Return a table for people."""
     width = max(len(case.name) for case in report.cases)
     lines = [report.machine, report.method, ""]
     lines += [
         f"{case.name:<{width}}  {case.rate_per_s:>10.0f} /s   p50 {_us(case.p50_us)} us   "
-        f"p99 {_us(case.p99_us)} us"
+        f"p99 {_us(case.p99_us)} us{_share(case)}"
         + ("" if case.bytes_each is None else f"   {case.bytes_each:.0f} bytes each")
         for case in report.cases
     ]

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 DIGEST_BYTES = 16
 COMPLETED_KEPT = 8_192
 UNWRITTEN_KEPT = 10_000
+TOLD_TOGETHER = 500
 _digest_form = msgspec.json.Encoder(order="sorted").encode
 
 
@@ -220,12 +221,13 @@ class Containers:
             ) from fault
 
     def told(self, *cids: bytes) -> None:
-        """Note that the author knows how these ended; all of them, or none, is on disk."""
+        """Note that the author knows how these ended; of a card's, all or none are on disk."""
         at_ns = self._clock.wall_ns()
         if len(cids) == 1:
             self._store.note(Told(cids[0], at_ns))
         else:
-            self._store.note(*[Told(cid, at_ns) for cid in cids])
+            for first in range(0, len(cids), TOLD_TOGETHER):
+                self._store.note(*[Told(cid, at_ns) for cid in cids[first : first + TOLD_TOGETHER]])
 
     def selected(self, principal: PrincipalId, chat: Chat) -> str:
         """Return the robot or group that a person chose in a chat, empty for none."""

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from typing import Protocol, TypeAlias
 
-from rosic.core.message import Inbound, Outbound
+from rosic.core.message import Chat, Inbound, Outbound, Weight
+from rosic.errors import MessengerFault
 
 Receive: TypeAlias = Callable[[Inbound], Awaitable[None]]
+Turn: TypeAlias = Callable[[Chat, Weight], Awaitable[None]]
+Alarm: TypeAlias = Callable[[MessengerFault], None]
 
 
 class Messenger(Protocol):
@@ -67,3 +70,23 @@ class Messenger(Protocol):
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Answer a tap at once; an empty text only ends the waiting. Never raises."""
         ...
+
+
+def turn_of(messenger: Messenger) -> Turn | None:
+    """Return what a messenger calls ``turn``, if its platform takes only so much at a time.
+
+    It waits until something of this weight may be said in this chat. What is sent or edited there
+    next waits for nothing more, so its words can be chosen last. It raises ``MessengerFault`` when
+    there was no room in time; cancelling it takes no turn. None: there is always room.
+    """
+    turn: Turn | None = getattr(messenger, "turn", None)
+    return turn
+
+
+def alarm_to(messenger: Messenger, alarm: Alarm) -> None:
+    """Have a messenger that can be taken over say so: somebody else acts in its name.
+
+    Called once per occurrence, on the event loop, after motion from this messenger was frozen.
+    """
+    if hasattr(messenger, "on_alarm"):
+        messenger.on_alarm = alarm

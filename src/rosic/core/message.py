@@ -34,6 +34,16 @@ class Standing(enum.Enum):
     ANONYMOUS = "anonymous"
 
 
+class Weight(enum.IntEnum):
+    """What goes first where a platform does not take everything at once: the lowest."""
+
+    STOP = 0
+    ALARM = 1
+    OUTCOME = 2
+    QUESTION = 3
+    FEEDBACK = 4
+
+
 class Chat(msgspec.Struct, frozen=True, gc=False):
     """Where a conversation takes place.
 
@@ -121,7 +131,7 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     Attributes:
         reply_to: Id of the message it answers; empty for none.
         buttons: Rows of buttons.
-        urgent: Overtakes everything that is not (a stop's answer, an alarm).
+        weight: Whether it overtakes what waits to be said elsewhere, or is overtaken.
         attachment: A file that goes with it; only for a messenger that sends files of its size.
     """
 
@@ -129,5 +139,10 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     text: str
     reply_to: str = ""
     buttons: tuple[tuple[Button, ...], ...] = ()
-    urgent: bool = False
+    weight: Weight = Weight.QUESTION
     attachment: Attachment | None = None
+
+    @property
+    def urgent(self) -> bool:
+        """Whether it waits for nothing else in its own chat (a stop's answer, an alarm)."""
+        return self.weight <= Weight.ALARM

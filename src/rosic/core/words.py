@@ -146,6 +146,14 @@ def stopping(shown: Sequence[str]) -> str:
     return said("STOP sent to {robots}.", robots=", ".join(shown))
 
 
+def stopped_unseen(shown: Sequence[str]) -> str:
+    """Return what a stop is answered with by a run that did not see it end."""
+    return said(
+        "STOP was sent to {robots}. ROSIC was interrupted before rest was seen; please look.",
+        robots=", ".join(shown),
+    )
+
+
 def resumed(shown: Sequence[str]) -> str:
     """Return the answer to a resume."""
     return joined(" ", (said("{name} is ready again.", name=name) for name in shown))
@@ -163,3 +171,8 @@ def unknown_after_restart(title: str) -> str:
 def said_again(text: str) -> str:
     """Mark an answer that may have been given before an interruption."""
     return joined("\n", (text, said("(Said again: ROSIC was restarted.)")))
+
+
+def perhaps_twice(text: str) -> str:
+    """Mark what may have arrived before, though nobody can know."""
+    return joined("\n", (text, said("(This may stand here twice: the connection broke.)")))

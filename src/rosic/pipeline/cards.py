@@ -31,6 +31,7 @@ class Card:
         cids: The orders whose lives are shown here.
         open: How many lives have not ended; at 0 nothing more will be said here.
         ending: An ending is on its way to the disk, or there.
+        doubted: A message that said the ending may have arrived, or not.
         words: In the language of whoever is answered.
     """
 
@@ -42,6 +43,7 @@ class Card:
         "chat",
         "cids",
         "dirty",
+        "doubted",
         "ending",
         "in_place",
         "lines",
@@ -72,6 +74,7 @@ class Card:
         self.adopted = False
         self.words = words
         self.dirty = False
+        self.doubted = False
         self.ending = False
         self.lines: list[str] = []
         self.untold: list[CommandId] = []
@@ -80,6 +83,11 @@ class Card:
         self._face = face
         self._lives: list[Life] = []
         self.open = 0
+
+    @property
+    def is_over_unseen(self) -> bool:
+        """Every life has ended, and certainly nobody has read anything of them yet."""
+        return not self.open and not self.message and not self.doubted
 
     def add(self, cid: CommandId, where: str, title: str, at_ns: int) -> Life:
         """Show one more life, which begins now."""

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.authoriser.buttons import is_stop, lifetime_of
+from rosic.core.message import Weight
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -72,7 +73,13 @@ class Expiring:
         left = tuple(
             kept for row in note.outbound.buttons if (kept := tuple(b for b in row if is_stop(b)))
         )
-        self._teller.say(replace(note, outbound=replace(note.outbound, buttons=left, urgent=False)))
+        self._teller.say(
+            replace(
+                note,
+                outbound=replace(note.outbound, buttons=left, weight=Weight.FEEDBACK),
+                then=None,
+            )
+        )
 
     async def close(self) -> None:
         """Look no more."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rosic.core.message import Chat, Outbound
+from rosic.core.message import Chat, Outbound, Weight
 from rosic.pipeline.languages import translated
 from rosic.pipeline.telling import Note, Teller
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
     from rosic.core.message import Button
+    from rosic.pipeline.outbox import Outbox
 
 
 class Reach:
@@ -23,6 +24,9 @@ class Reach:
 
     Where a platform gives a private chat the account's own id, it is found even if the person has
     not spoken since the start.
+
+    Attributes:
+        outbox: Keeps what is said over a crash; without one it is only said.
     """
 
     def __init__(
@@ -31,6 +35,7 @@ class Reach:
         self._authoriser = authoriser
         self._teller = teller
         self._messengers = tuple(messengers)
+        self.outbox: Outbox | None = None
 
     def tell(
         self,
@@ -44,7 +49,8 @@ class Reach:
     ) -> int:
         """Tell each of them in private, wherever they can be reached. Return how many places.
 
-        Buttons are bound to each person and chat, good once.
+        Buttons are bound to each person and chat, good once. An alarm, and whatever offers no
+        button, is told over a crash too; an offer is not, as nobody could take it any more.
 
         Args:
             people: Whom; each once.
@@ -55,15 +61,20 @@ class Reach:
             still: Nothing moves by any of them, so a gap in listening does not void them.
         """
         places = 0
+        weight = Weight.ALARM if urgent else Weight.QUESTION
         lifetime_ns = int(lifetime_s * 1e9)
         issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns, still=still)
         for principal in dict.fromkeys(people):
             catalogue = self._teller.languages.of(principal)
             for messenger, chat in self._chats(principal):
                 bound = tuple(tuple(issue(b, principal, chat.id) for b in row) for row in buttons)
-                outbound = Outbound(chat=chat, text=text, buttons=bound, urgent=urgent)
+                outbound = Outbound(chat=chat, text=text, buttons=bound, weight=weight)
                 plain = translated(outbound, catalogue)
-                self._teller.say(Note(messenger, plain, good_for_ns=lifetime_ns))
+                note = Note(messenger, plain, good_for_ns=lifetime_ns)
+                if self.outbox is not None and (urgent or not buttons):
+                    self.outbox.say(principal, note)
+                else:
+                    self._teller.say(note)
                 places += 1
         return places
 

@@ -9,11 +9,12 @@ import msgspec
 
 from rosic.container.letters import Answer, ReplyTo, read_answer, read_reply_to
 from rosic.core import record, words
-from rosic.core.message import Outbound
+from rosic.core.message import Outbound, Weight
 from rosic.core.order import Ending
 from rosic.core.record import Concluded, Letter, Unfinished
 from rosic.core.saying import in_language, joined
 from rosic.errors import StoreFault
+from rosic.pipeline.arrears import SINGLY, together
 from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.store import Store
     from rosic.core.identity import CommandId
+    from rosic.core.message import Chat
     from rosic.linker.linker import Linker
 
 log = logging.getLogger("rosic.recovery")
@@ -94,6 +96,7 @@ class Recovery:
 
     def _together(self, lives: Iterable[Unfinished]) -> Iterable[Told]:
         """Repeat answers; return the rest, robots that one line commanded together."""
+        answers: dict[tuple[str, Chat], list[tuple[Unfinished, Answer]]] = {}
         cards: dict[tuple[str, ...] | CommandId, Told] = {}
         for life in lives:
             if life.claim is None:
@@ -105,21 +108,39 @@ class Recovery:
                     shown = (life.placed or b"").decode("utf-8", "replace")
                     _put_together(cards, Told(read_reply_to(life.claim), shown, [life]))
                 else:
-                    self._repeat_answer(life, read_answer(life.claim))
+                    answer = read_answer(life.claim)
+                    answers.setdefault((answer.messenger, answer.chat), []).append((life, answer))
             except msgspec.DecodeError:
                 log.exception("a letter of the last run cannot be read")
                 self._let_go(life)
+        for found in answers.values():
+            self._repeat_answers(found)
         return cards.values()
 
     def _let_go(self, life: Unfinished) -> None:
         """Nobody can be told of this any more; it takes no room in the record from now on."""
         self._store.note(record.Told(cid=life.cid, at_ns=self._clock.wall_ns()))
 
-    def _repeat_answer(self, life: Unfinished, answer: Answer) -> None:
-        catalogue = self._teller.languages.of(life.principal)
-        text = in_language(words.said_again(answer.text), catalogue)
-        self._say(answer.messenger, Outbound(chat=answer.chat, text=text, reply_to=answer.message),
-                  [life])  # fmt: skip
+    def _repeat_answers(self, found: list[tuple[Unfinished, Answer]]) -> None:
+        """Repeat what was answered in one chat, many answers as one."""
+        name, chat = found[0][1].messenger, found[0][1].chat
+        messenger = self._messengers.get(name)
+        if messenger is None:
+            return  # no longer configured; the record keeps it
+        languages = self._teller.languages
+        if len(found) > SINGLY:
+            note = together(messenger, chat, [life.cid for life, _ in found])
+            catalogue = languages.of(found[-1][0].principal)
+            text = in_language(words.said_again(note.outbound.text), catalogue)
+            note.outbound = msgspec.structs.replace(note.outbound, text=text)
+            self._teller.say(note)
+            return
+        for life, answer in found:
+            text = in_language(words.said_again(answer.text), languages.of(life.principal))
+            outbound = Outbound(
+                chat=chat, text=text, reply_to=answer.message, weight=Weight.OUTCOME
+            )
+            self._say(name, outbound, [life])
 
     def _tell(self, told: Told, exists: Callable[[str], bool]) -> None:
         origin, lives = told.origin, told.lives
@@ -137,7 +158,7 @@ class Recovery:
             text = words.said_again(text)
         reply_to = "" if told.shown else origin.message
         plain = in_language(text, self._teller.languages.of(lives[0].principal))
-        outbound = Outbound(chat=origin.chat, text=plain, reply_to=reply_to)
+        outbound = Outbound(chat=origin.chat, text=plain, reply_to=reply_to, weight=Weight.OUTCOME)
         self._say(origin.messenger, outbound, lives, edit_of=told.shown)
 
     def _say(

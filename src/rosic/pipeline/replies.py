@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.container.letters import Answer
-from rosic.core.message import Button, ChatKind, Outbound
+from rosic.core.message import Button, ChatKind, Outbound, Weight
 from rosic.core.rate import Bucket, RateLimit
 from rosic.core.saying import in_language, said
 from rosic.errors import Refusal, Repeated
+from rosic.pipeline.arrears import Arrears, is_backlog
 from rosic.pipeline.languages import translated
 from rosic.pipeline.telling import Note, Teller
 
@@ -29,7 +30,11 @@ STRANGERS = RateLimit(burst=5.0, per_s=0.2)
 
 
 class Replies:
-    """Gives answers to the teller, with buttons bound to the one who is answered."""
+    """Gives answers to the teller, with buttons bound to the one who is answered.
+
+    Attributes:
+        arrears: Answers to what was sent while nobody listened.
+    """
 
     def __init__(self, rooms: Rooms, teller: Teller, clock: Clock) -> None:
         self._authoriser = rooms.authoriser
@@ -37,20 +42,14 @@ class Replies:
         self._teller = teller
         self._languages = teller.languages
         self._clock = clock
+        self.arrears = Arrears(teller, clock)
         self._strangers = Bucket(STRANGERS, clock.monotonic_ns())
 
-    def say(
-        self,
-        messenger: Messenger,
-        inbound: Inbound,
-        text: str,
-        *,
-        cid: CommandId | None = None,
-    ) -> None:
+    def say(self, messenger: Messenger, inbound: Inbound, text: str) -> None:
         """Answer without buttons."""
         plain = in_language(text, self._languages.of_sender(inbound))
         outbound = Outbound(chat=inbound.chat, text=plain, reply_to=reply_id(inbound))
-        self._teller.say(Note(messenger, outbound, cid, inbound.under))
+        self._say(Note(messenger, outbound, None, inbound.under), inbound)
 
     def offer(
         self,
@@ -59,15 +58,18 @@ class Replies:
         caller: Caller,
         text: str,
         buttons: tuple[tuple[Button, ...], ...],
-        *,
-        cid: CommandId | None = None,
     ) -> None:
         """Answer with buttons that only this person, in this chat, can use, once (I16)."""
-        issue, chat = self._authoriser.buttons.issue, inbound.chat.id
-        bound = tuple(tuple(issue(b, caller.principal, chat) for b in row) for row in buttons)
+        bound = self._bind(inbound, caller, buttons)
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
         plain = translated(outbound, self._languages.of(caller.principal))
-        self._teller.say(Note(messenger, plain, cid, inbound.under))
+        self._say(Note(messenger, plain, None, inbound.under), inbound)
+
+    def _bind(
+        self, inbound: Inbound, caller: Caller, buttons: tuple[tuple[Button, ...], ...]
+    ) -> tuple[tuple[Button, ...], ...]:
+        issue, chat = self._authoriser.buttons.issue, inbound.chat.id
+        return tuple(tuple(issue(b, caller.principal, chat) for b in row) for row in buttons)
 
     def hand_over(
         self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
@@ -126,7 +128,18 @@ class Replies:
         buttons = tuple((Button(offer, offer),) for offer in refusal.offers)
         if refusal.petition:
             buttons = (*buttons, (Button(ask_for_it(), refusal.petition),))
-        self.offer(messenger, inbound, caller, refusal.sentence, buttons, cid=cid)
+        outbound = Outbound(
+            chat=inbound.chat, text=refusal.sentence, reply_to=reply_id(inbound),
+            buttons=self._bind(inbound, caller, buttons), weight=Weight.OUTCOME,
+        )  # fmt: skip
+        told = translated(outbound, self._languages.of(caller.principal))
+        self._say(Note(messenger, told, cid, inbound.under), inbound, refusal)
+
+    def _say(self, note: Note, inbound: Inbound, refusal: Refusal | None = None) -> None:
+        if is_backlog(inbound):
+            self.arrears.keep(note, refusal, self._languages.of_sender(inbound))
+        else:
+            self._teller.say(note)
 
     def turn_away(self, messenger: Messenger, inbound: Inbound, sentence: str) -> None:
         """Answer a stranger in private, seldom; all strangers share one bucket."""

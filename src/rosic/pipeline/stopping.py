@@ -8,7 +8,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from rosic.core import words
-from rosic.core.message import Inbound, Outbound
+from rosic.core.message import Inbound, Outbound, Weight
 from rosic.core.order import Rest
 from rosic.core.record import Stopped
 from rosic.core.saying import in_language, joined, said
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
     from rosic.linker.linker import Halting
+    from rosic.pipeline.outbox import Outbox
     from rosic.pipeline.rooms import Rooms
 
 # In one chat at a time. Stops are obeyed whatever their number; answering a flood of them helps
@@ -36,7 +37,11 @@ log = logging.getLogger("rosic.stop")
 
 
 class StopLane:
-    """Stops whatever its author may see."""
+    """Stops whatever its author may see.
+
+    Attributes:
+        outbox: Has a stop answered even if this process does not live to do it.
+    """
 
     def __init__(
         self, rooms: Rooms, store: Store, clock: Clock, languages: Languages | None = None
@@ -53,6 +58,7 @@ class StopLane:
         self._clock = clock
         self._tasks: set[asyncio.Task[None]] = set()
         self._answering: Counter[tuple[str, str]] = Counter()
+        self.outbox: Outbox | None = None
 
     async def stop(self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...]) -> None:
         """Stop now; tell when rest was measured. On return every adapter has been told to stop.
@@ -73,7 +79,7 @@ class StopLane:
         where = (messenger.name, inbound.chat.id)
         if self._answering[where] < ANSWERS_AT_MOST:
             self._answering[where] += 1
-            self._spawn(self._answer(messenger, inbound, halting))
+            self._spawn(self._answer(messenger, inbound, halting, by))
         patience = asyncio.create_task(self._clock.sleep(LATCH_WITHIN_S))
         await asyncio.wait((halting.latched, patience), return_when=asyncio.FIRST_COMPLETED)
         patience.cancel()
@@ -113,31 +119,43 @@ class StopLane:
             )
         )  # fmt: skip
 
-    async def _answer(self, messenger: Messenger, inbound: Inbound, halting: Halting) -> None:
+    async def _answer(
+        self, messenger: Messenger, inbound: Inbound, halting: Halting, by: PrincipalId
+    ) -> None:
         where = (messenger.name, inbound.chat.id)
         try:
-            await self._answer_when_at_rest(messenger, inbound, halting)
+            await self._answer_when_at_rest(messenger, inbound, halting, by)
         finally:
             self._answering[where] -= 1
             if not self._answering[where]:
                 del self._answering[where]
 
     async def _answer_when_at_rest(
-        self, messenger: Messenger, inbound: Inbound, halting: Halting
+        self, messenger: Messenger, inbound: Inbound, halting: Halting, by: PrincipalId
     ) -> None:
         shown = [self._profiles[robot].shown for robot in halting.rests]
         catalogue = self._languages.of_sender(inbound)
-        message = ""
+        message = key = ""
+        if by and self.outbox is not None:
+            plain = in_language(words.stopped_unseen(shown), catalogue)
+            owed = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
+            key = self.outbox.owe(by, messenger, owed)
         if messenger.edits:
             plain = in_language(words.stopping(shown), catalogue)
-            sent = Outbound(chat=inbound.chat, text=plain, urgent=True)
+            sent = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
             message = await self._say(messenger, sent, "")
         rests = [await self._rest(robot, task) for robot, task in halting.rests.items()]
         text = words.rests(self._profiles, rests)
         if not await asyncio.shield(halting.latched):
             text = joined(" ", (text, NOT_WRITTEN))
         plain = in_language(text, catalogue)
-        await self._say(messenger, Outbound(chat=inbound.chat, text=plain, urgent=True), message)
+        outbound = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
+        told = await self._say(messenger, outbound, message)
+        if self.outbox is not None:
+            if told:
+                self.outbox.said(key)
+            else:
+                self.outbox.insist(key, messenger, outbound)
 
     async def _rest(self, robot: RobotId, task: asyncio.Task[Rest]) -> Rest:
         try:

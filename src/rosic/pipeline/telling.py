@@ -1,30 +1,37 @@
-"""Tell: what goes back to a chat, in order, newest state first, an ending never lost while we live.
+"""Tell: what goes back to a chat, newest state first, an ending never lost while we live.
 
-One voice per chat speaks at a time, so that a chat is never overtaken by itself. A voice that has
-nothing to say costs nothing. What a stop answers does not wait for any of this.
+One voice per chat speaks at a time. A voice that has nothing to say costs nothing. Where a platform
+takes only so much, a voice waits for its turn first and chooses its words then: the most important
+thing that waits, as it is at that moment. What a stop answers does not wait for any of this.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
-from collections import deque
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.contracts.messenger import Messenger
-from rosic.core.identity import CommandId
+from rosic.contracts.messenger import turn_of
+from rosic.core import words
+from rosic.core.identity import Address
 from rosic.core.message import Outbound
+from rosic.core.saying import in_language
 from rosic.errors import MessageGone, MessengerFault
 from rosic.pipeline.cards import Card
 from rosic.pipeline.languages import Languages
+from rosic.pipeline.voice import Item, Note, Voice, matters, outbound_of, place_of, weight_of
+
+__all__ = ["Note", "Teller"]
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Turn
+    from rosic.core.saying import Catalogue
 
 TRIES = 6
 ASIDE_S = 60.0
@@ -37,35 +44,6 @@ UNSAID_AT_MOST = 512
 VOICES_AT_MOST = 10_000
 
 log = logging.getLogger("rosic.telling")
-
-
-class Note(msgspec.Struct):
-    """A message that stands for itself. ``cid`` and ``also`` are noted as told once it was sent.
-
-    Attributes:
-        good_for_ns: How long its buttons are good, if that is not the usual.
-    """
-
-    messenger: Messenger
-    outbound: Outbound
-    cid: CommandId | None = None
-    edit_of: str = ""
-    also: tuple[CommandId, ...] = ()
-    good_for_ns: int = 0
-
-
-_Item: TypeAlias = Card | Note
-
-
-class Voice:
-    """What is to be said in one chat."""
-
-    __slots__ = ("items", "task", "wake")
-
-    def __init__(self) -> None:
-        self.items: deque[_Item] = deque()
-        self.task: asyncio.Task[None] | None = None
-        self.wake: asyncio.Future[None] | None = None
 
 
 class Teller:
@@ -121,7 +99,7 @@ class Teller:
                     self._enqueue(card.where, card)
         self._ticking = None
 
-    def _enqueue(self, where: tuple[str, str], item: _Item) -> None:
+    def _enqueue(self, where: tuple[str, str], item: Item) -> None:
         voice = self._voices.get(where)
         if voice is None:
             self._retire()
@@ -129,14 +107,17 @@ class Teller:
         items = voice.items
         if items:
             if items[-1] is item:
+                voice.hasten(item)
                 return  # it will be read when it is its turn, as it is then
-            if len(items) >= UNSAID_AT_MOST and not _matters(item):
+            if len(items) >= UNSAID_AT_MOST and not matters(item):
                 return
         items.append(item)
         if voice.task is None:
             voice.task = asyncio.create_task(self._run(voice))
         elif voice.wake is not None and not voice.wake.done():
             voice.wake.set_result(None)
+        else:
+            voice.hasten(item)
 
     def _retire(self) -> None:
         """Keep the number of voices bounded: the oldest ones that have nothing to say go."""
@@ -151,9 +132,14 @@ class Teller:
         loop = asyncio.get_running_loop()
         while True:
             while voice.items:
-                item = voice.items.popleft()
+                turn = turn_of(place_of(voice.items[0])[0])
+                if turn is None:
+                    item = voice.items.popleft()
+                else:
+                    await self._wait_for_turn(voice, turn)
+                    item = voice.take()
                 try:
-                    await self._speak_once(item)
+                    await self._speak_once(item, voice if turn is not None else None)
                 except MessengerFault as fault:
                     log.warning("not told yet: %s", fault)
                     await self._speak_again(item)
@@ -163,7 +149,27 @@ class Teller:
             voice.wake = loop.create_future()
             await voice.wake
 
-    async def _speak(self, item: _Item, *, tries: int = TRIES) -> None:
+    async def _wait_for_turn(self, voice: Voice, turn: Turn) -> None:
+        """Wait until the most important thing in a chat may be said, for as long as it takes."""
+        _, chat = place_of(voice.items[0])
+        while True:
+            voice.weight = min(map(weight_of, voice.items))
+            voice.asking = asyncio.ensure_future(turn(chat, voice.weight))
+            try:
+                await voice.asking
+            except asyncio.CancelledError:
+                me = asyncio.current_task()
+                if me is None or me.cancelling():
+                    raise
+            except MessengerFault as fault:
+                log.warning("no turn yet: %s", fault)
+                await self._clock.sleep(FIRST_WAIT_S)
+            else:
+                return
+            finally:
+                voice.asking = None
+
+    async def _speak(self, item: Item, *, tries: int = TRIES) -> None:
         """Say one thing, or lay it aside: one message that is not taken silences no chat."""
         wait_s = FIRST_WAIT_S * 2 ** (TRIES - tries)
         for _ in range(tries):
@@ -177,17 +183,17 @@ class Teller:
                 return
             await self._clock.sleep(wait_s)
             wait_s *= 2
-        if _matters(item) and len(self._aside) < ASIDE_AT_MOST:
+        if matters(item) and len(self._aside) < ASIDE_AT_MOST:
             task = asyncio.create_task(self._speak_later(item))
             self._aside.add(task)
             task.add_done_callback(self._aside.discard)
 
-    async def _speak_again(self, item: _Item) -> None:
+    async def _speak_again(self, item: Item) -> None:
         """Go on after a first try that failed."""
         await self._clock.sleep(FIRST_WAIT_S)
         await self._speak(item, tries=TRIES - 1)
 
-    async def _speak_later(self, item: _Item) -> None:
+    async def _speak_later(self, item: Item) -> None:
         """Try what matters again after a while, behind what was said meanwhile."""
         await self._clock.sleep(ASIDE_S)
         if isinstance(item, Card):
@@ -195,13 +201,21 @@ class Teller:
         else:
             self._enqueue((item.messenger.name, item.outbound.chat.id), item)
 
-    async def _speak_once(self, item: _Item) -> None:
+    async def _speak_once(self, item: Item, voice: Voice | None = None) -> None:
+        """Say one thing, with whatever may be said in one turn.
+
+        Args:
+            item: What to say.
+            voice: If it has waited for a turn; what is left is given back to it.
+        """
         if not isinstance(item, Card):
             await self._say(item)
-        elif item.in_place:
-            await self._show_in_place(item)
-        else:
+        elif not item.in_place:
             await self._show_line_by_line(item)
+        elif voice is not None and voice.items and item.is_over_unseen:
+            await self._show_at_once(item)
+        else:
+            await self._show_in_place(item, voice)
 
     async def _say(self, note: Note) -> None:
         message = note.edit_of if note.messenger.edits else ""
@@ -212,9 +226,18 @@ class Teller:
                 message = await note.messenger.send(note.outbound)
         except MessageGone:
             message = await note.messenger.send(note.outbound)
+        except MessengerFault as fault:
+            # An edit may be made twice; a message that is sent twice says so.
+            if fault.perhaps_sent and not note.edit_of and not note.doubted:
+                note.doubted = True
+                address = Address(note.outbound.chat.platform, note.outbound.chat.id)
+                note.outbound = _marked(note.outbound, self.languages.of_address(address))
+            raise
         self.on_buttons(note, message)
         if note.cid is not None:
             self._containers.told(note.cid, *note.also)
+        if note.then is not None:
+            note.then()
 
     async def _show_line_by_line(self, card: Card) -> None:
         while card.lines:
@@ -225,26 +248,39 @@ class Teller:
             self._containers.told(*card.untold)
             card.untold = []
 
-    async def _show_in_place(self, card: Card) -> None:
+    async def _show_at_once(self, card: Card) -> None:
+        """Say a life that is over in one message, where more waits than the platform takes.
+
+        Half the calls, so twice as many people hear how their orders ended. Should this process
+        die before it is noted as told, the next says it again, marked (`pipeline/recovery.py`).
+        """
+        try:
+            card.message = await card.messenger.send(outbound_of(card, endings=True))
+        except MessengerFault as fault:
+            card.doubted = fault.perhaps_sent
+            raise
+        card.dirty = False
+        self._containers.told(*card.untold)
+        card.untold = []
+
+    async def _show_in_place(self, card: Card, voice: Voice | None) -> None:
         """Send once, write down which message it is, and say an ending only by editing it.
 
         So an ending is said exactly once, whenever this process may die: what was not noted as
         told is said again by an edit to the same content.
         """
         if not card.message or card.adopted:
-            card.dirty = bool(card.untold)
-            await self._begin_in_place(card)
-            if card.ending:
-                await self._containers.place(card.cids, card.principal, card.message)
-            else:
-                # Nobody waits for it: an ending is written later, and so after it.
-                self._containers.note_place(card.cids, card.principal, card.message)
+            await self._place(card)
+            if voice is not None and card.dirty:
+                voice.items.appendleft(card)  # an edit is another turn
+                return
         if not card.dirty:
             return
+        shown = self._with_endings(card)
         ended, card.untold = card.untold, []
         card.dirty = False
         try:
-            await card.messenger.edit(card.message, _outbound(card, endings=True))
+            await card.messenger.edit(card.message, shown)
         except MessengerFault as fault:
             card.dirty = True
             card.untold = ended + card.untold
@@ -257,9 +293,25 @@ class Teller:
         elif ended:
             self._containers.told(*ended)
 
+    def _with_endings(self, card: Card) -> Outbound:
+        outbound = outbound_of(card, endings=True)
+        if not card.doubted:
+            return outbound
+        return _marked(outbound, self.languages.of(card.principal))
+
+    async def _place(self, card: Card) -> None:
+        """Show a life for the first time, and write down which message shows it."""
+        card.dirty = bool(card.untold)
+        await self._begin_in_place(card)
+        if card.ending:
+            await self._containers.place(card.cids, card.principal, card.message)
+        else:
+            # Nobody waits for it: an ending is written later, and so after it.
+            self._containers.note_place(card.cids, card.principal, card.message)
+
     async def _begin_in_place(self, card: Card) -> None:
         """Show a card for the first time: in a message of its own, or where it was asked for."""
-        outbound = _outbound(card, endings=False)
+        outbound = outbound_of(card, endings=False)
         if card.adopted:
             adopted, card.adopted = card.message, False
             card.message = ""  # should this fail, it is said in a message of its own
@@ -296,15 +348,7 @@ def _nobody_looks(_note: Note, _message: str) -> None:
     """Nobody wants to know which message shows a note."""
 
 
-def _matters(item: _Item) -> bool:
-    """Whether it must be said even when there is too much to say: how something ended."""
-    return not item.open if isinstance(item, Card) else item.cid is not None
-
-
-def _outbound(card: Card, *, endings: bool) -> Outbound:
-    return Outbound(
-        chat=card.chat,
-        text=card.text(endings=endings),
-        reply_to=card.reply_to,
-        buttons=card.buttons if card.open else (),
-    )
+def _marked(outbound: Outbound, catalogue: Catalogue | None) -> Outbound:
+    """Return what may have arrived already, saying so."""
+    text = in_language(words.perhaps_twice(outbound.text), catalogue)
+    return msgspec.structs.replace(outbound, text=text)

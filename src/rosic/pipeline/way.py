@@ -77,6 +77,7 @@ class Pipeline:
         lives: The orders under way.
         audience: Who hears what robots say of their own accord.
         reception: Who receives what is no order.
+        arrears: Answers to what was sent while nobody listened.
     """
 
     def __init__(
@@ -100,6 +101,7 @@ class Pipeline:
         self._resuming = Resuming(organiser, container, linker, rooms.board)
         self.habits = Habits()
         self._choosing = Choosing(self._reader, self.habits)
+        self.arrears = self._replies.arrears
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience = Audience(organiser)
         self.reception = Reception()
@@ -202,7 +204,6 @@ class Pipeline:
             cid = _command_id(inbound, number)
             try:
                 if isinstance(line, Do):
-                    self._rooms.organiser.charge(caller)
                     await self._command(said, line, cid)
                 else:
                     await self._follow(said, line, cid)
@@ -311,6 +312,7 @@ class Pipeline:
         organiser, inbound = self._rooms.organiser, said.inbound
         now_ns = self._clock.monotonic_ns()
         requests = self._requesting.requests(said, line, cid, now_ns)
+        organiser.charge(said.caller)  # not for what was sent in vain while nobody listened
         permits = organiser.admit(said.caller, requests, self._arguments_of, said.grounds)
         if said.proven and any(organiser.wants_proof(request) for request in requests):
             self.reception.proof_used(said.caller.principal, inbound.chat)
@@ -360,6 +362,7 @@ class Pipeline:
 
     async def close(self) -> None:
         """End every life: robots come to rest, outcomes are written and told."""
+        self.arrears.flush()
         await self.lives.close()
         await self._expiring.close()
         await asyncio.sleep(0)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.message import Button, Chat, Outbound
+from rosic.core.message import Button, Chat, Outbound, Weight
 from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.telegram.line import Line
 from rosic.messengers.telegram.settings import read_settings
@@ -228,7 +228,7 @@ async def test_an_urgent_message_overtakes_what_waits(
         for number in range(6)
     ]
     await gateway.until(lambda: len(shown(server, ada)) == 3)
-    await gateway.messenger.send(to(ada, "STOP: omni at rest (0.1 s)", urgent=True))
+    await gateway.messenger.send(to(ada, "STOP: omni at rest (0.1 s)", weight=Weight.STOP))
     assert len(shown(server, ada)) == 4
     for task in waiting:
         task.cancel()

@@ -4,8 +4,9 @@ import asyncio
 
 import pytest
 
+from rosic.core.message import Weight
 from rosic.errors import MessengerFault
-from rosic.messengers.telegram.limiter import WAITING_AT_MOST, Limiter, Rank
+from rosic.messengers.telegram.limiter import WAITING_AT_MOST, WAITING_IN_A_CHAT, Limiter
 from rosic.testing.clock import ManualClock, settle
 
 
@@ -23,10 +24,15 @@ class Turns:
         return round((self.clock.monotonic_ns() - self.began_ns) / 1e9, 2)
 
     def ask(
-        self, name: str, chat: str = "1", rank: Rank = Rank.MESSAGE, *, within_s: float = 600.0
+        self,
+        name: str,
+        chat: str = "1",
+        weight: Weight = Weight.OUTCOME,
+        *,
+        within_s: float = 600.0,
     ) -> asyncio.Task[None]:
         async def turn() -> None:
-            await self.limiter.turn(chat, rank, within_s=within_s)
+            await self.limiter.turn(chat, weight, within_s=within_s)
             self.given.append((name, self.now_s()))
 
         self.tasks.append(asyncio.create_task(turn()))
@@ -87,10 +93,10 @@ async def test_stops_first_then_messages_then_edits() -> None:
     turns = Turns()
     for number in range(3):
         turns.ask(f"used-up-{number}")
-    turns.ask("edit", rank=Rank.EDIT)
+    turns.ask("edit", weight=Weight.FEEDBACK)
     turns.ask("message")
     await settle()
-    turns.ask("stop", rank=Rank.URGENT)
+    turns.ask("stop", weight=Weight.STOP)
     await turns.clock.advance(60)
 
     assert turns.names()[3:] == ["stop", "message", "edit"]
@@ -100,7 +106,7 @@ async def test_stops_first_then_messages_then_edits() -> None:
 async def test_retry_after_holds_the_chat_even_for_a_stop() -> None:
     turns = Turns()
     turns.limiter.hold("1", 7.0)
-    turns.ask("held", rank=Rank.URGENT)
+    turns.ask("held", weight=Weight.STOP)
     turns.ask("other", "2")
     await turns.clock.advance(20)
 
@@ -155,15 +161,62 @@ async def test_who_is_cancelled_takes_no_turn_and_nothing_is_left_running() -> N
 async def test_the_queue_is_bounded_and_edits_are_refused_first() -> None:
     turns = Turns()
     turns.limiter.hold("1", 100.0)
-    for _ in range(WAITING_AT_MOST):
-        turns.ask("edit", rank=Rank.EDIT)
+    for number in range(WAITING_AT_MOST):
+        turns.limiter.hold(str(number), 100.0)
+        turns.ask("edit", str(number), weight=Weight.FEEDBACK)
     await settle()
 
     with pytest.raises(MessengerFault, match="Too much"):
-        await turns.limiter.turn("1", Rank.EDIT, within_s=600)
-    urgent = turns.ask("stop", "2", rank=Rank.URGENT)
+        await turns.limiter.turn("new", Weight.FEEDBACK, within_s=600)
+    turns.ask("outcome", "new", weight=Weight.OUTCOME)
     await settle()
-    assert urgent.done()
+    assert not any(task.done() for task in turns.tasks)
     for task in turns.tasks:
         task.cancel()
     await asyncio.gather(*turns.tasks, return_exceptions=True)
+
+
+async def test_one_chat_that_is_told_too_much_keeps_no_other_out() -> None:
+    turns = Turns()
+    for _ in range(WAITING_IN_A_CHAT + 3):
+        turns.ask("much", "1")
+    await settle()
+    with pytest.raises(MessengerFault, match="Too much"):
+        await turns.limiter.turn("1", Weight.OUTCOME, within_s=600)
+    stop = turns.ask("stop", "1", Weight.STOP)
+    other = turns.ask("other", "2")
+    await settle()
+    assert stop.done()
+    assert other.done()
+    for task in turns.tasks:
+        task.cancel()
+    await asyncio.gather(*turns.tasks, return_exceptions=True)
+
+
+async def test_where_all_chats_together_wait_the_one_that_had_least_is_next() -> None:
+    turns = Turns()
+    for _ in range(60):
+        for chat in range(40):
+            if chat:
+                turns.ask(str(chat), str(chat))
+    await turns.clock.advance(3.0)
+    late = turns.ask("late", "0")
+    await turns.clock.advance(0.1)
+
+    assert late.done()
+    had = [turns.names().count(str(chat)) for chat in range(1, 40)]
+    assert max(had) - min(had) <= 3
+    for task in turns.tasks:
+        task.cancel()
+    await asyncio.gather(*turns.tasks, return_exceptions=True)
+
+
+async def test_what_weighs_more_goes_first_over_all_chats() -> None:
+    turns = Turns()
+    turns.limiter._all_held_ns = turns.clock.monotonic_ns() + 5_000_000_000
+    for weight in reversed(Weight):
+        for number in range(8):
+            turns.ask(weight.name, f"{weight}.{number}", weight)
+    await turns.clock.advance(30.0)
+
+    assert turns.names() == [weight.name for weight in Weight for _ in range(8)]

@@ -11,6 +11,7 @@ import msgspec
 from telegram import BotCommand
 
 from rosic.core.language import hears_stop
+from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import mapping, wire
 from rosic.messengers.telegram.line import BATCH, CALL_S
@@ -269,13 +270,15 @@ class Listener:
 
 def _accusation(name: str, reason: str) -> str:
     if "webhook" in reason.casefold():
-        return (
-            f"The messages of the bot of {name} go to another address (a webhook is set)."
+        return said(
+            "The messages of the bot of {name} go to another address (a webhook is set)."
             " Robots take no motion from it until that ends. If nobody here set it, the token is"
-            " known to somebody: have BotFather replace it."
+            " known to somebody: have BotFather replace it.",
+            name=name,
         )
-    return (
-        f"Another program receives the messages of the bot of {name}."
+    return said(
+        "Another program receives the messages of the bot of {name}."
         " Robots take no motion from it until that ends. If it is none of yours, the token is"
-        " known to somebody: have BotFather replace it."
+        " known to somebody: have BotFather replace it.",
+        name=name,
     )

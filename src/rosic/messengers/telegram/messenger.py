@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.files import FILE_BYTES
-from rosic.messengers.telegram.limiter import Limiter
+from rosic.messengers.telegram.limiter import PUBLISHED, Limiter, Rates
 from rosic.messengers.telegram.line import Line
 from rosic.messengers.telegram.listener import Listener
 from rosic.messengers.telegram.scrub import hide
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
-    from rosic.core.message import Inbound, Outbound
+    from rosic.core.message import Chat, Inbound, Outbound, Weight
 
 CHECK_S = 4.0
 
@@ -29,6 +29,10 @@ class TelegramMessenger:
     """Implements `contracts.messenger.Messenger` over the Bot API.
 
     Sending works whether or not it runs; connections are open only while they are needed.
+
+    Args:
+        line: Another way to the Bot API, for measuring.
+        rates: Other limits than Telegram's published ones.
 
     Attributes:
         on_alarm: Called, once per occurrence, when somebody else receives for this bot and motion
@@ -40,16 +44,24 @@ class TelegramMessenger:
     edits = True
     file_bytes = FILE_BYTES
 
-    def __init__(self, name: str, settings: TelegramSettings, clock: Clock) -> None:
+    def __init__(
+        self,
+        name: str,
+        settings: TelegramSettings,
+        clock: Clock,
+        *,
+        line: Line | None = None,
+        rates: Rates = PUBLISHED,
+    ) -> None:
         hide(settings.token)
         if settings.proxy is not None:
             hide(settings.proxy)
         self.name = name
         self.on_alarm: Callable[[MessengerFault], None] = lambda _fault: None
-        self._line, chats = Line(settings), Chats()
+        self._line, chats = line or Line(settings), Chats()
         poll_timeout_s = settings.poll_timeout_s
         self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
-        self._speaker = Speaker(self._line, Limiter(clock), chats, clock)
+        self._speaker = Speaker(self._line, Limiter(clock, rates), chats, clock)
         self._running = False
 
     def __repr__(self) -> str:
@@ -93,6 +105,14 @@ class TelegramMessenger:
             await self._listener.run(receive)
         finally:
             self._running = False
+
+    async def turn(self, chat: Chat, weight: Weight) -> None:
+        """Wait until something may be said in a chat; see ``contracts.messenger.turn_of``.
+
+        Raises:
+            MessengerFault: There was no room in time.
+        """
+        await self._speaker.turn(chat, weight)
 
     async def send(self, outbound: Outbound) -> str:
         """Send, at the pace Telegram allows, and return the id of the (last) message.

@@ -15,7 +15,6 @@ from telegram import (
 from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.telegram import text as texts
 from rosic.messengers.telegram.files import FILE_S, prepared
-from rosic.messengers.telegram.limiter import Rank
 from rosic.messengers.telegram.line import CALL_S
 from rosic.messengers.telegram.trouble import Kind, Trouble
 
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from telegram import Bot
 
     from rosic.contracts.clock import Clock
-    from rosic.core.message import Inbound, Outbound
+    from rosic.core.message import Chat, Inbound, Outbound, Weight
     from rosic.messengers.telegram.chats import Chats
     from rosic.messengers.telegram.files import Sendable
     from rosic.messengers.telegram.limiter import Limiter
@@ -56,7 +55,7 @@ class Call(NamedTuple):
     """
 
     chat: str
-    rank: Rank
+    weight: Weight
     repeatable: bool = False
 
 
@@ -68,6 +67,18 @@ class Speaker:
         self._limiter = limiter
         self._chats = chats
         self._clock = clock
+        self._granted: set[str] = set()
+
+    async def turn(self, chat: Chat, weight: Weight) -> None:
+        """Wait for a turn in this chat; whatever is said there next takes it.
+
+        Raises:
+            MessengerFault: There was none in time.
+        """
+        where = self._chats.where(chat.id)
+        if where not in self._granted:
+            await self._limiter.turn(where, weight, within_s=GIVE_UP_S)
+            self._granted.add(where)
 
     async def send(self, outbound: Outbound) -> str:
         """Send; a long text goes as several messages, buttons under the last, whose id counts.
@@ -77,7 +88,7 @@ class Speaker:
         """
         keyboard = _keyboard(outbound)
         self._chats.offered(outbound)
-        call = Call(outbound.chat.id, Rank.URGENT if outbound.urgent else Rank.MESSAGE)
+        call = Call(outbound.chat.id, outbound.weight)
         reply = _reply(outbound.reply_to)
         parts = texts.split(outbound.text)
         sent: list[str] = []
@@ -103,7 +114,7 @@ class Speaker:
         keyboard = _keyboard(outbound)
         self._chats.offered(outbound)
         chat = outbound.chat.id
-        call = Call(chat, Rank.URGENT if outbound.urgent else Rank.EDIT, repeatable=True)
+        call = Call(chat, outbound.weight, repeatable=True)
         parts, shown = texts.split(outbound.text), self._chats.parts(chat, message)
         if len(parts) > len(shown):
             raise MessengerFault("The message has become too long to be changed in place.")
@@ -223,7 +234,10 @@ class Speaker:
             left_s = (give_up_ns - self._clock.monotonic_ns()) / 1e9
             chat = self._chats.where(call.chat)
             number = _number(chat)
-            await self._limiter.turn(chat, call.rank, within_s=left_s)
+            if chat in self._granted:
+                self._granted.discard(chat)
+            else:
+                await self._limiter.turn(chat, call.weight, within_s=left_s)
             try:
                 return await self._line.ask(
                     lambda bot, to=number: act(bot, to),  # type: ignore[misc]

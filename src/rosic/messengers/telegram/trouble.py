@@ -48,6 +48,7 @@ class Trouble(MessengerFault):
         self.reason = reason
         self.wait_s = wait_s
         self.new_chat = new_chat
+        self.perhaps_sent = kind is Kind.LOST
 
 
 class TooFast(foreign.TelegramError):

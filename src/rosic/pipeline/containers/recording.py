@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import msgspec
 
 from rosic.container.archive import NOBODY, Author
+from rosic.contracts.messenger import turn_of
 from rosic.core.identity import Address
 from rosic.core.message import ChatKind
 from rosic.errors import StoreFault
@@ -48,6 +49,7 @@ class Recorded:
         self.name = messenger.name
         self.assurance = messenger.assurance
         self.edits = messenger.edits
+        self.turn = turn_of(messenger)
         self.file_bytes = messenger.file_bytes
         self._messenger = messenger
         self._archive = archive

@@ -1,0 +1,391 @@
+"""The paper's Algorithm 11: batches of commands, and how fast people read how they ended."""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import msgspec
+
+from rosic.app import heap
+from rosic.app.face import face_of
+from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.people import Seed
+from rosic.app.units import compile_units
+from rosic.bench.stand_in import TOKEN
+from rosic.core.identity import Address
+from rosic.core.rate import RateLimit
+from rosic.core.robot import Busy, Link, Profile
+from rosic.core.skill import Parameter, Skill
+from rosic.messengers.telegram.limiter import CHAT, OVERALL, PUBLISHED
+from rosic.messengers.telegram.line import Line
+from rosic.messengers.telegram.messenger import TelegramMessenger
+from rosic.messengers.telegram.settings import read_settings
+from rosic.messengers.telegram.trouble import Kind, Trouble
+from rosic.robots.memory import MemoryRobot
+from rosic.stores.database import DatabaseStore
+from rosic.stores.latch import FileLatch
+from rosic.system import SystemClock, SystemEntropy
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.testing.telegram import Control
+
+CLOCK = SystemClock()
+ROUND_TRIP_S = 0.06
+CHAT_PER_S, CHAT_BURST, GROUP_PER_MIN, OVERALL_PER_S = 1.0, 5, 20, 30.0
+"""Telegram's published limits; the burst is not published, and the stand-in's own."""
+STOP_AFTER_S = 1.5
+OVER_WITHIN_S = 300.0
+LOOK_EVERY_S = 0.25
+SPARE = "spare"
+ENDED = "done "
+
+
+class Batch(msgspec.Struct, frozen=True, kw_only=True):
+    """One batch.
+
+    Attributes:
+        faster: So many times faster than Telegram, on both sides, for a test of seconds.
+        stops: How many stops are said while the outcomes wait, each in another chat.
+    """
+
+    name: str
+    commands: int
+    chats: int = 10
+    faster: float = 1.0
+    stops: int = 3
+
+    @property
+    def permitted_per_s(self) -> float:
+        """How many messages and edits a second Telegram takes in the long run."""
+        return min(self.chats * CHAT_PER_S, OVERALL_PER_S) * self.faster
+
+
+class Found(NamedTuple):
+    """What one batch came to.
+
+    Attributes:
+        rate_per_s: Outcomes delivered per second, after the burst.
+        share: Messages and edits a second after the burst, of what is permitted.
+        waited_ns: From each command to its outcome, as the server dates them.
+        stop_ns: From each stop to its first answer.
+        too_many: How often Telegram said 429.
+        overtaken: Outcomes that came before the answer to a stop said earlier in their chat.
+    """
+
+    rate_per_s: float
+    share: float
+    waited_ns: list[int]
+    stop_ns: list[int]
+    too_many: int
+    overtaken: int
+
+
+class Place:
+    """People with a chat each, at a server that has just been told its limits."""
+
+    def __init__(self, control: Control, batch: Batch) -> None:
+        self.control = control
+        self.batch = batch
+        self.people: list[int] = []
+
+    async def prepare(self) -> None:
+        """Open the chats; limits and record begin anew."""
+        control, batch = self.control, self.batch
+        self.people = [
+            await control.create_user(f"Person {number}") for number in range(batch.chats)
+        ]
+        await control.call("clear_record")
+        await control.call("set_latency", seconds=ROUND_TRIP_S / batch.faster)
+        await control.call(
+            "set_limits",
+            limits={
+                "chat_per_s": CHAT_PER_S * batch.faster,
+                "chat_burst": CHAT_BURST,
+                "group_per_min": GROUP_PER_MIN,
+                "overall_per_s": OVERALL_PER_S * batch.faster,
+            },
+        )
+
+    async def command(self) -> None:
+        """Have everybody say their share of the commands, all at once."""
+        share = self.batch.commands // self.batch.chats
+        for number, person in enumerate(self.people):
+            await self.control.backlog(person, person, f"robot{number} go 0.5 m", share)
+
+    async def over(self) -> None:
+        """Wait until every command was answered with how it ended.
+
+        Raises:
+            TimeoutError: They were not.
+        """
+        async with asyncio.timeout(OVER_WITHIN_S):
+            seen = -1
+            while seen < self.batch.commands:
+                await asyncio.sleep(LOOK_EVERY_S)
+                seen = sum([await self._ended(person) for person in self.people])
+
+    async def _ended(self, person: int) -> int:
+        found = await self.control.messages(person, by_bot=True)
+        return len({one["reply_to"] for one in found if ENDED in one["text"]})
+
+    async def found(self, stops: Sequence[tuple[int, int]], burst: int, whole: int) -> Found:
+        """Read the server's record.
+
+        Args:
+            stops: Chat and message of each.
+            burst: How many calls come at once in a chat; 0 counts them as all others.
+            whole: Likewise in all chats together.
+        """
+        chats = {person: await self.control.messages(person) for person in self.people}
+        calls = await self.control.calls()
+        answers = [_answer_to_stop(chats[chat], message) for chat, message in stops]
+        outcomes = {person: _outcomes(chats[person]) for person in self.people}
+        waited = [after - said for one in outcomes.values() for said, after in one]
+        if len(waited) != self.batch.commands:
+            raise AssertionError(f"{len(waited)} of {self.batch.commands} outcomes were read once")
+        spoken = {person: _spoken(chats[person]) for person in self.people}
+        permitted = self.batch.permitted_per_s
+        together = permitted < self.batch.chats * CHAT_PER_S * self.batch.faster
+        rate, calls_per_s = (
+            _all_after_burst(outcomes, spoken, whole)
+            if together
+            else _each_after_burst(outcomes, spoken, burst)
+        )
+        overtaken = 0
+        for (chat, _), (said, answered) in zip(stops, answers, strict=True):
+            before = sum(said < at < answered for _, at in outcomes[chat])
+            overtaken += max(0, before - 1)  # one was under way already
+        return Found(
+            rate,
+            calls_per_s / permitted,
+            [int(seconds * 1e9) for seconds in waited],
+            [int((answered - said) * 1e9) for said, answered in answers],
+            sum(call["code"] == TOO_MANY for call in calls),
+            overtaken,
+        )
+
+
+TOO_MANY = 429
+
+
+def _outcomes(messages: Sequence[dict[str, Any]]) -> list[tuple[float, float]]:
+    """Return of each command when it was said and when its end could be read first."""
+    said = {one["message_id"]: _first_s(one) for one in messages if not one["by_bot"]}
+    return [
+        (said[one["reply_to"]], version["received_s"])
+        for one in messages
+        if one["by_bot"] and one["reply_to"] in said
+        for version in [next((v for v in one["versions"] if ENDED in v["text"]), None)]
+        if version is not None
+    ]
+
+
+def _spoken(messages: Sequence[dict[str, Any]]) -> list[float]:
+    """Return when the bot sent or edited something, in order."""
+    return sorted(v["received_s"] for one in messages if one["by_bot"] for v in one["versions"])
+
+
+def _answer_to_stop(messages: Sequence[dict[str, Any]], stop: int) -> tuple[float, float]:
+    """Return when a stop was said and when its first answer came."""
+    said = next(_first_s(one) for one in messages if one["message_id"] == stop)
+    answers = [_first_s(one) for one in messages if one["by_bot"] and "STOP" in one["text"]]
+    return said, min(at for at in answers if at >= said)
+
+
+def _first_s(message: dict[str, Any]) -> float:
+    return float(message["versions"][0]["received_s"])
+
+
+def _each_after_burst(
+    outcomes: dict[int, list[tuple[float, float]]], spoken: dict[int, list[float]], burst: int
+) -> tuple[float, float]:
+    """Return outcomes and calls a second where each chat has a limit of its own: added up."""
+    each = [_after_burst(outcomes[chat], times, burst) for chat, times in spoken.items()]
+    return sum(rate for rate, _ in each), sum(calls for _, calls in each)
+
+
+def _all_after_burst(
+    outcomes: dict[int, list[tuple[float, float]]], spoken: dict[int, list[float]], burst: int
+) -> tuple[float, float]:
+    """Return outcomes and calls a second where the limit of all chats together binds."""
+    ended = [one for chat in outcomes.values() for one in chat]
+    return _after_burst(ended, sorted(at for one in spoken.values() for at in one), burst)
+
+
+def _after_burst(
+    outcomes: Sequence[tuple[float, float]], times: Sequence[float], burst: int
+) -> tuple[float, float]:
+    """Return outcomes and calls a second, without those of the burst.
+
+    The burst costs the time that is counted nothing: who sends three at once and then one a second
+    has sent n after n - 3 s. What fits into the burst as a whole is counted over its own time, and
+    so is everything where no burst is asked for.
+    """
+    said_s = min(said for said, _ in outcomes)
+    times = [at for at in times if at >= said_s]
+    last_s = times[-1]
+    if not burst or len(times) <= burst:
+        took_s = max(last_s - said_s, 1e-3)
+        return len(outcomes) / took_s, len(times) / took_s
+    took_s = max(last_s - times[0], 1e-3)
+    later = sum(at > times[burst - 1] for _, at in outcomes)
+    return later / took_s, (len(times) - burst) / took_s
+
+
+# ---- ROSIC ----
+
+
+async def through_rosic(control: Control, batch: Batch) -> Found:
+    """Have a gateway with its record on disk follow a batch.
+
+    Raises:
+        AssertionError: A command did not act exactly once, or was not answered exactly once.
+    """
+    place = Place(control, batch)
+    await place.prepare()
+    with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
+        latch = FileLatch(Path(folder) / "stops")
+        gateway = _gateway(place, DatabaseStore(Path(folder), clock=CLOCK), latch)
+        try:
+            await gateway.open()
+            heap.settle()
+            running = asyncio.create_task(gateway.run())
+            try:
+                await _listening(place)
+                await place.command()
+                stops = await _say_stops(place)
+                await place.over()
+                found = await place.found(stops, CHAT.at_once[-2], OVERALL.at_once[-2])
+            finally:
+                running.cancel()
+                await asyncio.wait([running])
+                await gateway.close()
+        finally:
+            await latch.close()
+    acted = sum(len(set(r.acted)) for r in gateway.robots.values() if isinstance(r, MemoryRobot))
+    if acted != batch.commands:
+        raise AssertionError(f"{batch.commands} commands, {acted} acts")
+    return found
+
+
+async def _listening(place: Place) -> None:
+    """Wait until the gateway answers: what came before that would be backlog."""
+    person = place.people[-1]
+    end_s = time.monotonic() + OVER_WITHIN_S
+    while time.monotonic() < end_s:
+        if any(call["method"] == "getUpdates" for call in await place.control.calls()):
+            break
+        await asyncio.sleep(LOOK_EVERY_S)
+    await place.control.say(person, person, "status")
+    while not await place.control.messages(person, by_bot=True):
+        if time.monotonic() > end_s:
+            raise AssertionError("the gateway does not answer")
+        await asyncio.sleep(LOOK_EVERY_S)
+    # Whatever was said so far is paid for.
+    await asyncio.sleep(2 * CHAT_BURST / place.batch.faster)
+    await place.control.call("clear_record")
+
+
+async def _say_stops(place: Place) -> list[tuple[int, int]]:
+    """Say stop in some chats, once everything was received and waits to be answered."""
+    stops: list[tuple[int, int]] = []
+    async with asyncio.timeout(OVER_WITHIN_S):
+        while await place.control.pending():  # noqa: ASYNC110 - a process of its own
+            await asyncio.sleep(LOOK_EVERY_S)
+    for person in place.people[: place.batch.stops]:
+        await asyncio.sleep(STOP_AFTER_S / place.batch.faster)
+        stops.append((person, await place.control.say(person, person, f"stop {SPARE}")))
+    return stops
+
+
+def _gateway(place: Place, store: DatabaseStore, latch: FileLatch) -> Gateway:
+    batch = place.batch
+    settings = read_settings(
+        "bench", {"token": TOKEN, "api_base": place.control.api_base, "poll_timeout_s": 1}
+    )
+    messenger = TelegramMessenger("bench", settings, CLOCK, rates=PUBLISHED.times(batch.faster))
+    people = [
+        Seed(f"person {person}", (Address("telegram", str(person)),), ("operator",))
+        for person in place.people
+    ]
+    robots = [f"robot{number}" for number in range(batch.chats)]
+    return Gateway(
+        Settings(
+            profiles=tuple(_profile(name, batch.commands) for name in (*robots, SPARE)),
+            people=tuple(people),
+            limit=RateLimit(burst=1e9, per_s=1e9),
+        ),
+        Parts(
+            messengers=(messenger,),
+            robot_factory=lambda _kind: MemoryRobot,
+            store=store,
+            latch=latch,
+            clock=CLOCK,
+            entropy=SystemEntropy(),
+            units=compile_units(),
+            face=face_of(),
+        ),
+    )
+
+
+def _profile(name: str, commands: int) -> Profile:
+    return Profile(
+        id=name,
+        link=Link(kind="memory"),
+        busy=Busy.QUEUE,
+        queue_length=commands,
+        skills={
+            "go": Skill(
+                id="go",
+                lifetime_s=OVER_WITHIN_S,
+                parameters={"distance": Parameter(unit="m", min=0.01, max=5.0)},
+            )
+        },
+    )
+
+
+# ---- the naive sender ----
+
+
+async def through_a_loop(control: Control, batch: Batch) -> Found:
+    """Have a plain loop answer the same commands: it sends at once, and waits when it is told to.
+
+    It has no commands to follow and nothing to write down; each outcome is one message.
+    """
+    place = Place(control, batch)
+    await place.prepare()
+    await place.command()
+    settings = read_settings("bench", {"token": TOKEN, "api_base": control.api_base})
+    line = Line(settings)
+    said = {person: await control.messages(person) for person in place.people}
+    waiting = [
+        (person, said[person][number]["message_id"])
+        for number in range(batch.commands // batch.chats)
+        for person in place.people
+    ]
+    async with line.held():
+        for person, message in waiting:
+            await _send_at_once(line, person, message)
+    return await place.found((), 0, 0)
+
+
+async def _send_at_once(line: Line, person: int, message: int) -> None:
+    while True:
+        try:
+            await line.ask(
+                lambda bot: bot.send_message(
+                    person, f"robot: go\n{ENDED}now", reply_to_message_id=message
+                )
+            )
+        except Trouble as trouble:
+            if trouble.kind is not Kind.TOO_FAST:
+                raise
+            await asyncio.sleep(trouble.wait_s)
+        else:
+            return

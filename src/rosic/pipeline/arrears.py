@@ -1,0 +1,149 @@
+"""Answers to what was sent while nobody listened: few of them as they are, many as one.
+
+A chat takes about one message a second; fifty people's impatience during an outage would keep it
+busy for minutes, and nobody reads the fortieth "nothing was done". So answers to what had piled up
+wait until no more of it comes, and each chat is then told once.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.message import Outbound, Weight
+from rosic.core.saying import joined, said, said_n
+from rosic.errors import Expired
+from rosic.pipeline.telling import Note, Teller
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import CommandId
+    from rosic.core.message import Button, Chat, Inbound
+    from rosic.core.saying import Catalogue
+    from rosic.errors import Refusal
+
+QUIET_S: Final = 0.5
+"""So long nothing must have come that was sent while nobody listened, in any chat."""
+SINGLY: Final = 2
+OFFERED: Final = 3
+ANSWERS_KEPT: Final = 3
+
+
+class _Heap:
+    """What one chat is to be told.
+
+    Attributes:
+        refused: Answers that say that nothing was done, as long as they are few.
+        cids: Of all commands that were refused.
+        offers: The newest commands that came too late, by what they say.
+        answers: The newest other answers.
+        catalogue: Of whoever wrote last.
+    """
+
+    def __init__(self, messenger: Messenger, chat: Chat) -> None:
+        self.messenger = messenger
+        self.chat = chat
+        self.refused: list[Note] = []
+        self.cids: list[CommandId] = []
+        self.offers: dict[str, tuple[Button, ...]] = {}
+        self.answers: deque[Note] = deque(maxlen=ANSWERS_KEPT)
+        self.catalogue: Catalogue | None = None
+
+
+class Arrears:
+    """Keeps answers back while a backlog is drained."""
+
+    def __init__(self, teller: Teller, clock: Clock) -> None:
+        self._teller = teller
+        self._clock = clock
+        self._heaps: dict[tuple[str, str], _Heap] = {}
+        self._last_ns = 0
+        self._waiting: asyncio.Task[None] | None = None
+
+    @property
+    def quiet(self) -> bool:
+        """Whether nothing is kept back."""
+        return not self._heaps
+
+    def keep(self, note: Note, refusal: Refusal | None, catalogue: Catalogue | None) -> None:
+        """Keep an answer back.
+
+        Args:
+            note: As it would be said by itself.
+            refusal: Why nothing was done; None for an answer to a question.
+            catalogue: Of whoever is answered.
+        """
+        heap = self._heap(note)
+        heap.catalogue = catalogue
+        if refusal is None or note.cid is None:
+            heap.answers.append(note)
+            return
+        heap.cids.append(note.cid)
+        if len(heap.refused) <= SINGLY:
+            heap.refused.append(note)
+        if isinstance(refusal, Expired) and note.outbound.buttons:
+            row = note.outbound.buttons[0]
+            heap.offers.pop(row[0].label, None)
+            heap.offers[row[0].label] = row
+            if len(heap.offers) > OFFERED:
+                del heap.offers[next(iter(heap.offers))]
+
+    def flush(self) -> None:
+        """Say everything now."""
+        heaps, self._heaps = self._heaps, {}
+        for heap in heaps.values():
+            self._say(heap)
+        if self._waiting is not None:
+            self._waiting.cancel()
+            self._waiting = None
+
+    def _heap(self, note: Note) -> _Heap:
+        self._last_ns = self._clock.monotonic_ns()
+        if self._waiting is None:
+            self._waiting = asyncio.create_task(self._wait())
+        messenger, chat = note.messenger_and_chat
+        return self._heaps.setdefault((messenger.name, chat.id), _Heap(messenger, chat))
+
+    async def _wait(self) -> None:
+        quiet_ns = int(QUIET_S * 1e9)
+        while (left_ns := self._last_ns + quiet_ns - self._clock.monotonic_ns()) > 0:
+            await self._clock.sleep(left_ns / 1e9)
+        self._waiting = None
+        self.flush()
+
+    def _say(self, heap: _Heap) -> None:
+        if len(heap.cids) <= SINGLY:
+            for note in heap.refused:
+                self._teller.say(note)
+        else:
+            self._teller.say(
+                together(heap.messenger, heap.chat, heap.cids, tuple(heap.offers.values()))
+            )
+        for note in heap.answers:
+            self._teller.say(note)
+
+
+def together(
+    messenger: Messenger,
+    chat: Chat,
+    cids: list[CommandId],
+    offers: tuple[tuple[Button, ...], ...] = (),
+) -> Note:
+    """Return one answer to many commands of a chat, of which none was carried out."""
+    text: str = said_n(
+        "While I could not listen, {n} command came in here. It was not carried out.",
+        "While I could not listen, {n} commands came in here. None of them was carried out.",
+        len(cids),
+    )
+    if offers:
+        text = joined("\n", [text, said("What you still want, tap to send it again.")])
+    outbound = Outbound(chat=chat, text=text, buttons=offers, weight=Weight.OUTCOME)
+    first, *also = cids
+    return Note(messenger, outbound, first, also=tuple(also))
+
+
+def is_backlog(inbound: Inbound) -> bool:
+    """Whether it was sent while nobody listened."""
+    return inbound.sent_ns < inbound.listening_since_ns

@@ -1,0 +1,108 @@
+"""What waits to be said in one chat, and how much it matters."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
+
+import msgspec
+
+from rosic.contracts.messenger import Messenger
+from rosic.core.identity import CommandId
+from rosic.core.message import Chat, Outbound, Weight
+from rosic.pipeline.cards import Card
+
+if TYPE_CHECKING:
+    import asyncio
+
+
+class Note(msgspec.Struct):
+    """A message that stands for itself. ``cid`` and ``also`` are noted as told once it was sent.
+
+    Attributes:
+        good_for_ns: How long its buttons are good, if that is not the usual.
+        then: Called once it was sent; it is never dropped before.
+        doubted: It may have arrived already, or not.
+    """
+
+    messenger: Messenger
+    outbound: Outbound
+    cid: CommandId | None = None
+    edit_of: str = ""
+    also: tuple[CommandId, ...] = ()
+    good_for_ns: int = 0
+    then: Callable[[], None] | None = None
+    doubted: bool = False
+
+    @property
+    def messenger_and_chat(self) -> tuple[Messenger, Chat]:
+        """Where it is said."""
+        return self.messenger, self.outbound.chat
+
+
+Item: TypeAlias = Card | Note
+
+
+class Voice:
+    """What is to be said in one chat.
+
+    Attributes:
+        asking: While it waits for a turn, and with which weight.
+    """
+
+    __slots__ = ("asking", "items", "task", "wake", "weight")
+
+    def __init__(self) -> None:
+        self.items: deque[Item] = deque()
+        self.task: asyncio.Task[None] | None = None
+        self.wake: asyncio.Future[None] | None = None
+        self.asking: asyncio.Future[None] | None = None
+        self.weight = Weight.FEEDBACK
+
+    def hasten(self, item: Item) -> None:
+        """Have it ask anew if it asks for a turn with less weight than this deserves."""
+        if self.asking is not None and weight_of(item) < self.weight:
+            self.asking.cancel()
+
+    def take(self) -> Item:
+        """Take out the most important thing; of several the one that has waited longest."""
+        items = self.items
+        if len(items) == 1:
+            return items.popleft()
+        number = min(range(len(items)), key=lambda at: weight_of(items[at]))
+        item = items[number]
+        del items[number]
+        return item
+
+
+def place_of(item: Item) -> tuple[Messenger, Chat]:
+    """Return where it is said."""
+    return (item.messenger, item.chat) if isinstance(item, Card) else item.messenger_and_chat
+
+
+def matters(item: Item) -> bool:
+    """Whether it must be said even when there is too much to say: how something ended."""
+    if isinstance(item, Card):
+        return not item.open
+    return item.cid is not None or item.then is not None
+
+
+def weight_of(item: Item) -> Weight:
+    """Return how important it is now: a card grows in weight when one of its lives has ended."""
+    if not isinstance(item, Card):
+        return item.outbound.weight
+    if item.untold:
+        return Weight.OUTCOME
+    return Weight.FEEDBACK if item.message and not item.adopted else Weight.QUESTION
+
+
+def outbound_of(card: Card, *, endings: bool) -> Outbound:
+    """Return a card as it should read now, with or without how lives ended."""
+    return Outbound(
+        chat=card.chat,
+        text=card.text(endings=endings),
+        reply_to=card.reply_to,
+        buttons=card.buttons if card.open else (),
+        weight=weight_of(card),
+    )

@@ -1,0 +1,53 @@
+"""Guards of what is told, when and to whom."""
+
+from __future__ import annotations
+
+from tests.planted.faults import Fault
+
+OUTBOX = "tests/rooms/pipeline/test_outbox.py"
+SPEAKING = "tests/rooms/pipeline/test_turns_to_speak.py"
+
+OF_TELLING = (
+    Fault(
+        name="L1 an alarm is not written down before it is said",
+        file="pipeline/reach.py",
+        guard="if self.outbox is not None and (urgent or not buttons):",
+        without="if False:",
+        caught_by=(f"{OUTBOX}::test_an_alarm_that_was_not_said_is_said_by_the_next_run_once",),
+    ),
+    Fault(
+        name="L1 the answer to a stop is owed by nobody",
+        file="pipeline/stopping.py",
+        guard="if by and self.outbox is not None:",
+        without="if False:",
+        caught_by=(f"{OUTBOX}::test_a_stop_whose_answer_was_cut_off_is_answered_by_the_next_run",),
+    ),
+    Fault(
+        name="L3 a backlog is answered one by one",
+        file="pipeline/replies.py",
+        guard="if is_backlog(inbound):",
+        without="if False:",
+        caught_by=("tests/rooms/pipeline/test_arrears.py",),
+    ),
+    Fault(
+        name="L1 what has become an outcome goes on waiting as a question",
+        file="pipeline/voice.py",
+        guard="            self.asking.cancel()\n",
+        without="            pass\n",
+        caught_by=(f"{SPEAKING}::test_an_outcome_goes_before_an_answer_and_progress_goes_last",),
+    ),
+    Fault(
+        name="L1 a life that was perhaps told is told again unmarked",
+        file="pipeline/telling.py",
+        guard="card.doubted = fault.perhaps_sent",
+        without="pass",
+        caught_by=(f"{SPEAKING}::test_what_may_stand_there_already_is_said_again_with_a_mark",),
+    ),
+    Fault(
+        name="I15 a chat with much to say keeps the others waiting",
+        file="messengers/telegram/limiter.py",
+        guard="return one.weight, self._of(one)[0].paid_ns, one.number",
+        without="return one.weight, 0, one.number",
+        caught_by=("tests/rooms/messengers/test_limiter.py",),
+    ),
+)

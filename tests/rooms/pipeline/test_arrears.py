@@ -1,0 +1,86 @@
+"""What had piled up while nobody listened is answered once in each chat."""
+
+from __future__ import annotations
+
+from rosic.core.message import ChatKind
+from rosic.core.rate import RateLimit
+from rosic.stores.memory import MemoryStore
+from rosic.testing.clock import ManualClock
+from tests.rooms.pipeline.place import ADA, BO, VI, Place
+
+HOUR_NS = 3_600_000_000_000
+GROUP = "-1"
+
+
+async def old(place: Place, text: str, count: int = 1, **how: object) -> None:
+    """Have something arrive that was sent an hour ago, while nobody listened."""
+    place.chat.gap()
+    for _ in range(count):
+        place.chat.say(text, sent_ns=place.clock.wall_ns() - HOUR_NS, **how)  # type: ignore[arg-type]
+    await place.quiet()
+
+
+async def test_many_commands_are_answered_as_one_and_the_newest_are_on_offer() -> None:
+    store = MemoryStore()
+    async with Place(store).open() as place:
+        for number in range(1, 6):
+            await old(place, f"omni move {number} m", 10)
+        assert not place.chat.told, "more of it might come"
+        await place.clock.advance(1.0)
+        (told,) = place.chat.told
+        assert told.outbound.text == (
+            "While I could not listen, 50 commands came in here. None of them was carried out.\n"
+            "What you still want, tap to send it again."
+        )
+        labels = [row[0].label for row in told.outbound.buttons]
+        assert labels == ["omni move 3 m", "omni move 4 m", "omni move 5 m"]
+        assert place.acted() == 0
+        place.chat.listening_since_ns = 0
+        await place.tap(told.outbound.buttons[1][0], told.message)
+        assert place.acted() == 1
+    assert (await store.open()).unfinished == ()
+
+
+async def test_each_chat_is_told_and_an_offer_is_its_authors() -> None:
+    async with Place().open() as place:
+        await old(place, "omni wave", 3, chat=GROUP, kind=ChatKind.GROUP, account=BO)
+        await old(place, "omni look", 3, chat=ADA, account=ADA)
+        await place.clock.advance(1.0)
+        assert {told.outbound.chat.id for told in place.chat.told} == {GROUP, ADA}
+        told = next(t for t in place.chat.told if t.outbound.chat.id == GROUP)
+        place.chat.listening_since_ns = 0
+        await place.tap(told.outbound.buttons[0][0], told.message, account=ADA)
+        assert place.acted() == 0
+        await place.tap(told.outbound.buttons[0][0], told.message, account=BO)
+        assert place.acted() == 1
+
+
+async def test_a_flood_of_old_commands_costs_nobody_their_rate_or_their_key() -> None:
+    async with Place(limit=RateLimit(burst=2.0, per_s=0.001)).open() as place:
+        await old(place, "omni wave", 200, account=BO, chat=BO)
+        await place.clock.advance(1.0)
+        place.chat.listening_since_ns = 0
+        assert "done" in await place.say("omni wave", account=BO, chat=BO)
+
+
+async def test_of_old_questions_only_the_newest_are_answered() -> None:
+    async with Place().open() as place:
+        for _ in range(20):
+            await old(place, "status", account=VI, chat=VI)
+        await place.clock.advance(1.0)
+        assert len(place.chat.told) == 3
+
+
+async def test_answers_that_a_crash_left_unsaid_are_one_as_well() -> None:
+    store, clock = MemoryStore(), ManualClock()
+    async with Place(store, clock=clock).open() as place:
+        place.chat.down = True
+        await old(place, "omni wave", 30)
+        await place.clock.advance(1.0)
+
+    async with Place(store, clock=clock).open() as place:
+        await place.clock.advance(1.0)
+        (told,) = place.chat.told
+        assert told.outbound.text.startswith("While I could not listen, 30 commands came in here.")
+        assert told.outbound.text.endswith("(Said again: ROSIC was restarted.)")
+    assert (await store.open()).unfinished == ()
