@@ -16,7 +16,7 @@ import msgspec
 from tests.journeys.counter import Counter
 from tests.journeys.fleet import write_place
 from tests.journeys.gateway import Start
-from tests.journeys.reading import Reply, read_reply
+from tests.journeys.reading import Reply, read_reply, summarised
 from tests.journeys.report import Report
 from tests.journeys.running import Gateway, Launcher, fake_telegram
 from tests.journeys.stream import Crowd, Stream, gather
@@ -170,8 +170,8 @@ class Journey:
         found: dict[tuple[int, int], list[Reply]] = defaultdict(list)
         for chat in self._crowd.chats:
             for message in await self.control.messages(chat, by_bot=True):
-                if message["reply_to"] is not None:
-                    found[chat, message["reply_to"]].append(read_reply(message))
+                if message["reply_to"] is not None or summarised(message):
+                    found[chat, message["reply_to"] or 0].append(read_reply(message))
         return found
 
 

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 SAID_AGAIN = "(Said again: ROSIC was restarted.)"
+PERHAPS_TWICE = "(This may stand here twice: the connection broke.)"
+MARKS = frozenset((SAID_AGAIN, PERHAPS_TWICE))
 
 
 class End(enum.Enum):
@@ -57,6 +59,7 @@ _LINES: Final = (
     ),
 )
 _ENDINGS: Final = tuple((end, re.compile(words)) for end, words in _LINES)
+_SUMMARY: Final = re.compile(r"While I could not listen, (\d+) command")
 _UNDER_WAY: Final = re.compile(r"(accepted|waiting its turn|sent|received by the robot) ")
 
 
@@ -67,12 +70,14 @@ class Reply(msgspec.Struct, frozen=True):
         endings: Of each form it had, how lives ended according to it, line by line.
         strange: Lines that say neither how far a life is nor how it ended.
         again: It is marked as perhaps said before.
+        summarised: Of how many commands it says that they were not carried out.
     """
 
     text: str
     endings: tuple[tuple[End, ...], ...]
     strange: tuple[str, ...]
     again: bool
+    summarised: int = 0
 
     @property
     def last(self) -> tuple[End, ...]:
@@ -87,8 +92,15 @@ def read_reply(message: dict[str, Any]) -> Reply:
         texts[-1],
         tuple(tuple(_endings(text)) for text in texts),
         tuple(_strange(texts[-1])),
-        SAID_AGAIN in texts[-1],
+        any(mark in texts[-1] for mark in MARKS),
+        summarised(message),
     )
+
+
+def summarised(message: dict[str, Any]) -> int:
+    """Return of how many commands a message says that they were not carried out."""
+    found = _SUMMARY.match(str(message["text"]))
+    return int(found[1]) if found else 0
 
 
 def _endings(text: str) -> list[End]:
@@ -102,5 +114,5 @@ def _ending(line: str) -> End | None:
 def _strange(text: str) -> Iterable[str]:
     for line in text.splitlines():
         title = re.match(r"\S+:( |$)", line)
-        if not (_ending(line) or _UNDER_WAY.match(line) or title or line == SAID_AGAIN):
+        if not (_ending(line) or _UNDER_WAY.match(line) or title or line in MARKS):
             yield line

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 HOUR_S = 3600.0
 CHATS = 40
+SAID_TOGETHER = 25
 OLD = "Your command is 60 minutes old (the network was away). Nothing was done."
 UNHEARD = "You sent this while I could not listen. Nothing was done."
 
@@ -87,7 +88,6 @@ async def test_old_commands_are_answered_with_the_same_command_on_offer(
         assert await place.counter.wait_for(1, 10)
 
 
-@pytest.mark.xfail(reason="old commands are answered one by one, not in one summary", strict=True)
 @pytest.mark.limit(120)
 async def test_a_backlog_keeps_nobody_waiting_for_the_answer_to_something_fresh(
     tmp_path: Path, launcher: Launcher
@@ -95,11 +95,60 @@ async def test_a_backlog_keeps_nobody_waiting_for_the_answer_to_something_fresh(
     async with lab(tmp_path, launcher) as place:
         (await place.start()).kill()
         await place.control.backlog(place.bo, place.bo, "ant hop", 200, age_s=HOUR_S)
+        await place.control.backlog(place.bo, place.bo, "ant hop {n} m", 5, age_s=HOUR_S)
 
         await place.start()
 
         await place.drained()
         await place.ask(place.bo, "ant hop", "done ", within_s=12.0)
+        summary = await place.reads(place.bo, summarised(205))
+        assert [row[0]["text"] for row in summary["buttons"]] == [
+            "ant hop 3 m",
+            "ant hop 4 m",
+            "ant hop 5 m",
+        ]
+        assert len(await place.control.messages(place.bo, by_bot=True)) == 2
+        await place.control.tap(place.bo, place.bo, summary["message_id"], "ant hop 4 m")
+        assert await place.counter.wait_for(2, 10)
+
+
+@pytest.mark.limit(180)
+@pytest.mark.parametrize(
+    "many", [5_000, pytest.param(100_000, marks=[pytest.mark.campaign, pytest.mark.limit(900)])]
+)
+async def test_a_day_of_outage_is_drained_within_a_minute(
+    tmp_path: Path, launcher: Launcher, many: int
+) -> None:
+    async with lab(tmp_path, launcher) as place:
+        (await place.start()).kill()
+        rooms = [
+            await place.control.create_chat("supergroup", f"Room {n}", members=[place.bo])
+            for n in range(CHATS)
+        ]
+        each = many // CHATS
+        for hour in range(each // SAID_TOGETHER):  # people talk at the same time, in many rooms
+            age_s = 20 * HOUR_S * (1 - hour / each * SAID_TOGETHER)
+            for number, room in enumerate(rooms):
+                text = f"{ROBOTS[number % len(ROBOTS)]} hop"
+                await place.control.backlog(room, place.bo, text, SAID_TOGETHER, age_s=age_s + 60)
+            if hour == 2:
+                await place.say(place.bo, "stop cat", chat=rooms[7], age_s=age_s)
+
+        gateway = await place.start(listens=False)
+        took_s = await gateway.listens(600)
+
+        assert took_s < 60, f"{many} updates took {took_s:.0f} s"
+        assert place.acted() == 0
+        assert len(place.counter.stops("cat")) == 1
+        for room in rooms:
+            await place.reads(room, summarised(each), within_s=60)
+            shown = await place.control.messages(room, by_bot=True)
+            assert sum("While I could not listen" in one["text"] for one in shown) == 1
+        assert refused_as(place.data, "expired") == each * CHATS
+
+
+def summarised(many: int) -> str:
+    return f"While I could not listen, {many} commands came in here. None of them was carried out."
 
 
 @pytest.mark.limit(120)

@@ -71,11 +71,26 @@ def judge(
     verdict.wrong += order_of_events(told)
     acted = Counter(event.cid for event in told if event.cid)
     known: set[str] = set()
+    summarised = _summarised(replies)
     for command in commands:
         known.update(command.cids())
-        _judge_one(verdict, command, replies.get((command.chat, command.message), ()), acted)
+        found = replies.get((command.chat, command.message), ())
+        if not found and summarised[command.chat] and not any(map(acted.get, command.cids())):
+            summarised[command.chat] -= 1  # one of those that nobody heard
+            verdict.endings[End.EXPIRED] += 1
+        else:
+            _judge_one(verdict, command, found, acted)
     verdict.wrong += [f"I14: {cid} was asked by nobody" for cid in acted if cid not in known]
     return verdict
+
+
+def _summarised(replies: Mapping[tuple[int, int], Sequence[Reply]]) -> Counter[int]:
+    """Return of how many commands each chat was told at once that they were not carried out."""
+    counted: Counter[int] = Counter()
+    for (chat, _), found in replies.items():
+        for reply in found:
+            counted[chat] += reply.summarised
+    return counted
 
 
 def order_of_events(events: Sequence[Event]) -> list[str]:
