@@ -35,10 +35,14 @@ GUARDS = (
     Fault(
         name="I9 the order is relayed though the claim failed",
         file="container/container.py",
-        guard='            raise RecordUnavailable(\n                "I cannot write down what',
+        guard=(
+            "            raise RecordUnavailable(\n                said(\n"
+            '                    "I cannot write down what'
+        ),
         without=(
             "            return orders\n"
-            '            raise RecordUnavailable(\n                "I cannot write down what'
+            "            raise RecordUnavailable(\n                said(\n"
+            '                    "I cannot write down what'
         ),
         caught_by=(f"{JOURNEYS}/test_stops.py",),
     ),
@@ -96,8 +100,8 @@ GUARDS = (
     Fault(
         name="I16 a button survives a gap",
         file="authoriser/buttons.py",
-        guard=" or bound.issued_wall_ns < inbound.listening_since_ns",
-        without="",
+        guard="missed = bound.issued_wall_ns < inbound.listening_since_ns and not bound.still",
+        without="missed = False",
         caught_by=(
             f"{JOURNEYS}/test_buttons.py::test_a_button_from_before_a_gap_in_listening_is_dead",
         ),
@@ -111,9 +115,15 @@ GUARDS = (
     ),
     Fault(
         name="a revocation is kept in memory only",
-        file="app/gateway.py",
-        guard="        await self._parts.store.write(\n            KeyRevoked",
-        without="        (\n            KeyRevoked",
+        file="pipeline/changes.py",
+        guard=(
+            "            await self._store.write(*records)\n"
+            "        except StoreFault as fault:\n            raise RecordUnavailable("
+        ),
+        without=(
+            "            pass\n"
+            "        except StoreFault as fault:\n            raise RecordUnavailable("
+        ),
         caught_by=(f"{JOURNEYS}/test_account.py::test_somebody_revoked_stays_revoked_over_a_kill",),
     ),
     Fault(
@@ -138,6 +148,12 @@ GUARDS = (
         caught_by=(f"{JOURNEYS}/test_given_again.py",),
     ),
 )
+
+
+@pytest.mark.parametrize("fault", GUARDS, ids=[fault.name for fault in GUARDS])
+def test_the_guard_is_where_the_campaign_looks_for_it(fault: Fault) -> None:
+    text = (ROOT / "src" / "rosic" / fault.file).read_text(encoding="utf-8")
+    assert text.count(fault.guard) == 1
 
 
 @pytest.mark.campaign

@@ -111,8 +111,8 @@ FAULTS = (
     Fault(
         name="I5 whoever may see a robot may resume it",
         file="organiser/organiser.py",
-        guard="decision = self.decision(caller, robot, RESUME)",
-        without='decision = self.decision(caller, robot, "read")',
+        guard="decision = self.decision(caller, robot, RESUME, grounds=grounds)",
+        without='decision = self.decision(caller, robot, "read", grounds=grounds)',
         caught_by=(f"{STOPPING}::test_after_a_stop_nothing_moves_until_somebody_who_may_resumes",),
     ),
     Fault(
@@ -128,10 +128,14 @@ FAULTS = (
     Fault(
         name="I9 the order is relayed though the claim failed",
         file="container/container.py",
-        guard='            raise RecordUnavailable(\n                "I cannot write down what',
+        guard=(
+            "            raise RecordUnavailable(\n                said(\n"
+            '                    "I cannot write down what'
+        ),
         without=(
             "            return tuple(orders)\n"
-            '            raise RecordUnavailable(\n                "I cannot write down what'
+            "            raise RecordUnavailable(\n                said(\n"
+            '                    "I cannot write down what'
         ),
         caught_by=(
             f"{STOPPING}::test_without_a_record_nothing_moves_and_it_works_again_by_itself",
@@ -192,8 +196,8 @@ FAULTS = (
     Fault(
         name="I16 a button survives a gap",
         file="authoriser/buttons.py",
-        guard=" or bound.issued_wall_ns < inbound.listening_since_ns",
-        without="",
+        guard="missed = bound.issued_wall_ns < inbound.listening_since_ns and not bound.still",
+        without="missed = False",
         caught_by=(f"{BUTTONS}::test_a_button_is_dead_after_a_gap_in_listening",),
     ),
     Fault(
