@@ -11,6 +11,7 @@ from rosic.app.source import Place, nearest
 from rosic.core.authority import READ, RESUME
 from rosic.core.language import UnitTable, Vocabulary
 from rosic.core.robot import Profile, Telemetry
+from rosic.core.rule import Wrong, compile_rule, read_run
 from rosic.core.skill import Parameter, Skill, SkillClass
 
 if TYPE_CHECKING:
@@ -42,6 +43,9 @@ def profile_rules(units: UnitTable) -> Rules:
         if fault:
             yield Finding(_said_in(made, fault), fault, "Choose another word.")
 
+    def alerts(made: Profile) -> Iterator[Finding]:
+        yield from _alerts(made, units)
+
     return Rules(
         bounds=BOUNDS,
         forms=FORMS,
@@ -50,7 +54,7 @@ def profile_rules(units: UnitTable) -> Rules:
             Parameter: (parameter,),
             Telemetry: (telemetry,),
             Skill: (_placeholders, _streams),
-            Profile: (_reserved, _bound, _texts, _watched, _stoppable, words),
+            Profile: (_reserved, _bound, _texts, _watched, _stoppable, words, alerts),
         },
     )
 
@@ -223,6 +227,28 @@ def _stoppable(profile: Profile) -> Iterator[Finding]:
             "'at_rest' is missing: a stop of this robot could never be confirmed.",
             "Name a topic and the fields that are near zero when it stands still.",
         )
+
+
+def _alerts(profile: Profile, units: UnitTable) -> Iterator[Finding]:
+    if not profile.alerts or clash([profile], units):
+        return
+    vocabulary = Vocabulary.build([profile], units)
+    names: set[str] = set()
+    for index, alert in enumerate(profile.alerts):
+        if alert.name in names:
+            yield Finding(
+                ("alerts", index, "name"),
+                f"Two rules are called {alert.name!r}.",
+                "Tell them apart.",
+            )
+        names.add(alert.name)
+        try:
+            rule = compile_rule(profile, alert, units)
+            if alert.run:
+                read_run(rule, vocabulary)
+        except Wrong as wrong:
+            sentence = str(wrong)
+            yield Finding(("alerts", index, wrong.key), f"{sentence[:1].upper()}{sentence[1:]}.")
 
 
 def advice(profile: Profile) -> Iterator[Finding]:
