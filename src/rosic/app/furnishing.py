@@ -15,6 +15,7 @@ from rosic.core.skill import SkillClass
 from rosic.errors import NotPermitted, TooManyRequests
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
+from rosic.pipeline.alerts.running import Hands
 from rosic.pipeline.consent import Consent
 from rosic.pipeline.handover import Handover
 from rosic.pipeline.people.about import About
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.life import Face
     from rosic.core.message import Chat
     from rosic.core.robot import RobotId
     from rosic.core.secret import Secret
@@ -118,6 +120,11 @@ class Furnishing:
         self._furnish_people(authority, messengers, clock, entropy, zone)
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
+
+    def hands(self, face: Face) -> Hands:
+        """Return what an order of a rule goes through."""
+        lives = self._pipeline.lives
+        return Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face)
 
     # ---- people ----
 

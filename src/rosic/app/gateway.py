@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.access import Access
+from rosic.app.alarming import Alarms
 from rosic.app.authority import Authority, key_of
 from rosic.app.furnishing import Furnishing
 from rosic.app.gates import robots_of, stops_of
@@ -116,7 +117,7 @@ class Gateway:
 
     Attributes:
         pipeline, rooms, stop_lane, robots: Made by ``open``.
-        authority, access, furnishing, holding, languages, seeing: Likewise.
+        authority, access, furnishing, holding, languages, seeing, alarms: Likewise.
     """
 
     pipeline: Pipeline
@@ -129,6 +130,7 @@ class Gateway:
     holding: Holding
     seeing: Seeing
     languages: Languages
+    alarms: Alarms
 
     def __init__(self, settings: Settings, parts: Parts) -> None:
         self._settings = settings
@@ -215,6 +217,8 @@ class Gateway:
         self.seeing = furnish_seeing(
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
+        self.alarms = Alarms(self.rooms, self.access, time, self.furnishing.hands(parts.face))
+        self.alarms.furnish(self.pipeline, memory, self._settings.people)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
@@ -260,7 +264,7 @@ class Gateway:
         )  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
-            asyncio.create_task(self.seeing.sampler.run()),
+            asyncio.create_task(self.seeing.sampler.run()), asyncio.create_task(self.alarms.run()),
             asyncio.create_task(
                 save_now_and_then(self.rooms.organiser.rates, self._parts.store, self._parts.clock)
             ),
@@ -272,7 +276,7 @@ class Gateway:
         finally:
             for task in keeping:
                 task.cancel()
-            await self.furnishing.keeper.close()
+            await asyncio.gather(self.furnishing.keeper.close(), self.alarms.close())
             await self._fall_deaf()
 
     async def _daily(self) -> None:

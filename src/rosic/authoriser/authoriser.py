@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import msgspec
 
 from rosic.authoriser.buttons import Buttons, Count, uncounted
-from rosic.core.identity import AuthorisationKey, Caller, KeyId, Principal, PrincipalId
+from rosic.core.identity import Address, AuthorisationKey, Caller, KeyId, Principal, PrincipalId
 from rosic.core.message import ChatKind
 from rosic.core.saying import said
 from rosic.errors import Unrecognised
@@ -99,6 +99,21 @@ class Authoriser:
             raise Unrecognised(ENDED)
         caller = Caller(person.id, person.name, inbound.sender, key.id, self._session_key())
         return Session(caller, self.ends_of(key))
+
+    def stand_for(self, principal: PrincipalId) -> Caller:
+        """Return somebody as whoever acts now by a rule of theirs, under their present key.
+
+        Raises:
+            Unrecognised: Nobody, or their key is revoked or has expired. Nothing changed.
+        """
+        person, key = self.directory.person(principal), self.directory.key_of(principal)
+        if person is None or key is None or key.revoked_ns is not None:
+            raise Unrecognised(ENDED)
+        if key.expires_ns is not None and self._clock.wall_ns() >= key.expires_ns:
+            self.count("key-expired")
+            raise Unrecognised(ENDED)
+        address = person.addresses[0] if person.addresses else Address("rule", principal)
+        return Caller(person.id, person.name, address, key.id, self._session_key())
 
     def _count_tap(self, kind: str) -> None:
         self.count(kind)

@@ -224,7 +224,7 @@ def _alone(said: str, names: Names) -> Condition:
     found = _ALONE.fullmatch(said)
     if found is not None and found["silent"]:
         names.unit(found["name"])
-        return Condition(name=found["name"], kind=SILENT)
+        return Condition(name=found["name"], kind=SILENT, unit=_shown(names, found["name"]))
     raise ValueError(
         f"{said!r} is no condition: write battery < 20 %, x outside 1 to 2 m, mode is manual, "
         "link_age > 5 s, offline or silent"

@@ -12,6 +12,7 @@ from rosic.app.profiles import known_units
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Busy, Link, Profile
+from rosic.core.roles import DEFAULT_ROLES, Rulebook
 from rosic.core.skill import Parameter, Skill, SkillClass
 from rosic.errors import StoreFault
 from rosic.messengers.memory import MemoryMessenger
@@ -131,7 +132,10 @@ class Place:
     Attributes:
         chat: The messenger.
         robots: By id.
+        rulebook: The rules of the place.
     """
+
+    rulebook = Rulebook(roles=DEFAULT_ROLES)
 
     def __init__(
         self,
@@ -152,6 +156,7 @@ class Place:
             people=PEOPLE,
             limit=limit or RateLimit(burst=1e6, per_s=1e6),
             lease_idle_s=30.0,
+            rulebook=self.rulebook,
         )
         self.gateway = Gateway(
             self._settings,
