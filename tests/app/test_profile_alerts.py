@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.app.config import check_config
 from rosic.app.profiles import check_profile, known_units, load_profile
 from rosic.app.schema import robot_schema
 from rosic.app.yaml_file import read_yaml
@@ -93,3 +94,17 @@ def test_a_rule_that_cannot_be_followed_is_said(
 def test_a_stop_may_be_run(tmp_path: Path) -> None:
     text = spoil("run: move back 0.5 m", "run: stop", ALERTS)
     assert check_profile(write(tmp_path, text)) == []
+
+
+def test_a_rule_runs_only_as_somebody_whom_the_configuration_names(tmp_path: Path) -> None:
+    write(tmp_path, ALERTS)
+    for name, wrong in (("Ada", False), ("Bo", True)):
+        config = tmp_path / "rosic.toml"
+        config.write_text(
+            '[[messenger]]\nkind = "terminal"\n'
+            '[[robot]]\nprofile = "rover.yaml"\nlink = "simulated"\n'
+            f'[[principal]]\nname = "{name}"\naddress = "terminal:me"\nrole = "admin"\n'
+        )
+        said = " ".join(map(str, check_config(config)))
+        assert ("The rule 'battery_low' of rover runs as Ada, and nobody" in said) is wrong, said
+        assert bool(said) is wrong

@@ -24,6 +24,7 @@ from rosic.testing.clock import ManualClock, SeededEntropy, settle
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
+    from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.store import Latch, Store
     from rosic.core.message import Button, Outbound
     from rosic.core.record import Record
@@ -133,9 +134,11 @@ class Place:
         chat: The messenger.
         robots: By id.
         rulebook: The rules of the place.
+        kind: What its robots are.
     """
 
     rulebook = Rulebook(roles=DEFAULT_ROLES)
+    kind: RobotFactory = MemoryRobot
 
     def __init__(
         self,
@@ -162,7 +165,7 @@ class Place:
             self._settings,
             Parts(
                 messengers=(self.chat,),
-                robot_factory=lambda _kind: MemoryRobot,
+                robot_factory=lambda _kind: type(self).kind,
                 store=self.store,
                 latch=self.latch,
                 clock=self.clock,

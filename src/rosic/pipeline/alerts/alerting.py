@@ -231,7 +231,7 @@ class Alerting:
         try:
             await self._running.run(rule, self._lines[rule.key], alarm.at_ns)
         except Refusal as refusal:
-            self.tell(rule, alarm.told, words.not_run(rule, self.shown(rule), str(refusal)))
+            self.tell(rule, alarm.told, words.not_run(rule, self.shown(rule), refusal.sentence))
         except (RosicError, Exception):
             log.exception("the rule %s could not be run", rule.key)
             self.tell(rule, alarm.told, words.not_run(rule, self.shown(rule), words.fault()))

@@ -140,6 +140,9 @@ class Running:
         if rule.robot not in self._rooms.organiser.visible(author):
             raise NotPermitted(words.no_author(rule.alert.author))
         self._hands.stop_lane.stop_robots((rule.robot,), author)
+        decided = Decided(act="alarm-run", by=author, about=rule.key, at_ns=self._clock.wall_ns())
+        async with self._changes.turn() as turn:
+            await turn.act((decided,))
 
     async def _admitted(
         self, rule: Rule, line: Do, caller: Caller, cid: CommandId

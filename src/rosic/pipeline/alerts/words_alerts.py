@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import floor
 from typing import TYPE_CHECKING
 
 from rosic.core.alert_rule import Severity
@@ -32,7 +33,8 @@ def value(condition: Condition, found: float | str | None) -> str:
         return ""
     if isinstance(found, str):
         return f"{condition.name} {clean(found)[:80]}"
-    number = f"{found:.0f}" if condition.unit == "%" else f"{found:.2f}"
+    # Rounded down: what is below a fifth is never shown as a fifth.
+    number = f"{floor(found * 10) / 10:g}" if condition.unit == "%" else f"{found:.2f}"
     return f"{condition.name.replace('_', ' ')} {number} {condition.unit}".rstrip()
 
 
