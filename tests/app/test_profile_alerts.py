@@ -12,7 +12,7 @@ from rosic.app.schema import robot_schema
 from rosic.app.yaml_file import read_yaml
 from rosic.core.alert_rule import Circle, Severity
 from rosic.core.language import Vocabulary
-from rosic.core.rule import compile_rule, read_run
+from rosic.core.rule import compile_rule, read_run, rules_of
 from tests.app.profile_text import GOOD, MARK, marked_line, spoil, write
 from tests.app.test_schema import validator
 
@@ -50,6 +50,16 @@ def test_a_good_rule_is_read(tmp_path: Path) -> None:
     line = read_run(rule, Vocabulary.build([profile], known_units()))
     assert line is not None
     assert line.skills[0].id == "move"
+
+
+def test_alert_below_is_a_rule_unless_another_is_about_the_same_value(tmp_path: Path) -> None:
+    [low] = rules_of(load_profile(write(tmp_path, GOOD)), known_units())
+    assert (low.alert.name, low.alert.when) == ("battery_low", "battery < 20 %")
+    stated = rules_of(load_profile(write(tmp_path, ALERTS)), known_units())
+    assert [rule.alert.name for rule in stated] == ["battery_low", "gone"]
+    zero = spoil("alert_below: 20", "alert_below: 0", GOOD)
+    [at_zero] = rules_of(load_profile(write(tmp_path, zero)), known_units())
+    assert at_zero.condition.clear.low == 0
 
 
 def test_the_schema_knows_it(tmp_path: Path) -> None:

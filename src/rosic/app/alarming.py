@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.app.people import Seed, named_in_file
 from rosic.app.shape import Finding
-from rosic.core.rule import compile_rule, read_run
+from rosic.core.rule import read_run, rules_of
 from rosic.pipeline.alerts.alerting import Alerting
 from rosic.pipeline.alerts.book import ALARM, MUTE, RUN, Book
 from rosic.pipeline.alerts.circles import Circles
@@ -49,9 +49,9 @@ class Alarms:
             book.restore(memory.facts.get(kind, ()))
             changes.keep(kind, book.apply)
         rules = [
-            compile_rule(profile, alert, rooms.vocabulary.units)
+            rule
             for profile in rooms.profiles.values()
-            for alert in profile.alerts
+            for rule in rules_of(profile, rooms.vocabulary.units)
         ]
         lines = {rule.key: read_run(rule, rooms.vocabulary) for rule in rules if rule.alert.run}
         named = named_in_file(people, memory, rooms.authoriser)

@@ -5,13 +5,15 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
+from msgspec.structs import replace
+
 from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.shape import Finding, Rules
 from rosic.app.source import Place, nearest
 from rosic.core.authority import READ, RESUME
 from rosic.core.language import UnitTable, Vocabulary
 from rosic.core.robot import Profile, Telemetry
-from rosic.core.rule import Wrong, compile_rule, read_run
+from rosic.core.rule import Wrong, compile_rule, read_run, rules_of
 from rosic.core.skill import Parameter, Skill, SkillClass
 
 if TYPE_CHECKING:
@@ -230,7 +232,10 @@ def _stoppable(profile: Profile) -> Iterator[Finding]:
 
 
 def _alerts(profile: Profile, units: UnitTable) -> Iterator[Finding]:
-    if not profile.alerts or clash([profile], units):
+    if clash([profile], units):
+        return
+    yield from _low(profile, units)
+    if not profile.alerts:
         return
     vocabulary = Vocabulary.build([profile], units)
     names: set[str] = set()
@@ -249,6 +254,13 @@ def _alerts(profile: Profile, units: UnitTable) -> Iterator[Finding]:
         except Wrong as wrong:
             sentence = str(wrong)
             yield Finding(("alerts", index, wrong.key), f"{sentence[:1].upper()}{sentence[1:]}.")
+
+
+def _low(profile: Profile, units: UnitTable) -> Iterator[Finding]:
+    try:
+        rules_of(replace(profile, alerts=()), units)
+    except Wrong as wrong:
+        yield Finding(("telemetry",), f"An alarm cannot be made of alert_below: {wrong}.")
 
 
 def advice(profile: Profile) -> Iterator[Finding]:

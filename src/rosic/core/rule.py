@@ -81,6 +81,35 @@ def compile_rule(profile: Profile, alert: Alert, units: UnitTable) -> Rule:
     )  # fmt: skip
 
 
+def rules_of(profile: Profile, units: UnitTable) -> list[Rule]:
+    """Read every rule of a robot: those it states, and one for each ``alert_below``.
+
+    A value that a rule of the profile is about already needs no other.
+
+    Raises:
+        Wrong: The first thing that is wrong.
+    """
+    stated = [compile_rule(profile, alert, units) for alert in profile.alerts]
+    about = {rule.condition.name for rule in stated if rule.condition.kind == "bounds"}
+    names = {rule.alert.name for rule in stated}
+    low = [
+        compile_rule(profile, _low(name, described.alert_below, described.unit), units)
+        for name, described in profile.telemetry.items()
+        if described.alert_below is not None and name not in about and f"{name}_low" not in names
+    ]
+    return stated + low
+
+
+def _low(name: str, limit: float, unit: str) -> Alert:
+    amount = f"{limit:.9f}".rstrip("0").rstrip(".")
+    return Alert(
+        name=f"{name}_low",
+        when=f"{name} < {amount} {unit}".strip(),
+        lasting="10 s",
+        clear="" if limit else f"{name} >= {amount} {unit}".strip(),
+    )
+
+
 def _time(key: str, said: str, units: UnitTable, least_s: float) -> float:
     """Read a length of time; nothing said is 0.
 

@@ -41,4 +41,4 @@ async def test_a_battery_that_drains_is_told_and_its_rule_folds_the_arm() -> Non
         lives = [here.chat.shown(t.message).text for t in here.chat.told]
         assert any("rule battery_low" in text and "done" in text for text in lives)
         machine._cell.fraction = 1.0
-        assert (await heard(here, 2))[ADA] == ["omni: over: Battery is low.\nNow: battery 100 %."]
+        assert (await heard(here, 2))[ADA][0].startswith("omni: over: Battery is low.")

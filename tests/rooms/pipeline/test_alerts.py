@@ -168,6 +168,23 @@ async def test_a_critical_one_overtakes_and_says_so() -> None:
         assert outbound.text.startswith("ALARM · omni: Battery is low.")
 
 
+async def test_whoever_is_locked_or_whose_key_is_over_is_not_told() -> None:
+    async with place(LOW).open() as here:
+        authoriser = here.gateway.rooms.authoriser
+        bo, ada = (authoriser.directory.named(name)[0].id for name in ("Bo", "Ada"))
+        key = authoriser.directory.key_of(bo)
+        assert key is not None
+        authoriser.directory.add_key(replace(key, expires_ns=here.clock.wall_ns() + 10**9))
+        battery(here, 15)
+        assert set(await heard(here, 11)) == {ADA}
+        assert "Noted" in await say(here, ADA, "/seen")
+        battery(here, 50)
+        assert set(await heard(here, 2)) == {ADA}
+        here.gateway.rooms.organiser.locked = {ada}
+        battery(here, 15)
+        assert await heard(here, 11) == {}
+
+
 async def test_whoever_has_lost_their_access_hears_nothing_more() -> None:
     async with place(LOW).open() as here:
         battery(here, 15)

@@ -49,10 +49,16 @@ class Circles:
     def may_hear(self, who: PrincipalId, robot: RobotId) -> bool:
         """Whether somebody may be told of a robot at all."""
         return (
-            self._directory.has_good_key(who)
+            self._has_access(who)
             and who not in self._organiser.locked
             and robot in self._organiser.visible(who)
         )
+
+    def _has_access(self, who: PrincipalId) -> bool:
+        key = self._directory.key_of(who)
+        if key is None or key.revoked_ns is not None:
+            return False
+        return key.expires_ns is None or self._organiser.wall_ns() < key.expires_ns
 
     def may_acknowledge(self, who: PrincipalId, robot: RobotId) -> bool:
         """Whether somebody may say for everybody that an alarm was seen: who may operate it."""
