@@ -6,6 +6,7 @@ import asyncio
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from rosic.app.alarming import Alarms
 from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
@@ -40,10 +41,11 @@ from rosic.pipeline.times.naming import Naming
 from rosic.pipeline.times.parts import Sides, Times
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
+    from rosic.app.people import Seed
     from rosic.authoriser.misuse import Invalidate
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.life import Face
     from rosic.core.message import Chat
+    from rosic.core.record import Memory
     from rosic.core.robot import RobotId
     from rosic.core.secret import Secret
     from rosic.errors import Refusal
@@ -121,10 +124,13 @@ class Furnishing:
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
 
-    def hands(self, face: Face) -> Hands:
-        """Return what an order of a rule goes through."""
+    def alarms(self, memory: Memory, people: Iterable[Seed], clock: Clock, face: Face) -> Alarms:
+        """Return what follows the rules about alarms, as the record left them."""
         lives = self._pipeline.lives
-        return Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face)
+        hands = Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face)
+        alarms = Alarms(self._rooms, self._access, clock, hands)
+        alarms.furnish(self._pipeline, memory, people)
+        return alarms
 
     # ---- people ----
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.access import Access
-from rosic.app.alarming import Alarms
 from rosic.app.authority import Authority, key_of
 from rosic.app.furnishing import Furnishing
 from rosic.app.gates import robots_of, stops_of
@@ -130,7 +129,6 @@ class Gateway:
     holding: Holding
     seeing: Seeing
     languages: Languages
-    alarms: Alarms
 
     def __init__(self, settings: Settings, parts: Parts) -> None:
         self._settings = settings
@@ -217,8 +215,7 @@ class Gateway:
         self.seeing = furnish_seeing(
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
-        self.alarms = Alarms(self.rooms, self.access, time, self.furnishing.hands(parts.face))
-        self.alarms.furnish(self.pipeline, memory, self._settings.people)
+        self.alarms = self.furnishing.alarms(memory, self._settings.people, time, parts.face)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
@@ -258,10 +255,8 @@ class Gateway:
         self._listening = [
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
-        minder = Minder(
-            self.access, self.authority, self.furnishing, self.holding, self.access.time,
-            self._daily,
-        )  # fmt: skip
+        minder = Minder(self.access, self.authority, self.furnishing, self.holding,
+                        self.access.time, self._daily)  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
             asyncio.create_task(self.seeing.sampler.run()), asyncio.create_task(self.alarms.run()),
