@@ -164,8 +164,9 @@ def test_an_alarm_of_an_earlier_run_is_told_again_unless_it_was_seen() -> None:
     watch = Watch(Pace(5 * S))
     watch.restore(100 * S, acknowledged=False, level=0)
     assert feed(watch, (100, BAD), (101, BAD), (102, GOOD)) == [Event.AGAIN, None, Event.CLEARED]
+    watch = Watch(Pace(5 * S, 60 * S))
     watch.restore(100 * S, acknowledged=True, level=0)
-    assert feed(watch, (100, BAD), (101, BAD), (102, GOOD)) == [None, None, Event.CLEARED]
+    assert feed(watch, (100, BAD), (900, BAD), (901, GOOD)) == [None, None, Event.CLEARED]
 
 
 def test_after_a_restart_a_robot_that_was_not_heard_yet_may_still_say_that_it_is_over() -> None:

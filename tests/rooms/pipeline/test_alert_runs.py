@@ -5,9 +5,10 @@ from __future__ import annotations
 from msgspec.structs import replace
 
 from rosic.core.alert_rule import Alert, Circle
-from rosic.core.record import Claimed, Decided, Fact
+from rosic.core.record import Claimed, Decided, Fact, Record
 from rosic.core.robot import Telemetry
 from rosic.core.roles import DEFAULT_ROLES, Care, Rulebook
+from rosic.errors import StoreFault
 from rosic.pipeline.alerts.book import RUN
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, FLEET, VI, BrokenStore, Place
@@ -29,6 +30,26 @@ class Kept(MemoryStore):
     async def write(self, *records: object) -> None:
         self.written += records
         await super().write(*records)  # type: ignore[arg-type]
+
+
+class FailsToClaim(BrokenStore):
+    """Writes everything but claims."""
+
+    claims = False
+
+    async def write(self, *records: Record) -> None:
+        if not self.claims and any(isinstance(record, Claimed) for record in records):
+            raise StoreFault("the disk is full")
+        await super().write(*records)
+
+
+class FailsToDecide(BrokenStore):
+    """Writes everything but administrative acts."""
+
+    async def write(self, *records: Record) -> None:
+        if any(isinstance(record, Decided) for record in records):
+            raise StoreFault("the disk is full")
+        await super().write(*records)
 
 
 class Careful(Place):
@@ -134,10 +155,35 @@ async def test_the_rights_of_that_moment_count() -> None:
 
 
 async def test_a_name_means_the_person_of_the_configuration_alone() -> None:
-    async with place(replace(DRIFT, author="Zed")).open() as here:
+    for name, acted in (("Zed", 0), ("Bo", 1)):
+        async with place(replace(DRIFT, author=name)).open() as here:
+            directory = here.gateway.rooms.authoriser.directory
+            directory.enrol(replace(directory.named("Bo")[0], name="Zed"))
+            told = await drift(here)
+            assert here.acted() == acted
+            assert acted or "Zed, in whose name it runs" in told[ADA][-1]
+
+
+async def test_nothing_moves_before_the_decision_is_on_disk() -> None:
+    async with place(store=FailsToDecide()).open() as here:
         told = await drift(here)
         assert here.acted() == 0
-        assert "Zed, in whose name it runs" in told[ADA][-1]
+        assert "cannot write" in told[ADA][-1]
+
+
+async def test_a_run_that_was_decided_and_not_claimed_is_not_made_up_for() -> None:
+    store = FailsToClaim()
+    first = place(store=store)
+    async with first.open() as here:
+        told = await drift(here)
+        assert here.acted() == 0
+        assert "cannot write" in told[ADA][-1]
+        store.claims = True
+        await heard(here, 1200)
+        assert here.acted() == 0
+    async with place(store=store).open() as here:
+        await drift(here)
+        assert here.acted() == 0
 
 
 async def test_never_while_somebody_else_has_the_robot() -> None:
