@@ -114,9 +114,11 @@ def test_somebody_stands_for_a_rule_of_theirs_only_under_a_good_key() -> None:
     assert (caller.principal, caller.key, caller.address) == ("p1", "k1", ADA)
     with pytest.raises(Unrecognised):
         desk.authoriser.stand_for("nobody")
-    desk.clock.jump_wall(60.0)
+    assert desk.authoriser.has_access("p1")
+    desk.authoriser.ends_of = lambda _key: desk.clock.wall_ns()  # a grace that is over
     with pytest.raises(Unrecognised):
         desk.authoriser.stand_for("p1")
+    assert not desk.authoriser.has_access("p1")
     revoked = Desk()
     revoked.authoriser.revoke("k1")
     with pytest.raises(Unrecognised):

@@ -107,13 +107,19 @@ class Authoriser:
             Unrecognised: Nobody, or their key is revoked or has expired. Nothing changed.
         """
         person, key = self.directory.person(principal), self.directory.key_of(principal)
-        if person is None or key is None or key.revoked_ns is not None:
-            raise Unrecognised(ENDED)
-        if key.expires_ns is not None and self._clock.wall_ns() >= key.expires_ns:
-            self.count("key-expired")
+        if person is None or key is None or not self._is_good(key):
             raise Unrecognised(ENDED)
         address = person.addresses[0] if person.addresses else Address("rule", principal)
         return Caller(person.id, person.name, address, key.id, self._session_key())
+
+    def has_access(self, principal: PrincipalId) -> bool:
+        """Whether somebody could speak here now: their key is not revoked and has not ended."""
+        key = self.directory.key_of(principal)
+        return key is not None and self._is_good(key)
+
+    def _is_good(self, key: AuthorisationKey) -> bool:
+        ends_ns = self.ends_of(key)
+        return key.revoked_ns is None and (ends_ns is None or self.wall_ns() < ends_ns)
 
     def _count_tap(self, kind: str) -> None:
         self.count(kind)

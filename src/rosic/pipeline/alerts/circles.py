@@ -23,7 +23,7 @@ class Circles:
     """
 
     def __init__(self, authoriser: Authoriser, organiser: Organiser) -> None:
-        self._directory = authoriser.directory
+        self._authoriser = authoriser
         self._organiser = organiser
         self._belongs: dict[Circle, Callable[[PrincipalId, RobotId], bool]] = {
             Circle.HOLDER: lambda who, robot: organiser.whose(robot) == who,
@@ -42,23 +42,17 @@ class Circles:
 
     def _within(self, robot: RobotId, circle: Circle) -> Iterator[PrincipalId]:
         belongs = self._belongs[circle]
-        for person in self._directory.people():
+        for person in self._authoriser.directory.people():
             if self.may_hear(person.id, robot) and belongs(person.id, robot):
                 yield person.id
 
     def may_hear(self, who: PrincipalId, robot: RobotId) -> bool:
         """Whether somebody may be told of a robot at all."""
         return (
-            self._has_access(who)
+            self._authoriser.has_access(who)
             and who not in self._organiser.locked
             and robot in self._organiser.visible(who)
         )
-
-    def _has_access(self, who: PrincipalId) -> bool:
-        key = self._directory.key_of(who)
-        if key is None or key.revoked_ns is not None:
-            return False
-        return key.expires_ns is None or self._organiser.wall_ns() < key.expires_ns
 
     def may_acknowledge(self, who: PrincipalId, robot: RobotId) -> bool:
         """Whether somebody may say for everybody that an alarm was seen: who may operate it."""

@@ -122,8 +122,7 @@ class Running:
             NotPermitted: They have no access, or could not be told what came of it.
         """
         author = self.author_of(rule.alert.author)
-        directory = self._rooms.authoriser.directory
-        if author is None or not directory.has_good_key(author):
+        if author is None or not self._rooms.authoriser.has_access(author):
             raise NotPermitted(words.no_author(rule.alert.author))
         return author
 
