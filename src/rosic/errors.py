@@ -22,7 +22,8 @@ RosicError
 |-- Fault                  the operator: something broke. Logged with its cause
 |   |-- RobotUnreachable   robot adapter: no answer in time; it may or may not have moved
 |   |-- MessengerFault     messenger adapter: the platform did not take the message
-|   |   `-- MessageGone    messenger adapter: there is no such message to change any more
+|   |   |-- MessageGone    messenger adapter: there is no such message to change any more
+|   |   `-- ChatGone       messenger adapter: nobody can be spoken to there any more
 |   `-- StoreFault         store: the record could not be written
 `-- ConfigurationError     the operator, before anything starts
 
@@ -236,6 +237,15 @@ class MessageGone(MessengerFault):
     """The message to change does not exist any more, or is too old to change. Nothing changed."""
 
     code = "message-gone"
+
+
+class ChatGone(MessengerFault):
+    """We were put out of the chat, or blocked. Nothing was said, and no second try would help.
+
+    It ends when somebody there speaks to us, or lets us in again.
+    """
+
+    code = "chat-gone"
 
 
 class StoreFault(Fault):

@@ -14,6 +14,7 @@ from rosic.app.access import Access
 from rosic.app.authority import Authority, key_of
 from rosic.app.furnishing import Furnishing
 from rosic.app.gates import robots_of, stops_of
+from rosic.app.gathering import gathering_of
 from rosic.app.holding import Holding
 from rosic.app.languages import LANGUAGES, catalogue, whose
 from rosic.app.minding import Minder
@@ -35,7 +36,7 @@ from rosic.contracts.painter import Painter
 from rosic.contracts.store import Latch, Store
 from rosic.core.language import UnitTable, Vocabulary, clean
 from rosic.core.life import Face
-from rosic.core.message import Chat, Outbound
+from rosic.core.message import Outbound
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Profile, RobotId
 from rosic.core.roles import DEFAULT_ROLES, Rulebook
@@ -216,6 +217,8 @@ class Gateway:
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
         self.alarms = self.furnishing.alarms(memory, self._settings.people, time, parts.face)
+        gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
+        gathering.gather(self._messengers, memory)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
@@ -329,11 +332,8 @@ class Gateway:
         """Bring a robot's own words to everybody who chose it, as inert text (Algorithm 8)."""
         said = f"{profile.shown}: {clean(text)}"
         for messenger, chat in self.pipeline.audience.of(profile.id):
-            self._tell(messenger, chat, said)
-
-    def _tell(self, messenger: Messenger, chat: Chat, text: str) -> None:
-        if self._teller is not None:
-            self._teller.say(Note(messenger, Outbound(chat=chat, text=text)))
+            if self._teller is not None:
+                self._teller.say(Note(messenger, Outbound(chat=chat, text=said), about=profile.id))
 
     async def close(self) -> None:
         """Fall deaf, bring robots to rest, write and tell outcomes, close. At most some seconds.

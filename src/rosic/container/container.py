@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
 
 DIGEST_BYTES = 16
+SHARED_BYTES = 8
 COMPLETED_KEPT = 8_192
 UNWRITTEN_KEPT = 10_000
 TOLD_TOGETHER = 500
@@ -61,6 +62,7 @@ class Containers:
 
     Attributes:
         usual: Returns the robot that somebody means where they chose none; None: nobody has any.
+        here: Returns the robot that a part of a chat is about; empty for none.
     """
 
     def __init__(
@@ -73,6 +75,7 @@ class Containers:
         self._vocabulary = vocabulary
         self._store = store
         self._clock = clock
+        self.here: Callable[[Chat], str] = _nowhere
         self.usual: Callable[[PrincipalId], str] | None = None
         self._people: dict[PrincipalId, PersonContainer] = {}
         self._unwritten: OrderedDict[CommandId, None] = OrderedDict()
@@ -233,6 +236,7 @@ class Containers:
         """Return the robot or group that a person chose in a chat, empty for none."""
         container = self._people.get(principal)
         chosen = container.selected(chat_digest(chat)) if container is not None else ""
+        chosen = chosen or (self.here(chat) if chat.topic else "")
         return chosen or ("" if self.usual is None else self.usual(principal))
 
     def forget(self, principal: PrincipalId) -> None:
@@ -247,8 +251,16 @@ class Containers:
 
     def company(self, chat: Chat) -> frozenset[PrincipalId]:
         """Return who chose a robot in a chat; known after a restart, too."""
-        digest = chat_digest(chat)
-        return frozenset(p for p, unit in self._people.items() if unit.selected(digest))
+        own = chat_digest(chat)[:SHARED_BYTES]
+        return frozenset(p for p, unit in self._people.items() if unit.chose(own))
+
+    def moved(self, old: Chat, new: Chat) -> None:
+        """Let what people chose in a chat hold under its new id."""
+        before, after = chat_digest(old), chat_digest(new)
+        for principal, unit in list(self._people.items()):
+            if chosen := unit.selected(before):
+                self.restore_selection(principal, after, chosen)
+                self._store.note(Selected(principal=principal, chat=after, robot=chosen))
 
     def restore_selection(self, principal: PrincipalId, chat: bytes, name: str) -> None:
         """Take over a choice from the record."""
@@ -259,8 +271,20 @@ class Containers:
 
 
 def chat_digest(chat: Chat) -> bytes:
-    """Return what stands for a chat in the open part of the record."""
-    return blake2b(f"{chat.platform}:{chat.id}".encode(), digest_size=DIGEST_BYTES).digest()
+    """Return what stands for a chat, or for a part of it, in the open part of the record.
+
+    The parts of a chat share the first half, so that whoever was in one of them was in the chat.
+    """
+    whole = blake2b(f"{chat.platform}:{chat.id}".encode(), digest_size=DIGEST_BYTES).digest()
+    if not chat.topic:
+        return whole
+    part = blake2b(chat.topic.encode(), key=whole, digest_size=DIGEST_BYTES - SHARED_BYTES).digest()
+    return whole[:SHARED_BYTES] + part
+
+
+def _nowhere(_chat: Chat) -> str:
+    """No part of a chat is about any robot."""
+    return ""
 
 
 def _placed(cids: Sequence[bytes], principal: PrincipalId, message: str) -> list[Placed]:

@@ -33,6 +33,10 @@ class PersonContainer:
         """Return the choice for a chat, empty for none."""
         return self._selected.get(chat, "") if self._selected else ""
 
+    def chose(self, chat: bytes) -> bool:
+        """Whether there is a choice for a chat, or for a part of it, that begins so."""
+        return any(digest.startswith(chat) for digest in self._selected)
+
 
 class RobotContainer:
     """What belongs to one robot: the number of its last order."""

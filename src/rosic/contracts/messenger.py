@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Protocol, TypeAlias
 
-from rosic.core.message import Chat, Inbound, Outbound, Weight
+from rosic.core.menu import Menu
+from rosic.core.message import Chat, Inbound, Outbound, Passing, Weight
 from rosic.errors import MessengerFault
 
 Receive: TypeAlias = Callable[[Inbound], Awaitable[None]]
 Turn: TypeAlias = Callable[[Chat, Weight], Awaitable[None]]
 Alarm: TypeAlias = Callable[[MessengerFault], None]
+Passed: TypeAlias = Callable[[Passing], None]
+SetMenus: TypeAlias = Callable[[Sequence[Menu]], Awaitable[None]]
 
 
 class Messenger(Protocol):
@@ -47,10 +50,12 @@ class Messenger(Protocol):
     async def send(self, outbound: Outbound) -> str:
         """Send, waiting for the platform's limits, and return the platform's message id.
 
-        The text arrives exactly as given, never read as markup. A file arrives under its name,
+        It arrives in the topic of its chat, or in the group itself if that topic is closed. The
+        text arrives exactly as given, never read as markup. A file arrives under its name,
         byte for byte; a picture may arrive as a picture, for eyes alone.
 
         Raises:
+            ChatGone: Not sent, and nothing more can be said there.
             MessengerFault: Not sent; trying again may succeed, but never with a file larger than
                 ``file_bytes``.
         """
@@ -90,3 +95,24 @@ def alarm_to(messenger: Messenger, alarm: Alarm) -> None:
     """
     if hasattr(messenger, "on_alarm"):
         messenger.on_alarm = alarm
+
+
+def watch_chats(messenger: Messenger, passed: Passed) -> None:
+    """Have a messenger with chats of many say what happens to them; see `Passing`.
+
+    Called on the event loop while the messenger listens, each time at least once; first, after
+    every start of listening, with whether this account hears everything in groups.
+    """
+    watch: Callable[[Passed], None] | None = getattr(messenger, "watch_chats", None)
+    if watch is not None:
+        watch(passed)
+
+
+def menus_of(messenger: Messenger) -> SetMenus | None:
+    """Return what a messenger calls ``set_menus``, if it offers commands while somebody types.
+
+    It makes each of these menus look as given, with one call to the platform for each that does
+    not look so already, and leaves all others alone. It never raises: a menu is a convenience.
+    """
+    found: SetMenus | None = getattr(messenger, "set_menus", None)
+    return found

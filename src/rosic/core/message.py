@@ -49,11 +49,13 @@ class Chat(msgspec.Struct, frozen=True, gc=False):
 
     Attributes:
         id: The platform's immutable id, as text.
+        topic: The part of a group that it takes place in, where a group has parts; else empty.
     """
 
     platform: str
     id: str
     kind: ChatKind = ChatKind.PRIVATE
+    topic: str = ""
 
 
 class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
@@ -73,6 +75,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         shown_as: How the platform shows the sender. For showing somebody new; never compared.
         locale: What the sender's messenger is set to, where the platform says so: ``de``. Only the
             default for whoever has not chosen a language.
+        addressed: In a group: it names us, or replies to what we said.
     """
 
     sender: Address
@@ -89,6 +92,42 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     answers: str = ""
     shown_as: str = ""
     locale: str = ""
+    addressed: bool = False
+
+
+class Passage(enum.Enum):
+    """What happens to a chat besides what is said in it."""
+
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
+
+    ADDED = "added"
+    REMOVED = "removed"
+    HEARING = "hearing"
+    DEAF = "deaf"
+    LEFT = "left"
+    MOVED = "moved"
+
+
+class Passing(msgspec.Struct, frozen=True, gc=False, kw_only=True):
+    """Something that happened to a chat, as an adapter heard of it. It changes nobody's rights.
+
+    Attributes:
+        chat: Where; with an empty id, wherever this account is.
+        what: We were ``ADDED`` or ``REMOVED``; from now on we are ``HEARING`` everything that is
+            said there, or ``DEAF`` to all that is not addressed to us; somebody has ``LEFT``; it
+            has ``MOVED`` to another id.
+        who: Who left; or who brought any of this about, where the platform tells.
+        title: How the chat is called. For showing only.
+        deaf: We hear only what is addressed to us there.
+        new_id: Where it is now.
+    """
+
+    chat: Chat
+    what: Passage
+    who: Address | None = None
+    title: str = ""
+    deaf: bool = False
+    new_id: str = ""
 
 
 class Button(msgspec.Struct, frozen=True, gc=False):

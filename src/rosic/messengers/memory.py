@@ -10,14 +10,14 @@ from msgspec.structs import replace
 
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
-from rosic.core.message import Button, Chat, ChatKind, Inbound, Outbound, Standing
-from rosic.errors import ConfigurationError, MessageGone, MessengerFault
+from rosic.core.message import Button, Chat, ChatKind, Inbound, Outbound, Passing, Standing
+from rosic.errors import ChatGone, ConfigurationError, MessageGone, MessengerFault
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Receive
+    from rosic.contracts.messenger import Passed, Receive
 
 KEEP = 10_000
 """How many of the newest messages, edits and answers are remembered."""
@@ -49,6 +49,9 @@ class MemoryMessenger:
         told: Messages and edits, oldest first.
         answers: How taps were answered: the tap's handle and the text.
         down: Set it, and sending and editing fail as if the platform were away.
+        gone: Ids of chats in which nothing can be said any more.
+        refused: How often somebody tried all the same.
+        passed: Told what happens to chats; a test calls it.
         listening_since_ns: Stamped on what is said from now on; see `Inbound`.
     """
 
@@ -70,6 +73,9 @@ class MemoryMessenger:
         self.told: deque[Told] = deque(maxlen=keep)
         self.answers: deque[tuple[str, str]] = deque(maxlen=keep)
         self.down = False
+        self.gone: set[str] = set()
+        self.refused = 0
+        self.passed: Passed = _nobody_watches
         self.listening_since_ns = 0
         self._clock = clock
         self._keep = keep
@@ -95,9 +101,10 @@ class MemoryMessenger:
         message: str | None = None,
         sent_ns: int | None = None,
         answers: str = "",
+        topic: str = "",
     ) -> Inbound:
         """Write a message, now unless `sent_ns` says otherwise, and return what will be seen."""
-        inbound = self._inbound(account, Chat(self.platform, chat, kind), message, sent_ns)
+        inbound = self._inbound(account, Chat(self.platform, chat, kind, topic), message, sent_ns)
         return self.deliver(replace(inbound, text=text, standing=standing, answers=answers))
 
     def tap(self, button: Button, *, under: str = "", account: str = "1") -> Inbound:
@@ -192,7 +199,7 @@ class MemoryMessenger:
         Raises:
             MessengerFault: `down` is set, or the file is too large; nothing was shown.
         """
-        self._check_up()
+        self._check_up(outbound.chat)
         if outbound.attachment is not None and len(outbound.attachment.content) > self.file_bytes:
             raise MessengerFault("The file is too large for this messenger. Nothing was sent.")
         message = self._next_id()
@@ -205,7 +212,7 @@ class MemoryMessenger:
         Raises:
             MessengerFault: `down` is set, this messenger cannot edit, or there is no such message.
         """
-        self._check_up()
+        self._check_up(outbound.chat)
         if not self.edits:
             raise MessengerFault("This messenger cannot change a message once it is sent.")
         if message not in self._shown:
@@ -278,7 +285,14 @@ class MemoryMessenger:
         self._unconfirmed -= 1
         self._announce()
 
-    def _check_up(self) -> None:
+    def watch_chats(self, passed: Passed) -> None:
+        """Have somebody told what happens to chats."""
+        self.passed = passed
+
+    def _check_up(self, chat: Chat) -> None:
+        if chat.id in self.gone:
+            self.refused += 1
+            raise ChatGone("Nobody can be spoken to in that chat any more.")
         if self.down:
             raise MessengerFault("The messenger is away. The message was not delivered.")
 
@@ -297,6 +311,10 @@ class MemoryMessenger:
 
     async def _change(self) -> None:
         await self._changed.wait()
+
+
+def _nobody_watches(_passing: Passing) -> None:
+    """Nobody wants to know what happens to chats."""
 
 
 def memory_messenger(name: str, settings: Mapping[str, Any], clock: Clock) -> MemoryMessenger:

@@ -36,6 +36,13 @@ class Audience:
         if len(chats) > CHATS_AT_MOST:
             chats.popitem(last=False)
 
+    def leave(self, messenger: str, chat: str, who: PrincipalId | None = None) -> None:
+        """Tell a chat nothing more: we were put out of it, or they left who had spoken there."""
+        where = (messenger, chat)
+        for chats in self._chats.values():
+            if where in chats and who in (None, chats[where][1]):
+                del chats[where]
+
     def of(self, robot: RobotId) -> tuple[Ear, ...]:
         """Return the chats to tell, leaving out people who may not see the robot any more."""
         return tuple(

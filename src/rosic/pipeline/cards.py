@@ -29,6 +29,7 @@ class Card:
         lines: For a messenger that cannot edit: what is to be said, line by line.
         untold: Orders that ended and whose author has not read it here.
         cids: The orders whose lives are shown here.
+        about: The robot or group that was commanded, for whoever replies to it.
         open: How many lives have not ended; at 0 nothing more will be said here.
         ending: An ending is on its way to the disk, or there.
         doubted: A message that said the ending may have arrived, or not.
@@ -38,6 +39,7 @@ class Card:
     __slots__ = (
         "_face",
         "_lives",
+        "about",
         "adopted",
         "buttons",
         "chat",
@@ -71,6 +73,7 @@ class Card:
         self.reply_to = reply_to
         self.principal = principal
         self.message = ""
+        self.about = ""
         self.adopted = False
         self.words = words
         self.dirty = False

@@ -36,11 +36,13 @@ class Reply(msgspec.Struct, frozen=True):
 
     Attributes:
         attachment: A file that goes with it, for a messenger that sends files of its size.
+        about: The robot that it speaks of, for whoever replies to it; empty for none.
     """
 
     text: str
     buttons: tuple[tuple[Button, ...], ...] = ()
     attachment: Attachment | None = None
+    about: str = ""
 
 
 class Desk:
@@ -144,7 +146,7 @@ class Desk:
         if profile is None:
             return Reply(said("{name}: chosen. Its name may be left out now.", name=line.name))
         text = said("{status}\nIts name may be left out now.", status=self._status(profile.id))
-        return Reply(text, self._skills(caller.principal, profile))
+        return Reply(text, self._skills(caller.principal, profile), about=profile.id)
 
     def _skills(self, principal: PrincipalId, profile: Profile) -> tuple[tuple[Button, ...], ...]:
         """Return what somebody may let a robot do, a button each, and a stop."""

@@ -74,14 +74,11 @@ class Replies:
     def hand_over(
         self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
     ) -> None:
-        """Answer with a clerk's reply: buttons as `offer` has them, and a file if there is one.
+        """Answer with a whole reply: buttons as `offer` has them, and a file if there is one.
 
         An empty text says nothing: the clerk answers later.
         """
         if not reply.text and reply.attachment is None:
-            return
-        if reply.attachment is None:
-            self.offer(messenger, inbound, caller, reply.text, reply.buttons)
             return
         issue, chat = self._authoriser.buttons.issue, inbound.chat.id
         bound = tuple(tuple(issue(b, caller.principal, chat) for b in row) for row in reply.buttons)
@@ -93,7 +90,9 @@ class Replies:
             attachment=reply.attachment,
         )
         plain = translated(outbound, self._languages.of(caller.principal))
-        self._teller.say(Note(messenger, plain))  # no file comes into a message that is there
+        # No file comes into a message that is there.
+        under = "" if reply.attachment is not None else inbound.under
+        self._teller.say(Note(messenger, plain, None, under, about=reply.about))
 
     def say_with(self, messenger: Messenger, inbound: Inbound, reply: Reply) -> None:
         """Answer somebody who is nobody yet; buttons carry their own nonces already.

@@ -12,7 +12,7 @@ from rosic.core.message import Inbound, Outbound, Weight
 from rosic.core.order import Rest
 from rosic.core.record import Stopped
 from rosic.core.saying import in_language, joined, said
-from rosic.errors import MessageGone, MessengerFault, Unrecognised
+from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
 from rosic.pipeline.languages import Languages
 
 if TYPE_CHECKING:
@@ -174,6 +174,8 @@ class StopLane:
                 return await messenger.send(outbound)
             except MessageGone:
                 message = ""
+            except ChatGone:
+                break
             except MessengerFault as fault:
                 log.warning("the answer to a stop was not told yet: %s", fault)
                 await self._clock.sleep(wait_s)

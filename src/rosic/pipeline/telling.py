@@ -18,9 +18,10 @@ from rosic.core import words
 from rosic.core.identity import Address
 from rosic.core.message import Outbound
 from rosic.core.saying import in_language
-from rosic.errors import MessageGone, MessengerFault
+from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.pipeline.cards import Card
 from rosic.pipeline.languages import Languages
+from rosic.pipeline.subjects import Subjects
 from rosic.pipeline.voice import Item, Note, Voice, matters, outbound_of, place_of, weight_of
 
 __all__ = ["Note", "Teller"]
@@ -52,6 +53,7 @@ class Teller:
     Attributes:
         on_buttons: Hears which message shows a note now.
         languages: Who reads which language; what is handed over here to be said is plain already.
+        subjects: Of which robot each message speaks.
     """
 
     def __init__(
@@ -66,6 +68,7 @@ class Teller:
         self._due: dict[Card, None] = {}
         self._ticking: asyncio.Task[None] | None = None
         self.on_buttons: Callable[[Note, str], None] = _nobody_looks
+        self.subjects = Subjects()
 
     def say(self, note: Note) -> None:
         """Say something after everything said before in its chat; an urgent one at once."""
@@ -140,6 +143,8 @@ class Teller:
                     item = voice.take()
                 try:
                     await self._speak_once(item, voice if turn is not None else None)
+                except ChatGone:
+                    self._let_go(item)
                 except MessengerFault as fault:
                     log.warning("not told yet: %s", fault)
                     await self._speak_again(item)
@@ -175,6 +180,9 @@ class Teller:
         for _ in range(tries):
             try:
                 await self._speak_once(item)
+            except ChatGone:
+                self._let_go(item)
+                return
             except MessengerFault as fault:
                 log.warning("not told yet: %s", fault)
             except Exception:
@@ -187,6 +195,18 @@ class Teller:
             task = asyncio.create_task(self._speak_later(item))
             self._aside.add(task)
             task.add_done_callback(self._aside.discard)
+
+    def _let_go(self, item: Item) -> None:
+        """Nobody is there to be told any more: it counts as told, and is tried no further."""
+        if isinstance(item, Card):
+            item.dirty, item.lines = False, []
+            told, item.untold = item.untold, []
+        else:
+            told = [item.cid, *item.also] if item.cid is not None else []
+            if item.then is not None:
+                item.then()
+        if told:
+            self._containers.told(*told)
 
     async def _speak_again(self, item: Item) -> None:
         """Go on after a first try that failed."""
@@ -234,6 +254,7 @@ class Teller:
                 note.outbound = _marked(note.outbound, self.languages.of_address(address))
             raise
         self.on_buttons(note, message)
+        self.subjects.note(note.messenger.name, note.outbound.chat, message, note.about)
         if note.cid is not None:
             self._containers.told(note.cid, *note.also)
         if note.then is not None:
@@ -259,6 +280,7 @@ class Teller:
         except MessengerFault as fault:
             card.doubted = fault.perhaps_sent
             raise
+        self.subjects.note(card.messenger.name, card.chat, card.message, card.about)
         card.dirty = False
         self._containers.told(*card.untold)
         card.untold = []
@@ -303,6 +325,7 @@ class Teller:
         """Show a life for the first time, and write down which message shows it."""
         card.dirty = bool(card.untold)
         await self._begin_in_place(card)
+        self.subjects.note(card.messenger.name, card.chat, card.message, card.about)
         if card.ending:
             await self._containers.place(card.cids, card.principal, card.message)
         else:

@@ -24,6 +24,7 @@ class Note(msgspec.Struct):
         good_for_ns: How long its buttons are good, if that is not the usual.
         then: Called once it was sent; it is never dropped before.
         doubted: It may have arrived already, or not.
+        about: The robot or group that it speaks of, for whoever replies to it; empty for none.
     """
 
     messenger: Messenger
@@ -34,6 +35,7 @@ class Note(msgspec.Struct):
     good_for_ns: int = 0
     then: Callable[[], None] | None = None
     doubted: bool = False
+    about: str = ""
 
     @property
     def messenger_and_chat(self) -> tuple[Messenger, Chat]:

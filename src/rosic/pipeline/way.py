@@ -43,6 +43,7 @@ from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_i
 from rosic.pipeline.requesting import Requesting
 from rosic.pipeline.resuming import Resuming
 from rosic.pipeline.said import Said
+from rosic.pipeline.subjects import meant
 from rosic.pipeline.turns import Turns
 
 if TYPE_CHECKING:
@@ -198,8 +199,9 @@ class Pipeline:
 
     async def _lines(self, said: Said, text: str) -> None:
         caller, inbound = said.caller, said.inbound
-        selected = self._rooms.container.selected(caller.principal, inbound.chat)
         visible = self._rooms.organiser.visible(caller.principal)
+        container, members = self._rooms.container, self._desk.members
+        selected = meant(said, self._teller.subjects, container, visible, members)
         for number, line in enumerate(self._reader.lines(text, selected, visible)):
             cid = _command_id(inbound, number)
             try:
@@ -291,6 +293,7 @@ class Pipeline:
         first = inbound.text[:64].split(maxsplit=1)[:1]
         return (
             inbound.chat.kind is ChatKind.PRIVATE
+            or inbound.addressed
             or inbound.text.startswith("/")
             or (bool(first) and first[0].lower() in self._vocabulary.callees)
         )
@@ -305,7 +308,7 @@ class Pipeline:
             for robot in self._desk.members(line.name):
                 self.audience.note(robot, messenger, inbound.chat, caller.principal)
         reply = self._desk.answer(caller, inbound.chat, line)
-        self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
+        self._replies.hand_over(messenger, inbound, caller, reply)
 
     async def _command(self, said: Said, line: Do, cid: CommandId) -> None:
         """CHECKPERMISSIONS, PROCESSCOMMAND; RELAYCOMMAND goes on in a life of its own."""
@@ -341,7 +344,8 @@ class Pipeline:
         catalogue = self._languages.of(caller.principal)
         words = ENGLISH if catalogue is None else wording_in(catalogue)
         card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self._face, words)
-        card.buttons = _stop_button(line.group or line.robots[0])
+        card.about = line.group or line.robots[0]
+        card.buttons = _stop_button(card.about)
         if said.confirmed and messenger.edits and len(said.asked) == len(orders):
             # The question that was answered becomes the life it asked for.
             card.message, card.adopted = said.inbound.under, bool(said.inbound.under)

@@ -89,6 +89,11 @@ class MemoryRobot:
         finally:
             timer.cancel()
 
+    def finish(self) -> None:
+        """Let the order under way end as if its time were over."""
+        if self._end is not None:
+            _finish(self._end)
+
     async def stop(self, stop: Stop) -> Rest:
         """Latch and end what is under way."""
         self.gate.apply_stop(stop)

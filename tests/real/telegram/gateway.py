@@ -8,7 +8,7 @@ import time
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
-from rosic.core.message import Chat, Inbound, Outbound
+from rosic.core.message import Chat, Inbound, Outbound, Passing
 from rosic.messengers.telegram.messenger import TelegramMessenger, telegram_messenger
 
 if TYPE_CHECKING:
@@ -48,6 +48,8 @@ class Gateway:
         self.heard: list[Inbound] = []
         self.alarms: list[MessengerFault] = []
         self.messenger.on_alarm = self.alarms.append
+        self.passings: list[Passing] = []
+        self.messenger.watch_chats(self.passings.append)
 
     async def receive(self, inbound: Inbound) -> None:
         self.heard.append(inbound)

@@ -19,7 +19,7 @@ MEANING = {
     foreign.ChatMigrated: Kind.MOVED,
     foreign.Conflict: Kind.CONFLICT,
     foreign.EndPointNotFound: Kind.UNUSABLE,
-    foreign.Forbidden: Kind.REFUSED,
+    foreign.Forbidden: Kind.GONE,
     foreign.InvalidToken: Kind.UNUSABLE,
     foreign.NetworkError: Kind.LOST,
     foreign.PassportDecryptionError: Kind.REFUSED,

@@ -11,8 +11,8 @@ ERRANDS = frozenset(
         "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "cancel",
         "chart", "clip", "code", "data", "decline", "end", "forget", "grant", "information",
         "invite", "language", "lock", "map", "me", "mute", "mydata", "people", "picture",
-        "revoke", "security", "seen", "settings", "share", "shelf", "slots", "take", "trajectory",
-        "unlock", "unmute", "wait",
+        "revoke", "security", "seen", "settings", "share", "shelf", "slots", "take", "topic",
+        "trajectory", "unlock", "unmute", "wait",
     }
 )  # fmt: skip
 

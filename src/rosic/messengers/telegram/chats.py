@@ -20,13 +20,15 @@ class Chats:
     """Bounded: what is oldest is forgotten first, and each loss is a small one.
 
     Without the new id of a group Telegram tells it once more; without the parts of a long message
-    it cannot be edited any more; without its nonce a tap on stop keeps to the order of its chat.
+    it cannot be edited any more; without its nonce a tap on stop keeps to the order of its chat;
+    of a chat that we were put out of Telegram says so once more.
     """
 
     def __init__(self) -> None:
         self._moved: OrderedDict[str, str] = OrderedDict()
         self._parts: OrderedDict[tuple[str, str], tuple[str, ...]] = OrderedDict()
         self._stops: OrderedDict[str, None] = OrderedDict()
+        self._gone: OrderedDict[str, None] = OrderedDict()
 
     def moved(self, old: str, new: str) -> None:
         """Remember where a group is now."""
@@ -40,6 +42,18 @@ class Chats:
                 break
             chat = self._moved[chat]
         return chat
+
+    def left(self, chat: str) -> None:
+        """Remember that we were put out of a chat, or blocked."""
+        _remember(self._gone, chat, None)
+
+    def back(self, chat: str) -> None:
+        """We are let in again, or somebody there speaks to us."""
+        self._gone.pop(chat, None)
+
+    def gone(self, chat: str) -> bool:
+        """Whether we were put out of a chat."""
+        return chat in self._gone
 
     def split(self, chat: str, parts: tuple[str, ...]) -> None:
         """Remember which messages make up a long one; it goes by the id of the last."""

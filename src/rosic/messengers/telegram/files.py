@@ -47,6 +47,7 @@ class Sendable:
         caption: str,
         reply: ReplyParameters | None,
         markup: InlineKeyboardMarkup | None,
+        thread: int | None = None,
     ) -> str:
         """Send it and return the message's id."""
         attachment = self._attachment
@@ -62,6 +63,7 @@ class Sendable:
             caption=caption or None,
             reply_parameters=reply,
             reply_markup=markup,
+            message_thread_id=thread,
             write_timeout=FILE_S,
             read_timeout=FILE_S,
         )

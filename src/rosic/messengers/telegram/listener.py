@@ -8,9 +8,9 @@ from collections import Counter
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
-from telegram import BotCommand
 
 from rosic.core.language import hears_stop
+from rosic.core.message import Chat, Passage, Passing
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import mapping, wire
@@ -35,17 +35,6 @@ CONTESTED_WAIT_S = 2.0
 LONGEST_WAIT_S = 60.0
 AHEAD_NS = 2 * SECOND_NS
 
-COMMANDS = (
-    BotCommand("robots", "The robots you may see"),
-    BotCommand("status", "What every robot is doing"),
-    BotCommand("use", "Choose a robot, so that its name may be left out"),
-    BotCommand("stop", "Stop every robot you may see"),
-    BotCommand("resume", "Let a stopped robot move again"),
-    BotCommand("book", "Have a robot for a time of your own"),
-    BotCommand("me", "What you may do, and until when"),
-    BotCommand("help", "What you can say"),
-)
-
 log = logging.getLogger("rosic.messengers.telegram")
 
 
@@ -65,6 +54,8 @@ class Listener:
         alarm: Told when motion is frozen because somebody else receives.
 
     Attributes:
+        passed: Told, while it listens, what happens to chats; once at its beginning, of the
+            account: whether it hears everything in groups.
         counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
             ``clock-behind``: messages that came from the future.
     """
@@ -78,6 +69,7 @@ class Listener:
         poll_timeout_s: int,
         alarm: Callable[[MessengerFault], None],
     ) -> None:
+        self.passed: Callable[[Passing], None] = _nobody_watches
         self._name = name
         self._line = line
         self._chats = chats
@@ -86,6 +78,7 @@ class Listener:
         self._alarm = alarm
         self._listening = Listening()
         self.own_name = ""
+        self._hears_groups = False
         self._failures = 0
         self._contested = False
         self.counts: Counter[str] = Counter()
@@ -102,9 +95,11 @@ class Listener:
         async with self._line.held():
             account = await self._meet()
             self.own_name = account.user_name
+            self._hears_groups = account.reads_groups
+            what = Passage.HEARING if account.reads_groups else Passage.DEAF
+            self._pass(Passing(chat=Chat(mapping.PLATFORM, ""), what=what))
             try:
                 async with TaskGroup() as group:
-                    group.create_task(self._introduce())
                     window = Window(group, receive, self._clock, self.counts)
                     while True:
                         await self._poll(window)
@@ -153,13 +148,6 @@ class Listener:
             )
         return account
 
-    async def _introduce(self) -> None:
-        """Put the commands into the menu; without them everything works all the same."""
-        try:
-            await self._line.ask(lambda bot: bot.set_my_commands(COMMANDS))
-        except Trouble as trouble:
-            log.warning("%s: the menu was not set: %s", self._name, trouble.reason)
-
     # ---- the loop ----
 
     async def _poll(self, window: Window) -> None:
@@ -201,11 +189,26 @@ class Listener:
             return News(number, None)
         if (move := mapping.moved(update)) is not None:
             self._chats.moved(*move)
+        passing = mapping.passing(update, hears_groups=self._hears_groups)
+        if passing is not None:
+            self._pass(passing)
         inbound = mapping.read(update, self.own_name, received)
         if inbound is None:
             return News(number, None)
+        self._chats.back(inbound.chat.id)
         self._check_clock(inbound, update)
         return News(number, inbound, self._is_stop(inbound))
+
+    def _pass(self, passing: Passing) -> None:
+        """Take in what happened to a chat, and pass it on; nothing that comes of it stops us."""
+        if passing.what is Passage.REMOVED:
+            self._chats.left(passing.chat.id)
+        elif passing.what is Passage.ADDED:
+            self._chats.back(passing.chat.id)
+        try:
+            self.passed(passing)
+        except Exception:
+            log.exception("%s: what happened to a chat was not followed", self._name)
 
     def _is_stop(self, inbound: Inbound) -> bool:
         said = inbound.text if inbound.nonce is None else inbound.nonce
@@ -266,6 +269,10 @@ class Listener:
 
     def _now(self) -> Moment:
         return Moment(self._clock.wall_ns(), self._clock.monotonic_ns())
+
+
+def _nobody_watches(_passing: Passing) -> None:
+    """Nobody wants to know what happens to chats."""
 
 
 def _accusation(name: str, reason: str) -> str:

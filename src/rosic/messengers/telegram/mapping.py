@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
-from rosic.core.message import Chat, ChatKind, Inbound, Standing
+from rosic.core.message import Chat, ChatKind, Inbound, Passage, Passing, Standing
 from rosic.messengers.telegram import wire
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ PLATFORM = "telegram"
 SECOND_NS = 1_000_000_000
 
 _ADDRESSED = re.compile(r"(?P<command>/[A-Za-z0-9_]{1,64})@(?P<name>[A-Za-z0-9_]{1,64})(?!\w)")
+_NAMED = re.compile(r"@(?P<name>[A-Za-z0-9_]{1,64})(?!\w)")
 _MENTIONED = re.compile(r"@(?P<name>[A-Za-z0-9_]{1,64})(?!\w)[\s,:]*")
 _KINDS = {
     "private": ChatKind.PRIVATE,
@@ -69,6 +70,55 @@ def moved(update: wire.Update) -> tuple[str, str] | None:
     return None
 
 
+def passing(update: wire.Update, *, hears_groups: bool) -> Passing | None:
+    """Return what happened to a chat: we came or went, or are told more or less; somebody left.
+
+    Args:
+        update: Just received.
+        hears_groups: Privacy mode is off, so that we hear everything in every group.
+    """
+    if (mine := update.my_chat_member) is not None:
+        return _own_passing(mine, hears_groups=hears_groups)
+    if (other := update.chat_member) is not None:
+        gone = other.old_chat_member.present and not other.new_chat_member.present
+        return _left(other.chat, other.new_chat_member.user.id) if gone else None
+    return _noted(update.message) if update.message is not None else None
+
+
+def _noted(message: wire.Message) -> Passing | None:
+    """Return what a service message says; these arrive in privacy mode, too."""
+    if message.migrate_to_chat_id is not None:
+        new_id = str(message.migrate_to_chat_id)
+        return Passing(chat=_chat(message.chat), what=Passage.MOVED, new_id=new_id)
+    gone = message.left_chat_member
+    if isinstance(gone, dict) and type(gone.get("id")) is int and not gone.get("is_bot"):
+        return _left(message.chat, gone["id"])
+    return None
+
+
+def _own_passing(update: wire.MemberUpdate, *, hears_groups: bool) -> Passing | None:
+    old, new = update.old_chat_member, update.new_chat_member
+    hears = hears_groups or new.status == "administrator"
+    heard = hears_groups or old.status == "administrator"
+    if old.present != new.present:
+        what = Passage.ADDED if new.present else Passage.REMOVED
+    elif new.present and hears != heard:
+        what = Passage.HEARING if hears else Passage.DEAF
+    else:
+        return None
+    return Passing(
+        chat=_chat(update.chat),
+        what=what,
+        who=Address(PLATFORM, str(update.sender.id)),
+        title=update.chat.title,
+        deaf=not hears,
+    )
+
+
+def _left(chat: wire.Chat, who: int) -> Passing:
+    return Passing(chat=_chat(chat), what=Passage.LEFT, who=Address(PLATFORM, str(who)))
+
+
 def addressed_here(text: str, own_name: str) -> str | None:
     """Return the text without this bot's name where it addresses it; None if it means another bot.
 
@@ -82,8 +132,12 @@ def addressed_here(text: str, own_name: str) -> str | None:
 
 
 def _line(line: str, own_name: str) -> str | None:
-    if (mention := _MENTIONED.match(line)) and mention["name"].casefold() == own_name:
-        line = line[mention.end() :]
+    if mention := _MENTIONED.match(line):
+        named, rest = mention["name"].casefold(), line[mention.end() :]
+        if named == own_name:
+            line = rest
+        elif named.endswith("bot"):  # as the name of every bot does, and of no person
+            return line if hears_stop(rest) is not None else None
     if not (command := _ADDRESSED.match(line)):
         return line
     bare = command["command"] + line[command.end() :]
@@ -100,12 +154,15 @@ def _text(
 ) -> Inbound | None:
     written = message.text if message.text is not None else message.caption
     text = addressed_here(written, own_name) if written else None
-    if text is None:
+    if text is None or written is None:
         return None
+    named, replied = _names(written, own_name), _replied_bot(message)
+    if replied not in {"", own_name.casefold()} and not named and hears_stop(text) is None:
+        return None  # an answer to another bot, of another gateway perhaps
     date = message.date if message.edit_date is None else message.edit_date
     return Inbound(
         sender=Address(PLATFORM, str(_author(message))),
-        chat=_chat(message.chat),
+        chat=_chat(message.chat, message),
         message=str(message.message_id),
         text=text,
         # The beginning of the second in which it was sent: a lifetime is never lengthened.
@@ -116,6 +173,7 @@ def _text(
         answers=_answered(message),
         shown_as="" if message.sender is None else message.sender.first_name,
         locale="" if message.sender is None else message.sender.language_code or "",
+        addressed=named or bool(replied),
     )
 
 
@@ -124,7 +182,7 @@ def _tap(query: wire.CallbackQuery, received: Received) -> Inbound | None:
         return None
     return Inbound(
         sender=Address(PLATFORM, str(query.sender.id)),
-        chat=_chat(query.message.chat),
+        chat=_chat(query.message.chat, query.message),
         message=query.id,
         text="",
         sent_ns=received.received_ns,
@@ -144,6 +202,27 @@ def _answered(message: wire.Message) -> str:
     return str(first.message_id) if first and first.chat.id == message.chat.id else ""
 
 
+def _names(text: str, own_name: str) -> bool:
+    """Whether a text names this bot anywhere."""
+    own = own_name.casefold()
+    return any(found["name"].casefold() == own for found in _NAMED.finditer(text))
+
+
+def _replied_bot(message: wire.Message) -> str:
+    """Return the name of the bot whose message it replies to; empty where that is no bot's.
+
+    Whatever has another form than documented is none: a stop must not be lost over it.
+    """
+    first = message.reply_to_message
+    author = first.sender if first is not None else None
+    if not isinstance(author, dict) or author.get("is_bot") is not True:
+        return ""
+    name = author.get("username")
+    if author.get("id") in {wire.GROUP_ANONYMOUS_BOT, wire.CHANNEL_BOT}:
+        return ""
+    return name.casefold() if isinstance(name, str) else ""
+
+
 def _author(message: wire.Message) -> int:
     """Return the account that wrote; a channel or a stand-in where Telegram does not tell."""
     if message.sender is not None:
@@ -151,8 +230,10 @@ def _author(message: wire.Message) -> int:
     return (message.sender_chat or message.chat).id
 
 
-def _chat(chat: wire.Chat) -> Chat:
-    return Chat(PLATFORM, str(chat.id), _KINDS.get(chat.type, ChatKind.GROUP))
+def _chat(chat: wire.Chat, message: wire.Message | wire.Shown | None = None) -> Chat:
+    kind = _KINDS.get(chat.type, ChatKind.GROUP)
+    thread = message.message_thread_id if message is not None and message.is_topic_message else None
+    return Chat(PLATFORM, str(chat.id), kind, "" if thread is None else str(thread))
 
 
 def _channel(_: wire.Message) -> Standing:

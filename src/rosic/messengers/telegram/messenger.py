@@ -10,16 +10,18 @@ from rosic.messengers.telegram.files import FILE_BYTES
 from rosic.messengers.telegram.limiter import PUBLISHED, Limiter, Rates
 from rosic.messengers.telegram.line import Line
 from rosic.messengers.telegram.listener import Listener
+from rosic.messengers.telegram.menus import Menus
 from rosic.messengers.telegram.scrub import hide
 from rosic.messengers.telegram.settings import TelegramSettings, read_settings
 from rosic.messengers.telegram.speaker import Speaker
 
 if TYPE_CHECKING:
     from collections import Counter
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Receive
+    from rosic.contracts.messenger import Passed, Receive
+    from rosic.core.menu import Menu
     from rosic.core.message import Chat, Inbound, Outbound, Weight
 
 CHECK_S = 4.0
@@ -62,6 +64,7 @@ class TelegramMessenger:
         poll_timeout_s = settings.poll_timeout_s
         self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
         self._speaker = Speaker(self._line, Limiter(clock, rates), chats, clock)
+        self._menus = Menus(name, self._line, clock)
         self._running = False
 
     def __repr__(self) -> str:
@@ -113,6 +116,14 @@ class TelegramMessenger:
             MessengerFault: There was no room in time.
         """
         await self._speaker.turn(chat, weight)
+
+    def watch_chats(self, passed: Passed) -> None:
+        """Have somebody told what happens to chats; see ``contracts.messenger``."""
+        self._listener.passed = passed
+
+    async def set_menus(self, menus: Sequence[Menu]) -> None:
+        """Offer commands while people type. Never raises."""
+        await self._menus.set(menus)
 
     async def send(self, outbound: Outbound) -> str:
         """Send, at the pace Telegram allows, and return the id of the (last) message.

@@ -12,7 +12,7 @@ from telegram import (
     ReplyParameters,
 )
 
-from rosic.errors import MessageGone, MessengerFault
+from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.messengers.telegram import text as texts
 from rosic.messengers.telegram.files import FILE_S, prepared
 from rosic.messengers.telegram.line import CALL_S
@@ -41,6 +41,8 @@ GONE = ("message to edit not found", "message can't be edited", "message_id_inva
 """Telegram's words for a message that was deleted, or is too old to be changed."""
 HAS_A_FILE = "no text in the message to edit"
 """Telegram's words for a message whose text is the caption of a file."""
+NO_TOPIC = ("message thread not found", "topic_closed", "topic_deleted")
+"""Telegram's words for a topic in which nothing more can be said: it is said in the group then."""
 NO_PREVIEW = LinkPreviewOptions(is_disabled=True)
 
 log = logging.getLogger("rosic.messengers.telegram")
@@ -57,6 +59,7 @@ class Call(NamedTuple):
     chat: str
     weight: Weight
     repeatable: bool = False
+    topic: int | None = None
 
 
 class Speaker:
@@ -76,7 +79,7 @@ class Speaker:
             MessengerFault: There was none in time.
         """
         where = self._chats.where(chat.id)
-        if where not in self._granted:
+        if where not in self._granted and not self._chats.gone(where):
             await self._limiter.turn(where, weight, within_s=GIVE_UP_S)
             self._granted.add(where)
 
@@ -88,7 +91,7 @@ class Speaker:
         """
         keyboard = _keyboard(outbound)
         self._chats.offered(outbound)
-        call = Call(outbound.chat.id, outbound.weight)
+        call = Call(outbound.chat.id, outbound.weight, topic=_topic(outbound))
         reply = _reply(outbound.reply_to)
         parts = texts.split(outbound.text)
         sent: list[str] = []
@@ -148,17 +151,18 @@ class Speaker:
         reply: ReplyParameters | None,
         markup: InlineKeyboardMarkup | None,
     ) -> str:
-        async def act(bot: Bot, chat: int) -> str:
+        async def act(bot: Bot, chat: int, thread: int | None) -> str:
             message = await bot.send_message(
                 chat,
                 text,
                 link_preview_options=NO_PREVIEW,
                 reply_parameters=reply,
                 reply_markup=markup,
+                message_thread_id=thread,
             )
             return str(message.message_id)
 
-        return await self._call(call, act)
+        return await self._call_in_topic(call, act)
 
     async def _send_file(
         self,
@@ -168,10 +172,10 @@ class Speaker:
         reply: ReplyParameters | None,
         markup: InlineKeyboardMarkup | None,
     ) -> str:
-        async def act(bot: Bot, chat: int) -> str:
-            return await file.send(bot, chat, caption, reply, markup)
+        async def act(bot: Bot, chat: int, thread: int | None) -> str:
+            return await file.send(bot, chat, caption, reply, markup, thread)
 
-        return await self._call(call, act, within_s=FILE_S)
+        return await self._call_in_topic(call, act, within_s=FILE_S)
 
     async def _edit_one(
         self, call: Call, number: int, text: str, markup: InlineKeyboardMarkup | None
@@ -220,6 +224,23 @@ class Speaker:
             if trouble.kind is not Kind.REFUSED or "not found" not in trouble.reason:
                 raise
 
+    async def _call_in_topic(
+        self,
+        call: Call,
+        act: Callable[[Bot, int, int | None], Awaitable[str]],
+        *,
+        within_s: float = CALL_S,
+    ) -> str:
+        """Say it in its topic; in the group itself if the topic is closed or gone."""
+        thread = call.topic
+        if thread is not None:
+            try:
+                return await self._call(call, lambda b, c: act(b, c, thread), within_s=within_s)
+            except Trouble as trouble:
+                if not any(words in trouble.reason.lower() for words in NO_TOPIC):
+                    raise
+        return await self._call(call, lambda b, c: act(b, c, None), within_s=within_s)
+
     async def _call(
         self, call: Call, act: Callable[[Bot, int], Awaitable[T]], *, within_s: float = CALL_S
     ) -> T:
@@ -234,6 +255,9 @@ class Speaker:
             left_s = (give_up_ns - self._clock.monotonic_ns()) / 1e9
             chat = self._chats.where(call.chat)
             number = _number(chat)
+            if self._chats.gone(chat):
+                self._granted.discard(chat)
+                raise ChatGone("Nobody can be spoken to in that chat any more.")
             if chat in self._granted:
                 self._granted.discard(chat)
             else:
@@ -252,12 +276,17 @@ class Speaker:
 
         Raises:
             Trouble: It must not, or need not, be made again.
+            ChatGone: In this chat no call will succeed.
         """
         if trouble.kind is Kind.TOO_FAST:
             log.info("asked to wait %g s in one chat", trouble.wait_s)
             self._limiter.hold(chat, trouble.wait_s)
         elif trouble.kind is Kind.MOVED and failures <= len(WAITS_S):
             self._chats.moved(chat, trouble.new_chat)
+        elif trouble.kind is Kind.GONE:
+            log.info("nobody can be spoken to in one chat any more: %s", trouble.reason)
+            self._chats.left(chat)
+            raise ChatGone(str(trouble)) from None
         elif _worth_it(call, trouble) and failures <= len(WAITS_S):
             await self._clock.sleep(WAITS_S[failures - 1])
         else:
@@ -273,6 +302,11 @@ def _number(text: str) -> int:
         return int(text)
     except ValueError:
         raise MessengerFault("Telegram has no such chat or message. Nothing was sent.") from None
+
+
+def _topic(outbound: Outbound) -> int | None:
+    topic = outbound.chat.topic
+    return int(topic) if topic.isdecimal() else None
 
 
 def _reply(message: str) -> ReplyParameters | None:

@@ -15,6 +15,11 @@ from rosic.messengers.telegram.scrub import scrub
 
 TOO_FAST = 429
 DEFAULT_WAIT_S = 1.0
+_NO_CHAT = (
+    "chat not found", "chat_write_forbidden", "not enough rights to send", "no rights to send",
+    "need administrator rights in the channel", "chat was deactivated", "user is deactivated",
+)  # fmt: skip
+"""Telegram's words, besides 403, for a chat in which nothing more can be said."""
 _NOT_SENT = frozenset({"ConnectError", "ConnectTimeout", "PoolTimeout", "ProxyError"})
 
 
@@ -26,6 +31,7 @@ class Kind(enum.Enum):
     TOO_FAST = "wait, then try again"
     MOVED = "the group has a new id"
     REFUSED = "this call will never succeed"
+    GONE = "nobody can be spoken to in this chat any more"
     NOT_SENT = "it certainly did not arrive"
     LOST = "it may or may not have arrived"
 
@@ -75,7 +81,7 @@ def trouble(error: BaseException) -> Trouble:
         new_chat = str(error.new_chat_id)
         return Trouble("The group has moved.", Kind.MOVED, reason, new_chat=new_chat)
     for kinds, kind, sentence in _MEANINGS:
-        if isinstance(error, kinds):
+        if isinstance(error, kinds) and (kind is not Kind.GONE or _is_gone(error, reason)):
             return Trouble(sentence.format(reason=scrub(str(error))), kind, reason)
     if type(error.__cause__).__name__ in _NOT_SENT:
         return Trouble("Telegram cannot be reached. Nothing was sent.", Kind.NOT_SENT, reason)
@@ -94,11 +100,21 @@ _MEANINGS: tuple[tuple[tuple[type[Exception], ...], Kind, str], ...] = (
         "Another program receives the messages of this bot.",
     ),
     (
-        (foreign.Forbidden, foreign.BadRequest, foreign.PassportDecryptionError),
+        (foreign.Forbidden, foreign.BadRequest),
+        Kind.GONE,
+        "Nobody can be spoken to in that chat any more.",
+    ),
+    (
+        (foreign.BadRequest, foreign.PassportDecryptionError),
         Kind.REFUSED,
         "Telegram did not take the message ({reason}).",
     ),
 )
+
+
+def _is_gone(error: BaseException, reason: str) -> bool:
+    words = reason.casefold()
+    return isinstance(error, foreign.Forbidden) or any(said in words for said in _NO_CHAT)
 
 
 def _too_fast(wait_s: float, reason: str) -> Trouble:

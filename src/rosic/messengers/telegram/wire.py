@@ -9,7 +9,9 @@ from typing import Any
 
 import msgspec
 
-KINDS = ("message", "edited_message", "channel_post", "callback_query")
+KINDS = (
+    "message", "edited_message", "channel_post", "callback_query", "my_chat_member", "chat_member",
+)  # fmt: skip
 """Asked for by name, because Telegram remembers what the last program asked for."""
 
 GROUP_ANONYMOUS_BOT = 1087968824
@@ -32,6 +34,7 @@ class Chat(msgspec.Struct):
 
     id: int
     type: str = ""
+    title: str = ""
 
 
 class Shown(msgspec.Struct):
@@ -39,6 +42,9 @@ class Shown(msgspec.Struct):
 
     message_id: int
     chat: Chat
+    sender: Any = msgspec.field(name="from", default=None)
+    message_thread_id: int | None = None
+    is_topic_message: bool = False
 
 
 class Message(msgspec.Struct, kw_only=True):
@@ -46,6 +52,8 @@ class Message(msgspec.Struct, kw_only=True):
 
     Attributes:
         date: Unix time in whole seconds, cut off.
+        message_thread_id: Of a forum topic; of any other thread where ``is_topic_message`` is not.
+        left_chat_member: Whoever left, as it came: what is said must not depend on its form.
     """
 
     message_id: int
@@ -64,6 +72,9 @@ class Message(msgspec.Struct, kw_only=True):
     is_from_offline: bool = False
     migrate_to_chat_id: int | None = None
     migrate_from_chat_id: int | None = None
+    message_thread_id: int | None = None
+    is_topic_message: bool = False
+    left_chat_member: Any = None
 
 
 class CallbackQuery(msgspec.Struct, kw_only=True):
@@ -75,6 +86,33 @@ class CallbackQuery(msgspec.Struct, kw_only=True):
     data: str | None = None
 
 
+class Member(msgspec.Struct):
+    """Somebody's place in a chat.
+
+    Attributes:
+        status: ``creator``, ``administrator``, ``member``, ``restricted``, ``left``, ``kicked``.
+        is_member: Of somebody restricted: whether they are in the chat.
+    """
+
+    user: User
+    status: str
+    is_member: bool = True
+
+    @property
+    def present(self) -> bool:
+        """Whether they are in the chat."""
+        return self.status not in {"left", "kicked"} and self.is_member
+
+
+class MemberUpdate(msgspec.Struct, kw_only=True):
+    """Somebody's place in a chat has changed."""
+
+    chat: Chat
+    sender: User = msgspec.field(name="from")
+    old_chat_member: Member
+    new_chat_member: Member
+
+
 class Update(msgspec.Struct, kw_only=True):
     """One update; at most one of its parts is there."""
 
@@ -83,6 +121,8 @@ class Update(msgspec.Struct, kw_only=True):
     edited_message: Message | None = None
     channel_post: Message | None = None
     callback_query: CallbackQuery | None = None
+    my_chat_member: MemberUpdate | None = None
+    chat_member: MemberUpdate | None = None
 
 
 def update_id(raw: object) -> int | None:

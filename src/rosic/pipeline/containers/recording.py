@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import msgspec
 
 from rosic.container.archive import NOBODY, Author
-from rosic.contracts.messenger import turn_of
+from rosic.contracts.messenger import menus_of, turn_of, watch_chats
 from rosic.core.identity import Address
 from rosic.core.message import ChatKind
 from rosic.errors import StoreFault
 
 if TYPE_CHECKING:
     from rosic.container.archive import Archive
-    from rosic.contracts.messenger import Messenger, Receive
+    from rosic.contracts.messenger import Messenger, Passed, Receive, SetMenus
     from rosic.contracts.store import Store
     from rosic.core.message import Chat, Inbound, Outbound
     from rosic.core.record import Fact
@@ -60,6 +60,15 @@ class Recorded:
     def bot_name(self) -> str:
         """Return the bot's name on its platform; empty where there is none."""
         return str(getattr(self._messenger, "bot_name", ""))
+
+    @property
+    def set_menus(self) -> SetMenus | None:
+        """Return how commands are offered; see ``contracts.messenger``."""
+        return menus_of(self._messenger)
+
+    def watch_chats(self, passed: Passed) -> None:
+        """Have somebody told what happens to chats; see ``contracts.messenger``."""
+        watch_chats(self._messenger, passed)
 
     async def run(self, receive: Receive) -> None:
         """Listen; see ``contracts.messenger``."""

@@ -1,0 +1,85 @@
+"""The menu of commands that Telegram shows while somebody types: by language and by chat."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+from telegram import (
+    BotCommand,
+    BotCommandScope,
+    BotCommandScopeAllGroupChats,
+    BotCommandScopeAllPrivateChats,
+    BotCommandScopeChat,
+)
+
+from rosic.core.menu import Where
+from rosic.messengers.telegram.trouble import Kind, Trouble
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from telegram import Bot
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.menu import Menu
+    from rosic.messengers.telegram.line import Line
+
+AT_MOST = 256
+"""Menus, and so calls, that are looked after at once; further ones are left as they are."""
+BETWEEN_S = 0.1
+TRIES = 3
+DESCRIPTION = 256
+
+log = logging.getLogger("rosic.messengers.telegram")
+
+
+class Menus:
+    """Remembers what was set, so that nothing is set twice."""
+
+    def __init__(self, name: str, line: Line, clock: Clock) -> None:
+        self._name = name
+        self._line = line
+        self._clock = clock
+        self._set: dict[tuple[str, str, str], tuple[tuple[str, str], ...]] = {}
+
+    async def set(self, menus: Sequence[Menu]) -> None:
+        """Make these menus look as given. What does not succeed is logged and tried next time."""
+        for menu in menus:
+            known = self._set.get(menu.key)
+            if known == menu.commands or (known is None and len(self._set) >= AT_MOST):
+                continue
+            if await self._change(menu):
+                self._set[menu.key] = menu.commands
+                await self._clock.sleep(BETWEEN_S)
+
+    async def _change(self, menu: Menu) -> bool:
+        """Return whether it looks so now, or never will."""
+        for _ in range(TRIES):
+            try:
+                await self._line.ask(lambda bot: _call(bot, menu))
+            except Trouble as trouble:
+                if trouble.kind in {Kind.REFUSED, Kind.GONE}:  # a chat that nobody has opened yet
+                    log.info("%s: a menu was refused: %s", self._name, trouble.reason)
+                    return True
+                log.info("%s: a menu was not set yet: %s", self._name, trouble.reason)
+                await self._clock.sleep(max(1.0, trouble.wait_s))
+            else:
+                return True
+        log.warning("%s: a menu was not set", self._name)
+        return False
+
+
+async def _call(bot: Bot, menu: Menu) -> bool:
+    scope, locale = _scope(menu), menu.locale or None
+    if not menu.commands:
+        return await bot.delete_my_commands(scope, locale)
+    commands = [BotCommand(name, text[:DESCRIPTION]) for name, text in menu.commands]
+    return await bot.set_my_commands(commands, scope, locale)
+
+
+def _scope(menu: Menu) -> BotCommandScope:
+    if menu.where is Where.CHAT:
+        return BotCommandScopeChat(int(menu.chat))
+    private = menu.where is Where.PRIVATE
+    return BotCommandScopeAllPrivateChats() if private else BotCommandScopeAllGroupChats()

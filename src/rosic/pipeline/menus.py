@@ -1,0 +1,132 @@
+"""What people are offered while they type: everybody the daily commands, admins their own too."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.menu import Menu, Where
+from rosic.core.saying import in_language, said
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from rosic.authoriser.directory import Directory
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import SetMenus
+    from rosic.core.identity import PrincipalId
+    from rosic.core.saying import Catalogue
+
+ADMINS_AT_MOST: Final = 40
+"""Each is some calls; further ones find everything in /help."""
+SETTLE_S: Final = 2.0
+
+EVERYBODY: Final = (
+    ("robots", said("The robots you may see")),
+    ("status", said("What every robot is doing")),
+    ("use", said("Choose a robot, so that its name may be left out")),
+    ("stop", said("Stop every robot you may see")),
+    ("resume", said("Let a stopped robot move again")),
+    ("again", said("Do the last thing once more")),
+    ("book", said("Have a robot for a time of your own")),
+    ("ask", said("Ask for a right that you lack")),
+    ("me", said("What you may do, and until when")),
+    ("help", said("What you can say")),
+)
+IN_GROUPS: Final = ("robots", "status", "use", "stop", "resume", "help")
+TOPIC: Final = ("topic", said("Say which robot this topic is about"))
+ADMINS: Final = (
+    ("people", said("Who is known here")),
+    ("invite", said("Let somebody in")),
+    ("grant", said("Give somebody a right for a while")),
+    ("revoke", said("Take somebody's key back")),
+    ("lock", said("Shut somebody out at once")),
+    ("security", said("What was turned away")),
+)
+
+log = logging.getLogger("rosic.menus")
+
+
+class Menus:
+    """Works out every menu, and has the messengers show what has changed.
+
+    Args:
+        directory: Where people are reached.
+        admins: Returns who looks after people here, the same ones first each time.
+        catalogues: Other languages than English.
+        clock: Waits until a row of changes is over.
+    """
+
+    def __init__(
+        self,
+        directory: Directory,
+        admins: Callable[[], Sequence[PrincipalId]],
+        catalogues: dict[str, Catalogue],
+        clock: Clock,
+    ) -> None:
+        self._directory = directory
+        self._admins = admins
+        self._languages: dict[str, Catalogue | None] = {"": None, **catalogues}
+        self._clock = clock
+        self._platforms: list[tuple[str, SetMenus]] = []
+        self._with_own: dict[str, set[str]] = {}
+        self._due = False
+        self._task: asyncio.Task[None] | None = None
+
+    def show_on(self, platform: str, set_menus: SetMenus) -> None:
+        """Look after the menus of one more messenger."""
+        self._platforms.append((platform, set_menus))
+
+    def look(self) -> None:
+        """Roles may have changed: see to it soon. Returns at once."""
+        self._due = True
+        if self._platforms and (self._task is None or self._task.done()):
+            self._task = asyncio.create_task(self._follow())
+
+    async def _follow(self) -> None:
+        while self._due:
+            await self._clock.sleep(SETTLE_S)
+            self._due = False
+            try:
+                for platform, set_menus in self._platforms:
+                    await set_menus(self.of(platform))
+            except Exception:
+                log.exception("the menus could not be shown")
+
+    def of(self, platform: str) -> list[Menu]:
+        """Return every menu of a platform; an empty one for a chat that has none of its own now."""
+        whole = (*EVERYBODY, *ADMINS)
+        own = {
+            address.account
+            for principal in list(self._admins())[:ADMINS_AT_MOST]
+            if (person := self._directory.person(principal)) is not None
+            for address in person.addresses
+            if address.platform == platform
+        }
+        before = self._with_own.setdefault(platform, set())
+        menus: list[Menu] = []
+        for locale, catalogue in self._languages.items():
+            everybody = _said(EVERYBODY, catalogue)
+            groups = tuple(entry for entry in everybody if entry[0] in IN_GROUPS)
+            menus.append(Menu(Where.PRIVATE, everybody, locale))
+            menus.append(Menu(Where.GROUPS, (*groups, *_said((TOPIC,), catalogue)), locale))
+            menus += [
+                Menu(Where.CHAT, _said(whole, catalogue) if chat in own else (), locale, chat)
+                for chat in sorted(own | before)
+            ]
+        before.clear()
+        before.update(own)
+        return menus
+
+    async def close(self) -> None:
+        """Look no more."""
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+
+
+def _said(
+    entries: Sequence[tuple[str, str]], catalogue: Catalogue | None
+) -> tuple[tuple[str, str], ...]:
+    return tuple((name, in_language(text, catalogue)) for name, text in entries)
