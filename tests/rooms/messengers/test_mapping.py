@@ -60,7 +60,10 @@ def test_the_send_time_never_makes_it_younger_than_it_is() -> None:
         ({"forward_origin": {"type": "hidden_user", "sender_user_name": "A"}}, "forwarded"),
         ({"forward_date": DATE}, "forwarded"),
         ({"via_bot": OTHER_BOT}, "via-bot"),
+        ({"edit_date": DATE}, "edited"),
         ({"is_from_offline": True}, "via-bot"),
+        ({"sender_business_bot": OTHER_BOT}, "via-bot"),
+        ({"business_connection_id": "x"}, "via-bot"),
         ({"from": OTHER_BOT, "chat": GROUP}, "via-bot"),
         (
             {"from": {"id": 1087968824, "is_bot": True}, "sender_chat": GROUP, "chat": GROUP},

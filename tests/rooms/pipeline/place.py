@@ -135,10 +135,12 @@ class Place:
         robots: By id.
         rulebook: The rules of the place.
         kind: What its robots are.
+        people: Who is known.
     """
 
     rulebook = Rulebook(roles=DEFAULT_ROLES)
     kind: RobotFactory = MemoryRobot
+    people: tuple[Seed, ...] = PEOPLE
 
     def __init__(
         self,
@@ -156,7 +158,7 @@ class Place:
         self.chat = chat(self.clock)
         self._settings = Settings(
             profiles=fleet,
-            people=PEOPLE,
+            people=self.people,
             limit=limit or RateLimit(burst=1e6, per_s=1e6),
             lease_idle_s=30.0,
             rulebook=self.rulebook,

@@ -253,7 +253,11 @@ def _standing(message: wire.Message) -> Standing:
         return Standing.ANONYMOUS
     if message.forward_origin is not None or message.forward_date is not None:
         return Standing.FORWARDED
-    # A scheduled message was written earlier; what a bot says was written by nobody.
-    if message.via_bot is not None or sender.is_bot or message.is_from_offline:
+    if message.edit_date is not None:  # whatever kind of update it came in
+        return Standing.EDITED
+    # A scheduled message was written earlier; what a bot says, in its own name or in that of a
+    # business account, was written by nobody.
+    by_bot = message.via_bot or message.sender_business_bot or message.business_connection_id
+    if by_bot is not None or sender.is_bot or message.is_from_offline:
         return Standing.VIA_BOT
     return Standing.FRESH

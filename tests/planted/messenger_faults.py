@@ -1,0 +1,36 @@
+"""Guards between Telegram and the rooms."""
+
+from __future__ import annotations
+
+from tests.planted.faults import Fault
+
+MESSENGER_FAULTS = (
+    Fault(
+        name="I17 an edited message counts as fresh",
+        file="messengers/telegram/mapping.py",
+        guard='if message.chat.type == "channel" else Standing.EDITED',
+        without='if message.chat.type == "channel" else Standing.FRESH',
+        caught_by=("tests/real/telegram/test_generated.py",),
+    ),
+    Fault(
+        name="a chat that we were put out of is written to all the same",
+        file="messengers/telegram/speaker.py",
+        guard="if self._chats.gone(chat):",
+        without="if False:",
+        caught_by=("tests/real/telegram/test_groups.py",),
+    ),
+    Fault(
+        name="what is said to another bot is taken for ours",
+        file="messengers/telegram/mapping.py",
+        guard="if replied not in",
+        without="if False and replied not in",
+        caught_by=("tests/real/telegram/test_groups.py",),
+    ),
+    Fault(
+        name="a reply means whatever was chosen, not the robot it replies to",
+        file="pipeline/subjects.py",
+        guard="if about and visible.intersection(members(about)):",
+        without="if False:",
+        caught_by=("tests/rooms/pipeline/test_spoken_of.py",),
+    ),
+)
