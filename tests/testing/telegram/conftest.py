@@ -1,14 +1,20 @@
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
+from aiogram import Bot
+from aiogram.client.session.aiohttp import AiohttpSession
+from aiogram.client.telegram import TelegramAPIServer
+from telegram.ext import Application, ApplicationBuilder
 
 from rosic.testing.telegram import FakeTelegram, Settings
 from tests.testing.telegram.asking import Api, Wall
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+
+PtbApplication = Application[Any, Any, Any, Any, Any, Any]
 
 
 @pytest.fixture
@@ -33,3 +39,18 @@ async def api(server: FakeTelegram) -> AsyncIterator[Api]:
 @pytest.fixture
 def ada(server: FakeTelegram) -> int:
     return server.create_user("Ada", username="ada")
+
+
+@pytest.fixture
+async def ptb(server: FakeTelegram) -> AsyncIterator[PtbApplication]:
+    builder = ApplicationBuilder().token(server.token)
+    application = builder.base_url(server.api_base).base_file_url(server.file_base).build()
+    async with application:
+        yield application
+
+
+@pytest.fixture
+async def aiogram_bot(server: FakeTelegram) -> AsyncIterator[Bot]:
+    session = AiohttpSession(api=TelegramAPIServer.from_base(server.url))
+    async with Bot(server.token, session=session) as bot:
+        yield bot

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from aiogram import Bot, Dispatcher, F, Router
-from aiogram.client.session.aiohttp import AiohttpSession
-from aiogram.client.telegram import TelegramAPIServer
 from aiogram.enums import UpdateType
 from aiogram.exceptions import (
     TelegramBadRequest,
@@ -36,8 +34,6 @@ from telegram import InlineKeyboardMarkup as PtbMarkup
 from telegram import Update
 from telegram import error as ptb_error
 from telegram.ext import (
-    Application,
-    ApplicationBuilder,
     CallbackQueryHandler,
     CommandHandler,
     MessageHandler,
@@ -51,8 +47,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
     from rosic.testing.telegram import FakeTelegram
-
-PtbApplication = Application[Any, Any, Any, Any, Any, Any]
+    from tests.testing.telegram.conftest import PtbApplication
 
 
 @pytest.fixture(autouse=True)
@@ -60,14 +55,6 @@ def correct(server: FakeTelegram) -> Iterator[None]:
     """What these libraries send is correct, so nothing may be reported."""
     yield
     assert server.violations == []
-
-
-@pytest.fixture
-async def ptb(server: FakeTelegram) -> AsyncIterator[PtbApplication]:
-    builder = ApplicationBuilder().token(server.token)
-    application = builder.base_url(server.api_base).base_file_url(server.file_base).build()
-    async with application:
-        yield application
 
 
 @asynccontextmanager
@@ -80,13 +67,6 @@ async def polling(application: PtbApplication) -> AsyncIterator[None]:
     finally:
         await application.updater.stop()
         await application.stop()
-
-
-@pytest.fixture
-async def aiogram_bot(server: FakeTelegram) -> AsyncIterator[Bot]:
-    session = AiohttpSession(api=TelegramAPIServer.from_base(server.url))
-    async with Bot(server.token, session=session) as bot:
-        yield bot
 
 
 @asynccontextmanager

@@ -11,6 +11,10 @@ from rosic.testing.telegram.control_door import VERBS
 from rosic.testing.telegram.dispatch import METHODS
 
 PAGE = (Path(__file__).parents[3] / "docs" / "fake-bot-api.md").read_text(encoding="utf-8")
+SOURCES = "".join(
+    path.read_text(encoding="utf-8")
+    for path in sorted((Path(__file__).parents[3] / "src/rosic/testing/telegram").rglob("*.py"))
+)
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 
@@ -31,14 +35,23 @@ def test_every_verb_is_explained() -> None:
     assert [verb for verb in VERBS if f"`{verb}" not in PAGE] == []
 
 
-def test_every_method_is_named() -> None:
-    short = {
-        "editMessageCaption": "-Caption",
-        "editMessageReplyMarkup": "-ReplyMarkup",
-        "getMyCommands": "setMyCommands, get, delete",
-        "deleteMyCommands": "setMyCommands, get, delete",
-        "setMyDescription": "-Description",
-        "setMyShortDescription": "-ShortDescription",
-    }
-    unnamed = [name for name in METHODS if short.get(name, name) not in PAGE]
-    assert unnamed == ["getMe", "getMyName", "getMyDescription", "getMyShortDescription"]
+def test_every_method_has_a_row_that_says_what_it_refuses_and_what_is_left_out() -> None:
+    _, _, record = PAGE.partition("## Every method")
+    rows = [line.split("|") for line in record.splitlines() if line.startswith("| `")]
+    named = {name for row in rows for name in re.findall(r"`(\w+)`", row[1])}
+    assert named == set(METHODS)
+    assert {len(row) for row in rows} == {6}
+
+
+@pytest.mark.parametrize(
+    "words",
+    sorted({
+        words
+        for row in PAGE.partition("## Every method")[2].splitlines()
+        if row.startswith("| `")
+        for words in re.findall(r"`([^`]+)`", row.split("|")[3])
+        if "..." not in words and words not in {"retry_after", "Logged out"}
+    }),
+)  # fmt: skip
+def test_the_words_of_a_refusal_are_those_of_the_server(words: str) -> None:
+    assert words in SOURCES or words.removesuffix(" not found") in SOURCES
