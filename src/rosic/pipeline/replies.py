@@ -80,19 +80,18 @@ class Replies:
         """
         if not reply.text and reply.attachment is None:
             return
-        issue, chat = self._authoriser.buttons.issue, inbound.chat.id
-        bound = tuple(tuple(issue(b, caller.principal, chat) for b in row) for row in reply.buttons)
         outbound = Outbound(
             chat=inbound.chat,
             text=reply.text,
             reply_to=reply_id(inbound),
-            buttons=bound,
+            buttons=self._bind(inbound, caller, reply.buttons),
             attachment=reply.attachment,
         )
         plain = translated(outbound, self._languages.of(caller.principal))
-        # No file comes into a message that is there.
-        under = "" if reply.attachment is not None else inbound.under
-        self._teller.say(Note(messenger, plain, None, under, about=reply.about))
+        if reply.attachment is not None:  # no file comes into a message that is there
+            self._teller.say(Note(messenger, plain, about=reply.about))
+        else:
+            self._say(Note(messenger, plain, None, inbound.under, about=reply.about), inbound)
 
     def say_with(self, messenger: Messenger, inbound: Inbound, reply: Reply) -> None:
         """Answer somebody who is nobody yet; buttons carry their own nonces already.
