@@ -56,6 +56,25 @@ class Chat(msgspec.Struct, frozen=True, gc=False):
     kind: ChatKind = ChatKind.PRIVATE
 
 
+class Enclosure(msgspec.Struct, frozen=True, gc=False, kw_only=True):
+    """A file that somebody sent, as the platform describes it. None of it is checked yet.
+
+    Attributes:
+        id: What the messenger fetches it by; opaque.
+        name: As its sender calls it; empty where the platform gives none (a photo).
+        media_type: As its sender claims.
+        size: Bytes, as claimed; 0 where nobody says.
+    """
+
+    id: str
+    name: str = ""
+    media_type: str = ""
+    size: int = 0
+
+    def __repr__(self) -> str:
+        return f"Enclosure({self.size} bytes)"
+
+
 class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """One message or one tap on a button, as an adapter received it.
 
@@ -73,6 +92,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         shown_as: How the platform shows the sender. For showing somebody new; never compared.
         locale: What the sender's messenger is set to, where the platform says so: ``de``. Only the
             default for whoever has not chosen a language.
+        enclosed: A file that came with it; the text is then what was written beneath.
     """
 
     sender: Address
@@ -89,6 +109,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     answers: str = ""
     shown_as: str = ""
     locale: str = ""
+    enclosed: Enclosure | None = None
 
 
 class Button(msgspec.Struct, frozen=True, gc=False):

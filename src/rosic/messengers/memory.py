@@ -10,11 +10,11 @@ from msgspec.structs import replace
 
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
-from rosic.core.message import Button, Chat, ChatKind, Inbound, Outbound, Standing
+from rosic.core.message import Button, Chat, ChatKind, Enclosure, Inbound, Outbound, Standing
 from rosic.errors import ConfigurationError, MessageGone, MessengerFault
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import AsyncIterator, Callable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 KEEP = 10_000
 """How many of the newest messages, edits and answers are remembered."""
 FILE_BYTES = 1_000_000
+PIECE_BYTES = 65_536
+FILES_KEPT = 100
 
 
 class Told(NamedTuple):
@@ -42,7 +44,7 @@ class MemoryMessenger:
 
     Args:
         edits: False makes it a messenger that cannot change a message once sent.
-        file_bytes: How large a file it takes; 0 makes it a messenger that sends none.
+        file_bytes: How large a file it takes, and fetches; 0 makes it one without files.
         keep: How much of the past is remembered; what waits to be received is bounded by it too.
 
     Attributes:
@@ -66,7 +68,7 @@ class MemoryMessenger:
     ) -> None:
         self.name = name
         self.edits = edits
-        self.file_bytes = file_bytes
+        self.file_bytes = self.fetch_bytes = file_bytes
         self.told: deque[Told] = deque(maxlen=keep)
         self.answers: deque[tuple[str, str]] = deque(maxlen=keep)
         self.down = False
@@ -77,6 +79,7 @@ class MemoryMessenger:
         self._told_ever = 0
         self._unconfirmed = 0
         self._shown: dict[str, Outbound] = {}
+        self._files: dict[str, bytes] = {}
         self._waiting: dict[Chat, deque[Inbound]] = {}
         self._stops: dict[int, Inbound] = {}
         self._under_way: set[Chat | int] = set()
@@ -99,6 +102,25 @@ class MemoryMessenger:
         """Write a message, now unless `sent_ns` says otherwise, and return what will be seen."""
         inbound = self._inbound(account, Chat(self.platform, chat, kind), message, sent_ns)
         return self.deliver(replace(inbound, text=text, standing=standing, answers=answers))
+
+    def enclose(  # noqa: PLR0913 - as `say`
+        self,
+        name: str,
+        content: bytes,
+        *,
+        text: str = "",
+        account: str = "1",
+        chat: str = "1",
+        kind: ChatKind = ChatKind.PRIVATE,
+        standing: Standing = Standing.FRESH,
+    ) -> Inbound:
+        """Send a file, with something written beneath."""
+        inbound = self._inbound(account, Chat(self.platform, chat, kind), None, None)
+        enclosure = Enclosure(id=f"file-{inbound.message}", name=name, size=len(content))
+        self._files[enclosure.id] = content
+        while len(self._files) > FILES_KEPT:
+            del self._files[next(iter(self._files))]
+        return self.deliver(replace(inbound, text=text, standing=standing, enclosed=enclosure))
 
     def tap(self, button: Button, *, under: str = "", account: str = "1") -> Inbound:
         """Tap a button of the message `under`. It carries what the button carried, and no time."""
@@ -217,6 +239,25 @@ class MemoryMessenger:
         """Remember the answer."""
         self.answers.append((inbound.tap, text))
         self._announce()
+
+    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Yield what somebody sent.
+
+        Raises:
+            MessengerFault: `down` is set, it is too large, forgotten, or not as long as was said.
+        """
+        self._check_up()
+        content = self._files.get(enclosure.id)
+        if max(enclosure.size, len(content or b"")) > self.fetch_bytes:
+            raise MessengerFault(f"This messenger takes files of up to {self.fetch_bytes} bytes.")
+        if content is None:
+            raise MessengerFault("The file is not there any more. Send it again.")
+        if enclosure.size not in {0, len(content)}:
+            raise MessengerFault("The file is not as long as was said. Send it again.")
+        for start in range(0, len(content), PIECE_BYTES):
+            await asyncio.sleep(0)
+            self._check_up()
+            yield content[start : start + PIECE_BYTES]
 
     # ---- inside ----
 

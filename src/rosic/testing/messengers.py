@@ -11,6 +11,7 @@ import asyncio
 from msgspec.structs import replace
 
 from rosic.core.message import Outbound, Standing
+from rosic.testing.enclosure_rules import EnclosureRules
 from rosic.testing.file_rules import LONG, YES, FileRules
 from rosic.testing.messenger_stage import (
     Ear,
@@ -30,7 +31,7 @@ MARKUP = (
 )
 
 
-class MessengerConformance(FileRules):
+class MessengerConformance(FileRules, EnclosureRules):
     """The rules. A subclass gives the fixture ``stage``."""
 
     async def test_messages_of_a_chat_come_in_order(self, stage: Stage) -> None:

@@ -15,8 +15,10 @@ from rosic.errors import MessengerFault
 from rosic.testing.messengers import MessengerConformance
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
     from rosic.contracts.messenger import Messenger, Receive
-    from rosic.core.message import Inbound, Outbound
+    from rosic.core.message import Enclosure, Inbound, Outbound
     from rosic.testing.messengers import Stage
 
 
@@ -30,6 +32,7 @@ class Wicked:
         self.assurance = honest.assurance
         self.edits = honest.edits
         self.file_bytes = honest.file_bytes
+        self.fetch_bytes = honest.fetch_bytes
 
     async def run(self, receive: Receive) -> None:
         """Pass on."""
@@ -46,6 +49,10 @@ class Wicked:
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Pass on."""
         await self.honest.answer_tap(inbound, text)
+
+    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Pass on."""
+        return self.honest.fetch(enclosure)
 
 
 class Tampers(Wicked):

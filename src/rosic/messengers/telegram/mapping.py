@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
-from rosic.core.message import Chat, ChatKind, Inbound, Standing
+from rosic.core.message import Chat, ChatKind, Enclosure, Inbound, Standing
 from rosic.messengers.telegram import wire
 
 if TYPE_CHECKING:
@@ -98,8 +98,10 @@ def _text(
     own_name: str,
     received: Received,
 ) -> Inbound | None:
-    written = message.text if message.text is not None else message.caption
-    text = addressed_here(written, own_name) if written else None
+    written = message.text or message.caption
+    enclosed = _enclosed(message)
+    bare = "" if enclosed is not None and not written else None
+    text = addressed_here(written, own_name) if written else bare
     if text is None:
         return None
     date = message.date if message.edit_date is None else message.edit_date
@@ -116,7 +118,16 @@ def _text(
         answers=_answered(message),
         shown_as="" if message.sender is None else message.sender.first_name,
         locale="" if message.sender is None else message.sender.language_code or "",
+        enclosed=enclosed,
     )
+
+
+def _enclosed(message: wire.Message) -> Enclosure | None:
+    file = wire.enclosed(message)
+    if file is None:
+        return None
+    size = max(file.file_size, 0)
+    return Enclosure(id=file.file_id, name=file.file_name, media_type=file.mime_type, size=size)
 
 
 def _tap(query: wire.CallbackQuery, received: Received) -> Inbound | None:

@@ -46,6 +46,8 @@ class Message(msgspec.Struct, kw_only=True):
 
     Attributes:
         date: Unix time in whole seconds, cut off.
+        document, photo: A file, as it came: read by `enclosed`, so that one that is malformed
+            hides no stop that was written beneath.
     """
 
     message_id: int
@@ -55,6 +57,8 @@ class Message(msgspec.Struct, kw_only=True):
     sender_chat: Chat | None = None
     text: str | None = None
     caption: str | None = None
+    document: Any = None
+    photo: Any = None
     reply_to_message: Shown | None = None
     edit_date: int | None = None
     forward_origin: Any = None
@@ -64,6 +68,24 @@ class Message(msgspec.Struct, kw_only=True):
     is_from_offline: bool = False
     migrate_to_chat_id: int | None = None
     migrate_from_chat_id: int | None = None
+
+
+class Document(msgspec.Struct):
+    """A file of any kind. What is said of it is its sender's word."""
+
+    file_id: str
+    file_name: str = ""
+    mime_type: str = ""
+    file_size: int = 0
+
+
+class PhotoSize(msgspec.Struct):
+    """A photo in one of several sizes."""
+
+    file_id: str
+    width: int = 0
+    height: int = 0
+    file_size: int = 0
 
 
 class CallbackQuery(msgspec.Struct, kw_only=True):
@@ -98,3 +120,17 @@ def parse(raw: object) -> Update:
         msgspec.ValidationError: It is not what Telegram's documentation says.
     """
     return msgspec.convert(raw, Update)
+
+
+def enclosed(message: Message) -> Document | None:
+    """Return the file that a message brings: a document, or the largest size of a photo."""
+    try:
+        if message.document is not None:
+            return msgspec.convert(message.document, Document)
+        if message.photo:
+            sizes = msgspec.convert(message.photo, list[PhotoSize])
+            photo = max(sizes, key=lambda size: size.width * size.height)
+            return Document(photo.file_id, "", "image/jpeg", photo.file_size)
+    except msgspec.ValidationError:
+        return None
+    return None

@@ -134,6 +134,7 @@ class StoredFile(msgspec.Struct, kw_only=True, omit_defaults=True):
     Attributes:
         path: What getFile gives as `file_path`.
         show: The Document or PhotoSize object, without its content.
+        link_until_s: Server time until which it can be downloaded; 0 before getFile.
     """
 
     id: str
@@ -143,6 +144,7 @@ class StoredFile(msgspec.Struct, kw_only=True, omit_defaults=True):
     kind: str
     content: bytes
     show: JsonObject
+    link_until_s: float = 0.0
 
 
 class Pending(msgspec.Struct, kw_only=True, omit_defaults=True):
