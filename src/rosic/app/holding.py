@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from rosic.app.languages import LANGUAGES
 from rosic.authoriser.directory import SOMEBODY
 from rosic.container.archive import NOBODY, Archive, Author
+from rosic.container.drawer import Drawer
 from rosic.container.preferences import IMPERIAL, Caps, PreferenceBook
 from rosic.container.preferences import KIND as PREFERENCE
 from rosic.container.shelf import Shelf
@@ -24,6 +25,7 @@ from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings, Vault
 from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.containers.tidying import tidy
+from rosic.pipeline.files.receiving import Receiving
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -70,6 +72,7 @@ class Holding:
         preferences: What people set for themselves.
         erasing: Erases somebody; None while the record cannot look into containers.
         holdings: What is kept in containers; likewise.
+        receiving: Takes in files that people send; likewise.
     """
 
     def __init__(
@@ -86,6 +89,7 @@ class Holding:
         self._authority = authority
         self._clock = clock
         self.holdings: Holdings | None = None
+        self.receiving: Receiving | None = None
         self.erasing: Erasing | None = None
 
     def record(self, messengers: Sequence[Messenger], store: Store) -> tuple[Messenger, ...]:
@@ -117,6 +121,9 @@ class Holding:
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
         furnishing.admitting.forget = erasing.stranger
+        self.receiving = Receiving(holdings, pipeline.answer)
+        pipeline.reception.enclosed = self.receiving.take
+        await self.receiving.finish()
         await erasing.finish()
 
     async def finish(self) -> None:
@@ -135,6 +142,8 @@ class Holding:
 
     async def leave(self) -> None:
         """Keep what people often ask; at the end, and as far as it can be."""
+        if self.receiving is not None:
+            await self.receiving.close()
         with suppress(Refusal):
             await self.finish()
 
@@ -195,8 +204,10 @@ class Holding:
             rooms.container.forget(principal)
             pipeline.habits.forget(principal)
 
-        async def ended(_principal: PrincipalId) -> None:
+        async def ended(principal: PrincipalId) -> None:
             authority.enforce()
+            if self.receiving is not None:
+                await self.receiving.end(principal)
 
         def theirs(principal: PrincipalId, chat: Chat) -> bool:
             person = directory.person(principal)
@@ -249,6 +260,7 @@ def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -
     return Holdings(
         preferences=preferences,
         shelf=shelf,
+        files=Drawer(clock),
         habits=around.habits,
         archive=archive,
         vault=vault,

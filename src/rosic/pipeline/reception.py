@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.identity import Caller, PrincipalId
-from rosic.core.message import Button, Chat
+from rosic.core.message import Button, Chat, ChatKind
 from rosic.core.robot import RobotId
 from rosic.errors import Refusal
 from rosic.pipeline.office import Office
@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from rosic.core.message import Inbound
     from rosic.pipeline.consent import Consent
     from rosic.pipeline.desk import Reply
+    from rosic.pipeline.said import Said
 
 SteppedUp: TypeAlias = Callable[[PrincipalId, Chat], bool]
 ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
 Newcomer: TypeAlias = "Callable[[Messenger, Inbound, str], Awaitable[Reply | None]]"
+Enclosed: TypeAlias = "Callable[[Messenger, Inbound, Caller], None]"
 Sights: TypeAlias = Callable[[RobotId], list[Button]]
 Refused: TypeAlias = Callable[[Caller, Refusal], None]
 Outdated: TypeAlias = Callable[[PrincipalId], None]
@@ -38,6 +40,7 @@ class Reception:
         proof_used: Hears that this has let something dangerous pass.
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         refused: Hears of every refusal, for rules about misuse.
+        enclosed: Takes in files that people send; None: none are taken.
         outdated: Hears, in private, of a tap on a button that is no good any more.
         sights: Buttons for what can be seen of a robot, for its menu.
     """
@@ -49,8 +52,19 @@ class Reception:
         self.proof_used: ProofUsed = _unused
         self.newcomer: Newcomer | None = None
         self.refused: Refused = _ignore
+        self.enclosed: Enclosed | None = None
         self.outdated: Outdated = _nothing
         self.sights: Sights = _unseen
+
+    def take_in(self, said: Said, charge: Callable[[Caller], object]) -> None:
+        """Take in a file that came in private; in a group nobody meant it for ROSIC.
+
+        Raises:
+            Refusal: It is not taken; what was written beneath is not followed either.
+        """
+        if said.inbound.chat.kind is ChatKind.PRIVATE and self.enclosed is not None:
+            charge(said.caller)
+            self.enclosed(said.messenger, said.inbound, said.caller)
 
     def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
         """Return what a button that confirms says, and who has agreed to it.

@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Caller
     from rosic.core.language import Line
     from rosic.core.life import Face
     from rosic.core.message import Inbound
@@ -151,6 +152,8 @@ class Pipeline:
                 self._languages.hear(caller.principal, inbound.locale)
             said = Said(messenger, inbound, caller, arrived_ns, self.reception.stepped_up)
             self._rooms.organiser.check_unlocked(caller)
+            if inbound.enclosed is not None:
+                self.reception.take_in(said, self._rooms.organiser.charge)
             if inbound.nonce is None:
                 await self._lines(said, inbound.text)
             else:
@@ -232,7 +235,7 @@ class Pipeline:
         ):
             return
         if isinstance(line, Misunderstood) and not self._addressed(said.inbound):
-            return  # people talk to each other in groups
+            return  # people talk to each other in groups, and write beneath files what they show
         # Before anything may refuse it: what was refused once is not done when it comes again.
         repeated = self._repeated(cid)
         self._rooms.organiser.charge(said.caller)
@@ -290,10 +293,14 @@ class Pipeline:
         """Whether words that make no sense were meant for ROSIC at all."""
         first = inbound.text[:64].split(maxsplit=1)[:1]
         return (
-            inbound.chat.kind is ChatKind.PRIVATE
+            (inbound.chat.kind is ChatKind.PRIVATE and inbound.enclosed is None)
             or inbound.text.startswith("/")
             or (bool(first) and first[0].lower() in self._vocabulary.callees)
         )
+
+    def answer(self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply) -> None:
+        """Answer somebody once something that took a while is done."""
+        self._replies.hand_over(messenger, inbound, caller, reply)
 
     def menu(self, principal: PrincipalId) -> Reply:
         """Return what somebody who has just come in may begin with."""

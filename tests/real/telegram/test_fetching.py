@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -10,7 +11,7 @@ from msgspec.structs import replace
 
 from rosic.core.message import ChatKind, Enclosure, Standing
 from rosic.errors import ConfigurationError, MessengerFault
-from rosic.messengers.telegram.fetching import FETCH_BYTES
+from rosic.messengers.telegram.fetching import FETCH_BYTES, GONE
 from rosic.testing.telegram import FakeTelegram, Settings
 from tests.real.telegram.gateway import Gateway
 from tests.testing.telegram.test_files import png
@@ -35,6 +36,14 @@ async def sent(gateway: Gateway, ada: int, name: str = MAP, content: bytes = CON
 
 async def fetched(gateway: Gateway, enclosure: Enclosure) -> bytes:
     return b"".join([piece async for piece in gateway.messenger.fetch(enclosure)])
+
+
+async def yielded(gateway: Gateway, enclosure: Enclosure) -> int:
+    count = 0
+    with suppress(MessengerFault):
+        async for piece in gateway.messenger.fetch(enclosure):
+            count += len(piece)
+    return count
 
 
 async def fault(gateway: Gateway, enclosure: Enclosure) -> str:
@@ -99,6 +108,7 @@ async def test_a_file_that_is_not_what_was_said_is_worth_nothing(
     enclosure = await sent(gateway, ada)
     server.swap_file(enclosure.id, content)
     assert "not as long" in await fault(gateway, enclosure)
+    assert await yielded(gateway, enclosure) <= len(CONTENT)
 
 
 @pytest.mark.parametrize("kind", ["reset", "bad_gateway"])
@@ -132,7 +142,7 @@ async def test_no_path_of_a_server_is_followed_out(
 ) -> None:
     enclosure = await sent(gateway, ada)
     server.world.state.files[enclosure.id].path = path
-    await fault(gateway, enclosure)
+    assert await fault(gateway, enclosure) == GONE  # and nothing of what a network said
     assert downloads(server) == []
 
 

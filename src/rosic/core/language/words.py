@@ -9,8 +9,8 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 ERRANDS = frozenset(
     {
         "again", "approve", "archive", "ask", "authenticator", "book", "cancel", "chart", "clip",
-        "code", "data", "decline", "end", "forget", "grant", "information", "invite", "language",
-        "lock", "map", "me", "mydata", "people", "picture", "revoke", "security", "settings",
+        "code", "data", "decline", "end", "files", "forget", "grant", "information", "invite",
+        "language", "lock", "map", "me", "mydata", "people", "picture", "revoke", "security", "settings",
         "share", "shelf", "slots", "take", "trajectory", "unlock", "wait",
     }
 )  # fmt: skip

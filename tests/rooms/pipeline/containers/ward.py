@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rosic.app.gateway import Gateway
 from rosic.app.profiles import known_units
 from rosic.container.archive import NOBODY, Archive, Author
+from rosic.container.drawer import Drawer
 from rosic.container.preferences import Caps, PreferenceBook
 from rosic.container.shelf import Shelf
 from rosic.core.identity import Address, Caller, Principal
@@ -23,6 +24,7 @@ from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings
 from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.desk import Reply
+from rosic.pipeline.files.receiving import Receiving
 from rosic.pipeline.office import Asked
 from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import FileLatch
@@ -103,8 +105,8 @@ class Ward(Place):
         self.shelf.sees = lambda who, robot: robot in organiser.visible(who)
         self.shelf.works_with = lambda who, robot: organiser.holder(robot) == who
         self.holdings = Holdings(
-            preferences=self.book, shelf=self.shelf, habits=gateway.pipeline.habits,
-            archive=self.archive, vault=self.kept,
+            preferences=self.book, shelf=self.shelf, files=Drawer(clock),
+            habits=gateway.pipeline.habits, archive=self.archive, vault=self.kept,
             changes=access.changes, clock=clock, name=directory.name,
             shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
             visible=organiser.visible, choices=organiser.visible,
@@ -116,12 +118,15 @@ class Ward(Place):
         )  # fmt: skip
         self.erasing = Erasing(self.holdings, self.sides())
         employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
+        self.receiving = Receiving(self.holdings, gateway.pipeline.answer)
+        gateway.pipeline.reception.enclosed = self.receiving.take
         take_over(self.kept.memory.facts, self.holdings, self.erasing)
         chosen = rooms.container.selected
         rooms.container.selected = lambda principal, chat: (  # type: ignore[method-assign]
             chosen(principal, chat) or self.book.of(principal).robot
         )
         await self.erasing.finish()
+        await self.receiving.finish()
 
     def sides(self) -> Sides:
         gateway = self.gateway
