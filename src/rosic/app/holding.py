@@ -25,7 +25,9 @@ from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings, Vault
 from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.containers.tidying import tidy
+from rosic.pipeline.files.handing import Handing
 from rosic.pipeline.files.receiving import Receiving
+from rosic.robots.folders import RobotFolders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -115,14 +117,17 @@ class Holding:
         holdings = holdings_of(around, vault, self.archive, parts)
         self.holdings, self.preferences = holdings, holdings.preferences
         erasing = self.erasing = Erasing(holdings, self._sides(pipeline))
-        employ_clerks(pipeline.reception.office, holdings, erasing)
+        filing = employ_clerks(pipeline.reception.office, holdings, erasing)
         take_over(memory.facts, holdings, erasing)
         self._follow_settings()
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
         furnishing.admitting.forget = erasing.stranger
-        self.receiving = Receiving(holdings, pipeline.answer)
+        self.receiving = Receiving(holdings, pipeline.answer, pipeline.plain)
         pipeline.reception.enclosed = self.receiving.take
+        handing = handing_of(rooms, holdings, pipeline)
+        filing.hand_over(handing)
+        self.receiving.offer = handing.offer
         await self.receiving.finish()
         await erasing.finish()
 
@@ -233,6 +238,15 @@ class Holding:
             forget=forget,
             theirs=theirs,
         )
+
+
+def handing_of(rooms: Rooms, holdings: Holdings, pipeline: Pipeline) -> Handing:
+    """Return the clerk who brings files to robots, and robots' files to people."""
+    robots = {p.id: p.files for p in rooms.profiles.values() if p.files is not None}
+    return Handing(
+        holdings, rooms.organiser, rooms.profiles, RobotFolders(robots), pipeline.plain,
+        stopped=lambda robot: rooms.board[robot].latched,
+    )  # fmt: skip
 
 
 class Around(NamedTuple):

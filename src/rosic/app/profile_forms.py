@@ -8,6 +8,7 @@ from rosic.app.shape import Bounds, Field, Form
 from rosic.core.robot import (
     AtRest,
     Camera,
+    Files,
     Link,
     MapSource,
     PathSource,
@@ -71,6 +72,18 @@ _PATH = Form(
 _PATHS = _PATH._replace(pattern=rf"{_FIELD_PATH}( *, *{_FIELD_PATH})*")
 _PATH_OR_NONE = _PATH._replace(empty=True)
 
+_FOLDER = Form(
+    r"/[^\x00-\x1f\x7f]{1,500}",
+    "a folder's full path",
+    "Begin with a slash: /srv/omni/inbox.",
+    empty=True,
+)
+_SORT = Form(
+    "png|jpeg|pdf|pgm|zip|gzip|mcap|db3|yaml|json|csv|text",
+    "a kind of file",
+    "Use png, jpeg, pdf, pgm, zip, gzip, mcap, db3, yaml, json, csv or text.",
+)
+
 FORMS: Final[dict[Field, Form]] = {
     (Profile, "id"): NAMED,
     (Profile, "groups"): NAMED,
@@ -93,6 +106,9 @@ FORMS: Final[dict[Field, Form]] = {
     (Telemetry, "type"): _MESSAGE._replace(empty=True),
     (Telemetry, "field"): _PATH_OR_NONE,
     (Camera, "topic"): _GRAPH,
+    (Files, "accept"): _SORT,
+    (Files, "inbox"): _FOLDER,
+    (Files, "outbox"): _FOLDER,
     (Camera, "type"): _FRAMES,
     (MapSource, "topic"): _GRAPH,
     (MapSource, "type"): _GRIDS,
@@ -122,6 +138,7 @@ BOUNDS: Final[dict[Field, Bounds]] = {
     (Profile, "watchdog_s"): Bounds(0.05, 5),
     (Profile, "rest_timeout_s"): Bounds(0.1, 120),
     (Link, "heartbeat_s"): Bounds(0.1, 3600),
+    (Files, "max_mb"): Bounds(0.001, 2_000),
     (AtRest, "below"): Bounds(1e-6, 10),
     (Skill, "lifetime_s"): Bounds(0.1, 3600),
     (Skill, "cost"): Bounds(1, COST_MAX),

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final
 from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.shape import Finding, Rules
 from rosic.app.source import Place, nearest
-from rosic.core.authority import READ, RESUME
+from rosic.core.authority import FILES, READ, RESUME
 from rosic.core.language import UnitTable, Vocabulary
-from rosic.core.robot import Profile, Telemetry
+from rosic.core.robot import Files, Profile, Telemetry
 from rosic.core.skill import Parameter, Skill, SkillClass
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ STREAMED: Final = "duration"
 # One message of these keeps a robot moving until something else is said.
 VELOCITIES: Final = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
 # These words have a meaning for every robot, and are rights of their own.
-RESERVED: Final = frozenset({READ, RESUME, "stop"})
+RESERVED: Final = frozenset({READ, RESUME, FILES, "stop"})
 FLEET: Final = "fleet"
 TWICE: Final = 2.0
 
@@ -49,6 +49,7 @@ def profile_rules(units: UnitTable) -> Rules:
         checks={
             Parameter: (parameter,),
             Telemetry: (telemetry,),
+            Files: (_folders,),
             Skill: (_placeholders, _streams),
             Profile: (_reserved, _bound, _texts, _watched, _stoppable, words),
         },
@@ -202,6 +203,13 @@ def _watched(profile: Profile) -> Iterator[Finding]:
                 f"{profile.watchdog_s:g} s.",
                 f"Send at {TWICE / profile.watchdog_s:g} Hz or more.",
             )
+
+
+def _folders(files: Files) -> Iterator[Finding]:
+    if bool(files.accept) != bool(files.inbox):
+        yield Finding((), "Files are taken with both: which kinds to accept, and an inbox.")
+    if files.inbox and files.inbox.rstrip("/") == files.outbox.rstrip("/"):
+        yield Finding(("outbox",), "What the robot gives needs a folder of its own.")
 
 
 def _stoppable(profile: Profile) -> Iterator[Finding]:

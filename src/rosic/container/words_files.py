@@ -24,6 +24,9 @@ PLACE_FULL = said(
     "There is no room for files here any more. The operator has to make some. Nothing was kept."
 )
 TOO_MANY_COMING = said("I am still taking in files of yours. Send this one when they are here.")
+DELETE = said("Delete")
+PUT = said("Put it there")
+LEAVE_IT = said("Leave it")
 EMPTY = said("The file is empty. Nothing was kept.")
 DAMAGED = said("The file does not read as it was kept. Delete it, and send it again.")
 NOT_NOW = said("I cannot write the file down now, so nothing was kept. The operator has to look.")
@@ -134,3 +137,113 @@ def too_large_to_send(name: str, size: int, most: int) -> str:
 def deleted(name: str) -> str:
     """Return that a file is gone."""
     return said("{name} is deleted.", name=name)
+
+
+# ---- robots ----
+
+
+def to_robot(shown: str) -> str:
+    """Return the label of the button that begins to hand a file over."""
+    return said("Send it to {robot}", robot=shown)
+
+
+def put_question(name: str, size: int, digest: bytes, shown: str) -> str:
+    """Return the question before a file goes to a robot."""
+    return said(
+        "Put {name} ({size}) into the inbox of {robot}? The robot's own software may act on it.\n"
+        "SHA-256 {digest}",
+        name=name,
+        size=amount(size),
+        robot=shown,
+        digest=digest.hex(),
+    )
+
+
+def putting(name: str, size: int, shown: str) -> str:
+    """Return that a large file is on its way."""
+    return said(
+        "Putting {name} ({size}) into the inbox of {robot}.",
+        name=name,
+        size=amount(size),
+        robot=shown,
+    )
+
+
+def put_there(name: str, digest: bytes, shown: str) -> str:
+    """Return that a file lies there, and that nothing more is known."""
+    return said(
+        "{name} lies in the inbox of {robot}, with its checksum ({digest}...). {robot} gives no "
+        "receipt for files: whether it has read it, I cannot tell.",
+        name=name,
+        robot=shown,
+        digest=digest.hex()[:8],
+    )
+
+
+def name_taken(name: str, shown: str) -> str:
+    """Return that there is a file of that name, which is never replaced."""
+    return said(
+        "There is a {name} in the inbox of {robot} already. Nothing was put there.",
+        name=name,
+        robot=shown,
+    )
+
+
+def takes_none(shown: str) -> str:
+    """Return that a robot takes no files."""
+    return said("{robot} takes no files.", robot=shown)
+
+
+def takes_others(shown: str, sort: str, accept: Iterable[str]) -> str:
+    """Return that a robot takes files of other kinds."""
+    return said(
+        "{robot} takes {kinds}, and this is {kind} by its content. Nothing was put there.",
+        robot=shown,
+        kinds=listed(tuple(accept)),
+        kind=sort,
+    )
+
+
+def too_large_for(shown: str, size: int, most: int) -> str:
+    """Return that a robot takes smaller files alone."""
+    return said(
+        "{robot} takes files of up to {most}; this has {size}. Nothing was put there.",
+        robot=shown,
+        most=amount(most),
+        size=amount(size),
+    )
+
+
+def gives_none(shown: str) -> str:
+    """Return that a robot gives no files."""
+    return said("{robot} gives no files.", robot=shown)
+
+
+def gives_nothing_now(shown: str) -> str:
+    """Return that there is nothing in a robot's outbox."""
+    return said("{robot} has no file for you now.", robot=shown)
+
+
+def gives(shown: str, lines: Iterable[str]) -> str:
+    """Return what a robot gives."""
+    return joined("\n", [said("Files of {robot}:", robot=shown), *lines])
+
+
+def given_line(name: str, size: int, ago: str) -> str:
+    """Return one line of what a robot gives."""
+    return said("{name}: {size}, {ago}", name=name, size=amount(size), ago=ago)
+
+
+def no_such_robot(name: str) -> str:
+    """Return that there is no robot of a name, as far as they see."""
+    return said("You see no robot {robot}.", robot=quote(name))
+
+
+def is_stopped(shown: str) -> str:
+    """Return that nothing is put into the inbox of a stopped robot."""
+    return said("{robot} is stopped. Nothing was put there; resume it first.", robot=shown)
+
+
+def is_taken(shown: str, name: str) -> str:
+    """Return that nothing is put into the inbox of a robot that somebody else has."""
+    return said("{name} has {robot} now. Nothing was put there.", name=name, robot=shown)

@@ -134,6 +134,25 @@ class PathSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     type: str = "nav_msgs/msg/Path"
 
 
+class Files(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which files the robot takes from people, and where its own lie.
+
+    Both folders are on the computer that ROSIC runs on, by their full paths; how the robot reaches
+    them (it runs there, or mounts them) is the operator's business.
+
+    Attributes:
+        accept: Kinds it takes, by what is in them: png, pgm, yaml, zip.
+        max_mb: Of one file, in megabytes of a million bytes.
+        inbox: Folder into which files for the robot are put; empty: it takes none.
+        outbox: Folder out of which its files may be fetched; empty: it gives none.
+    """
+
+    accept: tuple[str, ...] = ()
+    max_mb: float = 5.0
+    inbox: str = ""
+    outbox: str = ""
+
+
 class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything ROSIC knows about one robot.
 
@@ -164,6 +183,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     map: MapSource | None = None
     pose: PoseSource | None = None
     path: PathSource | None = None
+    files: Files | None = None
 
     def __post_init__(self) -> None:
         for name in (self.id, *self.groups):

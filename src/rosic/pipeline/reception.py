@@ -57,12 +57,16 @@ class Reception:
         self.sights: Sights = _unseen
 
     def take_in(self, said: Said, charge: Callable[[Caller], object]) -> None:
-        """Take in a file that came in private; in a group nobody meant it for ROSIC.
+        """Take in the file of a message, if there is one.
+
+        Only in private: in a group, nobody meant it for ROSIC.
 
         Raises:
             Refusal: It is not taken; what was written beneath is not followed either.
         """
-        if said.inbound.chat.kind is ChatKind.PRIVATE and self.enclosed is not None:
+        if said.inbound.enclosed is None or self.enclosed is None:
+            return
+        if said.inbound.chat.kind is ChatKind.PRIVATE:
             charge(said.caller)
             self.enclosed(said.messenger, said.inbound, said.caller)
 

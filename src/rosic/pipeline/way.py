@@ -152,8 +152,7 @@ class Pipeline:
                 self._languages.hear(caller.principal, inbound.locale)
             said = Said(messenger, inbound, caller, arrived_ns, self.reception.stepped_up)
             self._rooms.organiser.check_unlocked(caller)
-            if inbound.enclosed is not None:
-                self.reception.take_in(said, self._rooms.organiser.charge)
+            self.reception.take_in(said, self._rooms.organiser.charge)
             if inbound.nonce is None:
                 await self._lines(said, inbound.text)
             else:
@@ -301,6 +300,10 @@ class Pipeline:
     def answer(self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply) -> None:
         """Answer somebody once something that took a while is done."""
         self._replies.hand_over(messenger, inbound, caller, reply)
+
+    def plain(self, inbound: Inbound, text: str) -> str:
+        """Return a sentence as whoever wrote reads it."""
+        return in_language(text, self._languages.of_sender(inbound))
 
     def menu(self, principal: PrincipalId) -> Reply:
         """Return what somebody who has just come in may begin with."""

@@ -10,8 +10,8 @@ ERRANDS = frozenset(
     {
         "again", "approve", "archive", "ask", "authenticator", "book", "cancel", "chart", "clip",
         "code", "data", "decline", "end", "files", "forget", "grant", "information", "invite",
-        "language", "lock", "map", "me", "mydata", "people", "picture", "revoke", "security", "settings",
-        "share", "shelf", "slots", "take", "trajectory", "unlock", "wait",
+        "language", "lock", "map", "me", "mydata", "people", "picture", "revoke", "security",
+        "settings", "share", "shelf", "slots", "take", "trajectory", "unlock", "wait",
     }
 )  # fmt: skip
 

@@ -19,7 +19,6 @@ from urllib.parse import quote
 
 from rosic.core.saying import said
 from rosic.errors import MessengerFault
-from rosic.messengers.telegram.trouble import trouble
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator
@@ -34,6 +33,7 @@ PIECE_BYTES: Final = 65_536
 FILE_ID: Final = re.compile(r"[A-Za-z0-9_-]{1,256}")
 
 GONE = said("The file cannot be had from Telegram any more. Send it again.")
+BROKEN_OFF = said("The file did not come through to its end. Send it again.")
 NOT_AS_LONG = said("The file is not as long as Telegram said. Send it again.")
 ELSEWHERE = said(
     "The Bot API server put the file where I may not read. "
@@ -104,11 +104,12 @@ class Fetcher:
                     yield piece
         except MessengerFault:
             raise
-        except Exception as error:  # noqa: BLE001 - whatever a library raises is trouble
-            found = MessengerFault(f"{GONE} ({trouble(error).kind.value})")
+        except Exception:  # noqa: BLE001 - what a library raises may hold the token
+            broken = True
         else:
-            return
-        raise found
+            broken = False
+        if broken:
+            raise MessengerFault(BROKEN_OFF)
 
     async def _read(self, path: str) -> AsyncGenerator[bytes]:
         """Read from the disk that the Bot API server writes to.

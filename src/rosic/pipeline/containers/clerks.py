@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.office import Office
 
 
-def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> None:
+def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> Filing:
     """Let settings, language, mydata, forget, archive, data, share, shelf and files be done."""
     settings, mine = Settings(holdings), Mine(holdings, erasing)
     office.employ("settings", settings.settings)
@@ -34,7 +34,9 @@ def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> None:
     sharing = Sharing(holdings)
     office.employ("share", sharing.share)
     office.employ("shelf", sharing.shelf)
-    office.employ("files", Filing(holdings).files)
+    filing = Filing(holdings)
+    office.employ("files", filing.files)
+    return filing
 
 
 def keepers(holdings: Holdings, erasing: Erasing) -> Mapping[str, Callable[[Fact], object]]:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from rosic.container.drawer import Filed
     from rosic.pipeline.containers.parts import Holdings
+    from rosic.pipeline.files.handing import Handing
     from rosic.pipeline.office import Asked
 
 Part: TypeAlias = "Callable[[Asked, str], Awaitable[Reply]]"
@@ -34,6 +35,10 @@ class Filing:
     def __init__(self, holdings: Holdings) -> None:
         self._holdings = holdings
         self.further: dict[str, Part] = {"get": self._get, "delete": self._delete}
+
+    def hand_over(self, handing: Handing) -> None:
+        """Let files go to robots, and come from them."""
+        self.further |= {"send": handing.send, "put": handing.put, "from": handing.fetch}
 
     async def files(self, asked: Asked) -> Reply:
         """List, hand over, delete.

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.containers.parts import Holdings
 
 Tell: TypeAlias = "Callable[[Messenger, Inbound, Caller, Reply], None]"
+Plain: TypeAlias = "Callable[[Inbound, str], str]"
 Offer: TypeAlias = "Callable[[PrincipalId, Filed], list[Button]]"
 
 AT_ONCE: Final = 3
@@ -64,8 +65,9 @@ class Receiving:
         offer: Returns what may be done with a file that is here.
     """
 
-    def __init__(self, holdings: Holdings, tell: Tell) -> None:
+    def __init__(self, holdings: Holdings, tell: Tell, plain: Plain) -> None:
         self._holdings = holdings
+        self._plain = plain
         self._tell = tell
         self.offer: Offer = nothing_to_offer
         self._coming: dict[str, tuple[PrincipalId, asyncio.Task[None]]] = {}
@@ -88,7 +90,7 @@ class Receiving:
         theirs = sum(who == principal for who, _ in self._coming.values())
         if theirs >= COMING_OF_ONE or len(self._coming) >= COMING_OF_ALL:
             raise TooManyRequests(words.TOO_MANY_COMING, retry_after_s=10.0)
-        arrival = _Arrival(self._holdings, messenger, inbound, principal)
+        arrival = _Arrival(self._holdings, messenger, inbound, principal, self._plain)
         task = asyncio.create_task(self._take(arrival, caller, enclosure))
         self._coming[file] = (principal, task)
         task.add_done_callback(lambda _: self._coming.pop(file, None))
@@ -101,7 +103,8 @@ class Receiving:
             async with nullcontext() if refused else self._few, asyncio.timeout(SLOWEST_S):
                 filed = await arrival.take(enclosure)
         except (Refusal, MessengerFault) as why:
-            reply = Reply(str(why) if not isinstance(why, Refusal) else _sentence(why))
+            unwritable = isinstance(why, RecordUnavailable)
+            reply = Reply(words.NOT_NOW if unwritable else why.sentence)
         except Exception as error:
             if not isinstance(error, TimeoutError):
                 log.exception("a file could not be taken in")
@@ -113,7 +116,10 @@ class Receiving:
 
     def _here(self, principal: PrincipalId, filed: Filed) -> Reply:
         text = words.kept(filed.name, filed.sort, filed.size, filed.digest)
-        buttons = [*self.offer(principal, filed), Button("Delete", f"/files delete {filed.name}")]
+        buttons = [
+            *self.offer(principal, filed),
+            Button(words.DELETE, f"/files delete {filed.name}"),
+        ]
         return Reply(text, rows(buttons))
 
     async def finish(self) -> None:
@@ -150,8 +156,14 @@ class _Arrival:
     """
 
     def __init__(
-        self, holdings: Holdings, messenger: Messenger, inbound: Inbound, owner: PrincipalId
+        self,
+        holdings: Holdings,
+        messenger: Messenger,
+        inbound: Inbound,
+        owner: PrincipalId,
+        plain: Plain,
     ) -> None:
+        self._plain = plain
         self.messenger = messenger
         self.inbound = inbound
         self.shown = ""
@@ -234,7 +246,8 @@ class _Arrival:
         if self.shown and now_ns - self._shown_ns < PROGRESS_EVERY_NS:
             return
         self._shown_ns = now_ns
-        outbound = Outbound(chat=self.inbound.chat, text=words.coming(size, count))
+        text = self._plain(self.inbound, words.coming(size, count))
+        outbound = Outbound(chat=self.inbound.chat, text=text)
         with suppress(MessengerFault):
             if self.shown:
                 await self.messenger.edit(self.shown, outbound)
@@ -242,10 +255,6 @@ class _Arrival:
                 self.shown = await self.messenger.send(
                     replace(outbound, reply_to=self.inbound.message)
                 )
-
-
-def _sentence(why: Refusal) -> str:
-    return words.NOT_NOW if isinstance(why, RecordUnavailable) else str(why)
 
 
 def _file_id(inbound: Inbound) -> str:

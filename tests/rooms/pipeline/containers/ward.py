@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 from rosic.app.gateway import Gateway
+from rosic.app.holding import handing_of
 from rosic.app.profiles import known_units
 from rosic.container.archive import NOBODY, Archive, Author
 from rosic.container.drawer import Drawer
@@ -31,12 +32,14 @@ from rosic.stores.latch import FileLatch
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
 from tests.rooms.pipeline.place import ADA, BO, Place
+from tests.rooms.pipeline.place import FLEET as ROBOTS
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable
     from pathlib import Path
 
     from rosic.core.record import Memory, Record
+    from rosic.core.robot import Profile
 
 LANGUAGES = {"en": ("English",), "de": ("Deutsch", "German")}
 
@@ -72,12 +75,18 @@ class WardGateway(Gateway):
 class Ward(Place):
     """Ada is admin, Bo operator, Vi viewer."""
 
-    def __init__(self, folder: Path | None = None, *, clock: ManualClock | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path | None = None,
+        *,
+        clock: ManualClock | None = None,
+        fleet: tuple[Profile, ...] = ROBOTS,
+    ) -> None:
         clock = clock or ManualClock()
         self.kept: KeepingStore | KeepingMemory = (
             KeepingMemory() if folder is None else KeepingStore(folder, clock=clock)
         )
-        super().__init__(self.kept, clock=clock)
+        super().__init__(self.kept, clock=clock, fleet=fleet)
         self.archive = Archive(clock)
         recorded = Recorded(self.chat, self.archive, self.kept, self.author_of)
         parts = self.gateway._parts
@@ -117,9 +126,12 @@ class Ward(Place):
             tell=gateway.furnishing.reach.tell,
         )  # fmt: skip
         self.erasing = Erasing(self.holdings, self.sides())
-        employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
-        self.receiving = Receiving(self.holdings, gateway.pipeline.answer)
+        filing = employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
+        self.receiving = Receiving(self.holdings, gateway.pipeline.answer, gateway.pipeline.plain)
         gateway.pipeline.reception.enclosed = self.receiving.take
+        handing = handing_of(rooms, self.holdings, gateway.pipeline)
+        filing.hand_over(handing)
+        self.receiving.offer = handing.offer
         take_over(self.kept.memory.facts, self.holdings, self.erasing)
         chosen = rooms.container.selected
         rooms.container.selected = lambda principal, chat: (  # type: ignore[method-assign]
