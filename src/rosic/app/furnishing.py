@@ -16,6 +16,7 @@ from rosic.errors import NotPermitted, TooManyRequests
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.consent import Consent
+from rosic.pipeline.going import Going
 from rosic.pipeline.handover import Handover
 from rosic.pipeline.people.about import About
 from rosic.pipeline.people.admitting import Admitting
@@ -111,6 +112,9 @@ class Furnishing:
         self.consent = Consent(rooms.organiser, self.reach, clock, entropy)
         self._say_times_in(zone)
         reception.consent = self.consent
+        going = Going(rooms)
+        answer = self._pipeline.answer
+        reception.placed = lambda m, inbound, who: answer(m, inbound, who, going.ask(inbound, who))
         reception.stepped_up = self._access.stepup.fresh
         reception.proof_used = self._proof_used
         reception.refused = self._refused

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from rosic.app.shape import Bounds, Field, Form
+from rosic.core.geography import GeographicFrame
 from rosic.core.robot import (
     AtRest,
     Camera,
@@ -88,6 +89,12 @@ FORMS: Final[dict[Field, Form]] = {
     (Profile, "id"): NAMED,
     (Profile, "groups"): NAMED,
     (Profile, "words"): WORD,
+    (Profile, "go_to"): Form(
+        rf"{_NAME} {_NAME} {_NAME}",
+        "a skill and two of its parameters",
+        "Write the skill, then what it calls x and y: goto x y.",
+        empty=True,
+    ),
     (Profile, "skills"): NAMED,
     (Profile, "telemetry"): NAMED,
     (Skill, "words"): WORD,
@@ -134,6 +141,9 @@ FORMS: Final[dict[Field, Form]] = {
 }
 
 BOUNDS: Final[dict[Field, Bounds]] = {
+    (GeographicFrame, "latitude"): Bounds(-85, 85),
+    (GeographicFrame, "longitude"): Bounds(-180, 180),
+    (GeographicFrame, "heading_deg"): Bounds(-360, 360),
     (Profile, "queue_length"): Bounds(1, 10_000),
     (Profile, "watchdog_s"): Bounds(0.05, 5),
     (Profile, "rest_timeout_s"): Bounds(0.1, 120),

@@ -51,7 +51,7 @@ def profile_rules(units: UnitTable) -> Rules:
             Telemetry: (telemetry,),
             Files: (_folders,),
             Skill: (_placeholders, _streams),
-            Profile: (_reserved, _bound, _texts, _watched, _stoppable, words),
+            Profile: (_reserved, _located, _bound, _texts, _watched, _stoppable, words),
         },
     )
 
@@ -203,6 +203,25 @@ def _watched(profile: Profile) -> Iterator[Finding]:
                 f"{profile.watchdog_s:g} s.",
                 f"Send at {TWICE / profile.watchdog_s:g} Hz or more.",
             )
+
+
+def _located(profile: Profile) -> Iterator[Finding]:
+    if bool(profile.go_to) != (profile.frame is not None):
+        yield Finding((), "To be sent to a place on Earth, a robot needs both frame and go_to.")
+    if not profile.go_to:
+        return
+    name, *axes = profile.go_to.split()
+    if name not in profile.skills:
+        hint = nearest(name, profile.skills)
+        yield Finding(("go_to",), f"{name!r} is not a skill of this robot.", hint)
+        return
+    parameters = profile.skills[name].parameters
+    for axis in axes:
+        if axis not in parameters or parameters[axis].unit != "m":
+            yield Finding(("go_to",), f"{axis!r} is not a parameter of {name} in m.")
+    for other, parameter in parameters.items():
+        if other not in axes and parameter.default is None:
+            yield Finding(("go_to",), f"{name} also asks for {other}, which a place does not say.")
 
 
 def _folders(files: Files) -> Iterator[Finding]:

@@ -75,6 +75,13 @@ class Enclosure(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         return f"Enclosure({self.size} bytes)"
 
 
+class Spot(msgspec.Struct, frozen=True, gc=False):
+    """A place on Earth that somebody sent: degrees, WGS 84."""
+
+    latitude: float
+    longitude: float
+
+
 class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """One message or one tap on a button, as an adapter received it.
 
@@ -93,6 +100,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         locale: What the sender's messenger is set to, where the platform says so: ``de``. Only the
             default for whoever has not chosen a language.
         enclosed: A file that came with it; the text is then what was written beneath.
+        place: A place that was sent instead of words.
     """
 
     sender: Address
@@ -110,6 +118,12 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     shown_as: str = ""
     locale: str = ""
     enclosed: Enclosure | None = None
+    place: Spot | None = None
+
+    @property
+    def brings(self) -> bool:
+        """Whether there is something besides words: a file or a place."""
+        return self.enclosed is not None or self.place is not None
 
 
 class Button(msgspec.Struct, frozen=True, gc=False):

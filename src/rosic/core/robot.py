@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 import msgspec
 
+from rosic.core.geography import GeographicFrame
 from rosic.core.skill import Skill
 from rosic.core.view import Pose, Sight
 
@@ -161,6 +162,8 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         groups: Plain names under which several robots are commanded together.
         slots: What booked times mean: nothing, others wait, or nobody moves it without one.
         watchdog_s: The robot's own time-out for a velocity topic; without it no skill may stream.
+        go_to: Skill that goes to a place, and its two parameters in m: ``goto x y``. With a
+            frame, a location that somebody sends asks whether the robot is to go there.
         rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
     """
 
@@ -184,6 +187,8 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     pose: PoseSource | None = None
     path: PathSource | None = None
     files: Files | None = None
+    frame: GeographicFrame | None = None
+    go_to: str = ""
 
     def __post_init__(self) -> None:
         for name in (self.id, *self.groups):

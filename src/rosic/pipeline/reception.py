@@ -41,6 +41,7 @@ class Reception:
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         refused: Hears of every refusal, for rules about misuse.
         enclosed: Takes in files that people send; None: none are taken.
+        placed: Asks about places that people send; None: they mean nothing.
         outdated: Hears, in private, of a tap on a button that is no good any more.
         sights: Buttons for what can be seen of a robot, for its menu.
     """
@@ -53,22 +54,28 @@ class Reception:
         self.newcomer: Newcomer | None = None
         self.refused: Refused = _ignore
         self.enclosed: Enclosed | None = None
+        self.placed: Enclosed | None = None
         self.outdated: Outdated = _nothing
         self.sights: Sights = _unseen
 
     def take_in(self, said: Said, charge: Callable[[Caller], object]) -> None:
-        """Take in the file of a message, if there is one.
+        """Take in what came that is no words, a file or a place, if there is any.
 
         Only in private: in a group, nobody meant it for ROSIC.
 
         Raises:
             Refusal: It is not taken; what was written beneath is not followed either.
         """
-        if said.inbound.enclosed is None or self.enclosed is None:
+        inbound = said.inbound
+        if not inbound.brings:
             return
-        if said.inbound.chat.kind is ChatKind.PRIVATE:
-            charge(said.caller)
-            self.enclosed(said.messenger, said.inbound, said.caller)
+        if inbound.chat.kind is not ChatKind.PRIVATE:
+            return
+        charge(said.caller)
+        if inbound.enclosed is not None and self.enclosed is not None:
+            self.enclosed(said.messenger, inbound, said.caller)
+        if inbound.place is not None and self.placed is not None:
+            self.placed(said.messenger, inbound, said.caller)
 
     def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
         """Return what a button that confirms says, and who has agreed to it.

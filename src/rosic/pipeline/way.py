@@ -292,7 +292,7 @@ class Pipeline:
         """Whether words that make no sense were meant for ROSIC at all."""
         first = inbound.text[:64].split(maxsplit=1)[:1]
         return (
-            (inbound.chat.kind is ChatKind.PRIVATE and inbound.enclosed is None)
+            (inbound.chat.kind is ChatKind.PRIVATE and not inbound.brings)
             or inbound.text.startswith("/")
             or (bool(first) and first[0].lower() in self._vocabulary.callees)
         )

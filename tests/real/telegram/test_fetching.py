@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import ChatKind, Enclosure, Standing
+from rosic.core.message import ChatKind, Enclosure, Spot, Standing
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.fetching import FETCH_BYTES, GONE
 from rosic.testing.telegram import FakeTelegram, Settings
@@ -86,6 +86,21 @@ async def test_a_forwarded_file_says_so(gateway: Gateway, ada: int) -> None:
         await gateway.until(lambda: bool(gateway.heard))
     assert gateway.heard[0].standing is Standing.FORWARDED
     assert gateway.heard[0].chat.kind is ChatKind.PRIVATE
+
+
+async def test_a_location_is_a_place_unless_it_moves(gateway: Gateway, ada: int) -> None:
+    here = {"latitude": 47.07, "longitude": 15}
+    for extra in (
+        {"location": here}, {"location": here | {"live_period": 60}},
+        {"location": here, "venue": {"title": "x"}}, {"location": {"latitude": "x"}},
+        {"location": {"latitude": 91, "longitude": 0}},
+    ):  # fmt: skip
+        gateway.server.say(ada, ada, "", extra=extra)
+    gateway.server.say(ada, ada, "last")
+    async with gateway.running():
+        await gateway.until(lambda: "last" in gateway.texts)
+    assert [one.place for one in gateway.heard if one.place] == [Spot(47.07, 15.0)]
+    assert all(one.text == "" for one in gateway.heard if one.place)
 
 
 async def test_too_large_a_file_is_refused_before_anything_is_asked(gateway: Gateway) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
-from rosic.core.message import Chat, ChatKind, Enclosure, Inbound, Standing
+from rosic.core.message import Chat, ChatKind, Enclosure, Inbound, Spot, Standing
 from rosic.messengers.telegram import wire
 
 if TYPE_CHECKING:
@@ -100,7 +100,8 @@ def _text(
 ) -> Inbound | None:
     written = message.text or message.caption
     enclosed = _enclosed(message)
-    bare = "" if enclosed is not None and not written else None
+    place = _placed(message)
+    bare = None if enclosed is None and place is None else ""
     text = addressed_here(written, own_name) if written else bare
     if text is None:
         return None
@@ -119,7 +120,13 @@ def _text(
         shown_as="" if message.sender is None else message.sender.first_name,
         locale="" if message.sender is None else message.sender.language_code or "",
         enclosed=enclosed,
+        place=place,
     )
+
+
+def _placed(message: wire.Message) -> Spot | None:
+    found = wire.placed(message)
+    return None if found is None else Spot(found.latitude, found.longitude)
 
 
 def _enclosed(message: wire.Message) -> Enclosure | None:

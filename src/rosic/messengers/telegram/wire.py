@@ -46,8 +46,8 @@ class Message(msgspec.Struct, kw_only=True):
 
     Attributes:
         date: Unix time in whole seconds, cut off.
-        document, photo: A file, as it came: read by `enclosed`, so that one that is malformed
-            hides no stop that was written beneath.
+        document, photo, location: As they came: read by `enclosed` and `placed`, so that what is
+            malformed hides no stop that was written beneath.
     """
 
     message_id: int
@@ -59,6 +59,8 @@ class Message(msgspec.Struct, kw_only=True):
     caption: str | None = None
     document: Any = None
     photo: Any = None
+    location: Any = None
+    venue: Any = None
     reply_to_message: Shown | None = None
     edit_date: int | None = None
     forward_origin: Any = None
@@ -86,6 +88,14 @@ class PhotoSize(msgspec.Struct):
     width: int = 0
     height: int = 0
     file_size: int = 0
+
+
+class Location(msgspec.Struct):
+    """A point on the map. A live one moves along with its sender."""
+
+    latitude: float
+    longitude: float
+    live_period: int | None = None
 
 
 class CallbackQuery(msgspec.Struct, kw_only=True):
@@ -134,3 +144,18 @@ def enclosed(message: Message) -> Document | None:
     except msgspec.ValidationError:
         return None
     return None
+
+
+def placed(message: Message) -> Location | None:
+    """Return the place that a message is.
+
+    None for a live location, which follows its sender about, and for a venue.
+    """
+    if message.location is None or message.venue is not None:
+        return None
+    try:
+        location = msgspec.convert(message.location, Location)
+    except msgspec.ValidationError:
+        return None
+    near = abs(location.latitude) <= 90 and abs(location.longitude) <= 180  # noqa: PLR2004
+    return location if near and location.live_period is None else None
