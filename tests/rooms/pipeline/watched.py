@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.messenger import Receive
     from rosic.contracts.robot import Tell
-    from rosic.core.message import Inbound, Outbound
+    from rosic.core.message import Chat, Inbound, Outbound
     from rosic.core.order import Order, Outcome, Stop
     from rosic.core.record import Memory, Record
     from rosic.messengers.memory import MemoryMessenger
@@ -112,6 +112,7 @@ class Mouth:
     def __init__(self, chat: MemoryMessenger, disk: Disk) -> None:
         self.edits = chat.edits
         self.file_bytes = chat.file_bytes
+        self.pins = chat.pins
         self._chat = chat
         self._disk = disk
 
@@ -125,6 +126,10 @@ class Mouth:
     async def edit(self, message: str, outbound: Outbound) -> None:
         await self._alive()
         await self._chat.edit(message, outbound)
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        await self._alive()
+        await self._chat.pin(chat, message, pinned=pinned)
 
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         await self._alive()
