@@ -78,6 +78,7 @@ class Pipeline:
         audience: Who hears what robots say of their own accord.
         reception: Who receives what is no order.
         arrears: Answers to what was sent while nobody listened.
+        face: What a clock on the wall shows here.
     """
 
     def __init__(
@@ -91,7 +92,7 @@ class Pipeline:
         self._teller = teller
         self._languages = teller.languages
         self._clock = clock
-        self._face = face
+        self.face = face
         self._shown = {robot: profile.shown for robot, profile in rooms.profiles.items()}
         self._turns = Turns()
         self._requesting = Requesting(rooms, clock)
@@ -340,7 +341,7 @@ class Pipeline:
         messenger, chat, caller = said.messenger, said.inbound.chat, said.caller
         catalogue = self._languages.of(caller.principal)
         words = ENGLISH if catalogue is None else wording_in(catalogue)
-        card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self._face, words)
+        card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self.face, words)
         card.buttons = _stop_button(line.group or line.robots[0])
         if said.confirmed and messenger.edits and len(said.asked) == len(orders):
             # The question that was answered becomes the life it asked for.

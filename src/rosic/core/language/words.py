@@ -8,10 +8,10 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 # name.
 ERRANDS = frozenset(
     {
-        "again", "approve", "archive", "ask", "authenticator", "book", "cancel", "chart", "clip",
-        "code", "data", "decline", "end", "forget", "grant", "information", "invite", "language",
-        "lock", "map", "me", "mydata", "people", "picture", "revoke", "security", "settings",
-        "share", "shelf", "slots", "take", "trajectory", "unlock", "wait",
+        "again", "approve", "archive", "ask", "authenticator", "book", "cancel", "card", "chart",
+        "clip", "code", "data", "decline", "end", "forget", "grant", "information", "invite",
+        "language", "lock", "map", "me", "mydata", "people", "picture", "revoke", "security",
+        "settings", "share", "shelf", "slots", "take", "trajectory", "unlock", "wait",
     }
 )  # fmt: skip
 
