@@ -127,6 +127,11 @@ class Furnishing:
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
 
+    async def close(self) -> None:
+        """Follow nothing any more; wait for robots that come to rest, briefly."""
+        await self.keeper.close()
+        await self.live_cards.close()
+
     # ---- people ----
 
     def _furnish_people(
@@ -285,6 +290,7 @@ class Furnishing:
             catalogue=self._teller.languages.of,
         )
         self.live_cards = LiveCards(glimpses, self._access.changes, messengers, clock, sides)
+        self.live_cards.restore(self._access.cards)
         clerk = CardClerk(self.live_cards, glimpses, rooms.vocabulary, sides)
         pipeline.reception.office.employ("card", clerk.card)
 

@@ -47,7 +47,6 @@ from rosic.organiser.roster import GRANT
 from rosic.pipeline import Pipeline
 from rosic.pipeline.containers.parts import Vault
 from rosic.pipeline.languages import Languages
-from rosic.pipeline.livecards.livecard import KIND as LIVE_CARD
 from rosic.pipeline.lives import inert_words
 from rosic.pipeline.recovery import Recovery
 from rosic.pipeline.rooms import Rooms
@@ -216,7 +215,6 @@ class Gateway:
         self.seeing = furnish_seeing(
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
-        self.furnishing.live_cards.restore(memory.facts.get(LIVE_CARD, ()))
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
@@ -274,8 +272,7 @@ class Gateway:
         finally:
             for task in keeping:
                 task.cancel()
-            await self.furnishing.keeper.close()
-            await self.furnishing.live_cards.close()
+            await self.furnishing.close()
             await self._fall_deaf()
 
     async def _daily(self) -> None:

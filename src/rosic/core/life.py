@@ -23,6 +23,7 @@ _STEP = {
     Stage.SENT: said("sent"),
     Stage.RECEIVED: said("received by the robot"),
 }
+_BRIEFLY = _STEP | {Stage.RECEIVED: said("received")}
 _ENDED = {
     Ending.DONE: said("done"),
     Ending.FAILED: said("failed"),
@@ -124,7 +125,7 @@ class Life:
     def steps(self) -> tuple[str, ...]:
         """Return the steps so far, each with its time, for readers of any language."""
         parts = self._steps.split(BETWEEN) if self._steps else ()
-        return tuple(_anew(part, self.words.step, _STEP) for part in parts)
+        return tuple(_anew(part, self.words.step, _BRIEFLY) for part in parts)
 
     def now(self) -> str:
         """Return how it ended, or else what runs, likewise; empty before it runs."""

@@ -10,18 +10,20 @@ from msgspec.structs import replace
 
 from rosic.core.message import ChatKind
 from rosic.core.roles import DEFAULT_ROLES, Role, Rulebook
+from rosic.messengers.memory import MemoryMessenger
 from rosic.testing.clock import START_WALL_NS
-from tests.rooms.pipeline.place import ADA, Place, edited
+from tests.rooms.pipeline.place import ADA, FLEET, Place, edited
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
     from rosic.core.message import Outbound
-    from rosic.messengers.memory import MemoryMessenger, Told
+    from rosic.core.robot import Profile
+    from rosic.messengers.memory import Told
     from rosic.stores.memory import MemoryStore
     from rosic.testing.clock import ManualClock
 
-STAMP = re.compile(r"updated (\d+), next by (\d+)")
+STAMP = re.compile(r"(?:updated|Stand) (\d+), (?:next by|der nächste bis) (\d+)")
 ONE_ROBOT = Role(scopes=("omni:*",), priority=5)
 GROUP: dict[str, Any] = {"chat": "-7", "kind": ChatKind.GROUP}
 
@@ -83,6 +85,19 @@ class Shown:
         end.set_result(None)
 
 
+class SlowMessenger(MemoryMessenger):
+    """Its platform takes an edit only after a while."""
+
+    def __init__(self, clock: ManualClock) -> None:
+        super().__init__("memory", clock=clock)
+        self.slow_s = 0.0
+
+    async def edit(self, message: str, outbound: Outbound) -> None:
+        if self.slow_s:
+            await self._clock.sleep(self.slow_s)
+        await super().edit(message, outbound)
+
+
 @asynccontextmanager
 async def showing(
     store: MemoryStore | None = None,
@@ -90,9 +105,10 @@ async def showing(
     chat: Callable[[ManualClock], MemoryMessenger] = edited,
     clock: ManualClock | None = None,
     roles: dict[str, str] | None = None,
+    fleet: tuple[Profile, ...] = FLEET,
 ) -> AsyncIterator[Shown]:
     """Run a place whose clock on the wall shows the seconds of this test."""
-    place = Place(store, chat=chat, clock=clock)
+    place = Place(store, chat=chat, clock=clock, fleet=fleet)
     gateway = place.gateway
     gateway._parts = replace(
         gateway._parts, face=lambda ns: str((ns - START_WALL_NS) // 1_000_000_000)

@@ -10,20 +10,17 @@ import msgspec
 import pytest
 
 from rosic.core.message import Weight
-from rosic.messengers.memory import MemoryMessenger
 from rosic.pipeline.livecards.drawing import GROUP as IN_GROUPS
 from rosic.pipeline.livecards.drawing import PRIVATE
 from rosic.pipeline.livecards.livecards import LOOK_S
 from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import ADA, BO, VI, line_by_line
-from tests.rooms.pipeline.shown_cards import GROUP, Shown, showing
+from tests.rooms.pipeline.place import ADA, BO, line_by_line
+from tests.rooms.pipeline.shown_cards import GROUP, Shown, SlowMessenger, showing
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.core.message import Outbound
     from rosic.pipeline.livecards.drawing import Pace
-    from rosic.testing.clock import ManualClock
 
 DAY_LONG_S = 600
 
@@ -53,7 +50,7 @@ async def test_it_follows_an_order_from_sent_to_done() -> None:
         await shown.pass_s(1)
         what = "move, 1.00 m forward"
         assert shown.text().startswith("omni: Ada · link good\n  sent 5: " + what)
-        assert f"  received by the robot 5: {what}\n  now: doing move" in shown.text()
+        assert f"  received 5: {what}\n  now: doing move" in shown.text()
         shown.finish("omni")
         await shown.pass_s(4)
         assert "  now: done 6" in shown.text()
@@ -152,10 +149,10 @@ async def test_when_nothing_changes_only_its_age_is_kept_true() -> None:
 
 
 async def test_edits_that_arrive_late_are_said_to() -> None:
-    async with showing(chat=_Slow) as shown:
+    async with showing(chat=SlowMessenger) as shown:
         await shown.begins("/card omni")
         chat = shown.place.chat
-        assert isinstance(chat, _Slow)
+        assert isinstance(chat, SlowMessenger)
         chat.slow_s = 8.0
         shown.place.robot("omni").online = False
         await shown.pass_s(14)
@@ -164,19 +161,6 @@ async def test_edits_that_arrive_late_are_said_to() -> None:
         assert "\nchanges reach this chat 8 s late" in shown.text()
         stamp_s, next_s = shown.stamp()
         assert next_s - stamp_s == PRIVATE.promise_s + 8
-
-
-class _Slow(MemoryMessenger):
-    """Its platform takes an edit only after a while."""
-
-    def __init__(self, clock: ManualClock) -> None:
-        super().__init__("memory", clock=clock)
-        self.slow_s = 0.0
-
-    async def edit(self, message: str, outbound: Outbound) -> None:
-        if self.slow_s:
-            await self._clock.sleep(self.slow_s)
-        await super().edit(message, outbound)
 
 
 async def test_after_an_outage_it_goes_on_with_what_is_so_then() -> None:
@@ -192,98 +176,21 @@ async def test_after_an_outage_it_goes_on_with_what_is_so_then() -> None:
         assert len(shown.cards()) == 1
 
 
-# ---- whose it is ----
-
-
-async def test_in_a_group_it_says_whose_eyes_it_has() -> None:
-    async with showing(roles={"Vi": "narrow"}) as shown:
-        text = await shown.begins("/card", account=VI, **GROUP)
-        assert text.startswith("What Vi may see:\nomni: free")
-        assert "kuka1" not in text
-        text = await shown.begins("/card", **GROUP)
-        assert text.startswith("What Ada may see:")
-        assert "kuka1" in text
-        first, second = shown.cards("-7")
-        assert shown.place.chat.shown(first).text == "This card has ended: a newer one is below."
-        assert first != second
-
-
-async def test_a_robot_that_one_may_not_see_cannot_be_named() -> None:
-    async with showing(roles={"Vi": "narrow"}) as shown:
-        told = await shown.place.say("/card kuka1", account=VI, chat=VI)
-        assert told == "There is no robot called kuka1 here."
-
-
-async def test_what_may_be_seen_no_more_is_gone_within_a_second() -> None:
-    async with showing(roles={"Vi": "narrow"}) as shown:
-        await shown.place.say("/grant Vi operator kuka1 for 20 s")
-        assert "kuka1" in await shown.begins("/card", account=VI)
-        await shown.pass_s(19)
-        assert "kuka1" in shown.text(VI)
-        await shown.pass_s(2)
-        assert "kuka1" not in shown.text(VI)
-        assert "omni" in shown.text(VI)
-
-
-async def test_words_that_wait_for_their_turn_are_taken_back_with_the_right() -> None:
-    async with showing(chat=_Slow, roles={"Vi": "narrow"}) as shown:
-        await shown.place.say("/grant Vi operator kuka1 for 20 s")
-        await shown.begins("/card", account=VI)
-        chat = shown.place.chat
-        assert isinstance(chat, _Slow)
-        chat.slow_s = 30.0
-        await shown.pass_s(16)
-        shown.place.robot("kuka1").online = False
-        await shown.pass_s(3)
-        chat.slow_s = 0.0
-        await shown.pass_s(2)
-        assert "kuka1" not in shown.text(VI)
-        await shown.pass_s(30)
-        assert not any("kuka1: free · not there" in t.outbound.text for t in shown.edits(VI))
-
-
-@pytest.mark.parametrize("revoked", [False, True])
-async def test_a_lock_and_a_revocation_end_it_at_once(revoked: bool) -> None:
-    async with showing() as shown:
-        await shown.begins("/card", account=BO)
-        if revoked:
-            directory = shown.place.gateway.rooms.authoriser.directory
-            await shown.place.gateway.revoke(directory.named("Bo")[0].id, "")
-        else:
-            await shown.place.say("/lock Bo")
-        await shown.place.quiet()
-        seen = shown.place.chat.shown(shown.cards(BO)[-1])
-        assert seen.text.startswith("This card has ended: whoever asked for it may see no robot")
-        assert not seen.buttons
-        assert not len(shown.place.gateway.furnishing.live_cards)
-
-
-async def test_it_goes_with_its_owner() -> None:
-    store = MemoryStore()
-    async with showing(store) as shown:
-        await shown.begins("/card", account=BO)
-        await shown.place.say("/forget me", account=BO, chat=BO)
-        await shown.place.tap(*shown.place.button("Forget me for good"), account=BO)
-        await shown.pass_s(2)
-        seen = shown.place.chat.shown(shown.cards(BO)[-1])
-        assert seen.text == "This card has ended. /card begins a new one."
-        assert not [fact for fact in await store.facts("card", "", 10) if fact.body]
-
-
 # ---- as long as it lasts ----
 
 
-async def test_it_goes_on_in_the_same_message_after_a_restart() -> None:
-    store, kept = MemoryStore(), []
+@pytest.mark.parametrize("pinned", [False, True])
+async def test_it_goes_on_in_the_same_message_after_a_restart(pinned: bool) -> None:
+    store = MemoryStore()
     async with showing(store) as shown:
         await shown.begins("/card omni", account=BO)
-        await shown.place.say("/card pin", account=BO, chat=BO)
+        if pinned:
+            await shown.place.say("/card pin", account=BO, chat=BO)
         [message] = shown.cards(BO)
         chat, clock = shown.place.chat, shown.place.clock
         [fact] = await store.facts("card", "", 10)
         assert BO not in msgspec.msgpack.decode(fact.body), "where it is, is sealed"
         assert fact.letter is not None
-    kept.append(chat)
     await clock.advance(500.0)
     async with showing(store, chat=lambda _clock: chat, clock=clock) as shown:
         shown.place.robot("omni").online = False
@@ -292,7 +199,7 @@ async def test_it_goes_on_in_the_same_message_after_a_restart() -> None:
         assert "not there" in shown.text(BO)
         assert "kuka1" not in shown.text(BO)
         assert shown.stamp(BO)[0] >= 500
-        assert chat.pinned[BO] == [message]
+        assert chat.pinned.get(BO, []) == [message] * pinned
 
 
 async def test_whose_message_was_deleted_is_over() -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 ROBOTS_AT_MOST: Final = 12
 """More do not fit into one message of every messenger."""
-LATE_S: Final = 2.0
+LATE_S: Final = 5.0
 BUTTON_BYTES: Final = 64
 """What a button carries on every messenger; a longer list of robots stops everything."""
 
