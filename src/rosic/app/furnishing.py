@@ -6,6 +6,7 @@ import asyncio
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from rosic.app.alarming import Alarms
 from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
@@ -16,6 +17,7 @@ from rosic.core.skill import SkillClass
 from rosic.errors import NotPermitted, TooManyRequests
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
+from rosic.pipeline.alerts.running import Hands
 from rosic.pipeline.consent import Consent
 from rosic.pipeline.handover import Handover
 from rosic.pipeline.livecards.asking import CardClerk
@@ -45,16 +47,19 @@ from rosic.pipeline.times.naming import Naming
 from rosic.pipeline.times.parts import Sides, Times
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
+    from rosic.app.people import Seed
     from rosic.authoriser.misuse import Invalidate
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.life import Face
     from rosic.core.message import Chat
+    from rosic.core.record import Memory
     from rosic.core.robot import RobotId
     from rosic.core.secret import Secret
     from rosic.errors import Refusal
@@ -126,6 +131,14 @@ class Furnishing:
         self._furnish_cards(messengers, clock)
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
+
+    def alarms(self, memory: Memory, people: Iterable[Seed], clock: Clock, face: Face) -> Alarms:
+        """Return what follows the rules about alarms, as the record left them."""
+        lives = self._pipeline.lives
+        hands = Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face)
+        alarms = Alarms(self._rooms, self._access, clock, hands)
+        alarms.furnish(self._pipeline, memory, people)
+        return alarms
 
     async def close(self) -> None:
         """Follow nothing any more; wait for robots that come to rest, briefly."""

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 import msgspec
 
+from rosic.core.alert_rule import Alert
 from rosic.core.skill import Skill
 from rosic.core.view import Pose, Sight
 
@@ -143,6 +144,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         slots: What booked times mean: nothing, others wait, or nobody moves it without one.
         watchdog_s: The robot's own time-out for a velocity topic; without it no skill may stream.
         rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
+        alerts: Rules about what the robot reports: whom to tell, and what to run.
     """
 
     id: RobotId
@@ -164,6 +166,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     map: MapSource | None = None
     pose: PoseSource | None = None
     path: PathSource | None = None
+    alerts: tuple[Alert, ...] = ()
 
     def __post_init__(self) -> None:
         for name in (self.id, *self.groups):

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.cards import Card
-    from rosic.pipeline.said import Said
+    from rosic.pipeline.said import Behind
     from rosic.pipeline.telling import Teller
 
 AT_MOST = 20_000
@@ -51,7 +51,7 @@ class OrderLife:
     """One order from its claim to its end.
 
     Attributes:
-        said: The message that asked for it.
+        said: Who is behind it: mostly a message.
         shown: How it reads on its card.
         begun: It has been relayed.
         words: How it ended, once it has.
@@ -59,7 +59,7 @@ class OrderLife:
 
     __slots__ = ("_lives", "begun", "card", "order", "said", "shown", "words")
 
-    def __init__(self, order: Order, said: Said, card: Card, shown: Life, lives: Lives) -> None:
+    def __init__(self, order: Order, said: Behind, card: Card, shown: Life, lives: Lives) -> None:
         self.order = order
         self.said = said
         self.card = card
@@ -142,7 +142,7 @@ class Lives:
     def __len__(self) -> int:
         return self._under_way
 
-    def begin(self, order: Order, said: Said, card: Card, shown: Life) -> None:
+    def begin(self, order: Order, said: Behind, card: Card, shown: Life) -> None:
         """Let a claimed order live. It will end, and its end will be told."""
         self._under_way += 1
         whose = order.permit.principal
