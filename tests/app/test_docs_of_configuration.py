@@ -30,7 +30,9 @@ def test_a_configuration_that_is_shown_is_good(text: str, tmp_path: Path) -> Non
     assert [str(error) for error in errors] == []
 
 
-@pytest.mark.parametrize("text", blocks("robots/profiles.md", "yaml"))
+@pytest.mark.parametrize(
+    "text", [*blocks("robots/profiles.md", "yaml"), *blocks("robots/alerts.md", "yaml")]
+)
 def test_a_profile_that_is_shown_is_good(text: str, tmp_path: Path) -> None:
     assert [str(error) for error in check_profile(write(tmp_path, text))] == []
 

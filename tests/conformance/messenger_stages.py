@@ -66,6 +66,9 @@ class MemoryStage:
     async def enclose(self, person: str, name: str, content: bytes) -> None:
         self.memory.enclose(name, content, account=person, chat=f"chat of {person}")
 
+    async def pinned(self, person: str) -> list[str]:
+        return self.memory.pinned.get(self.chat(person).id, [])
+
     async def unconfirmed(self) -> int:
         return len(self.memory.unconfirmed())
 
@@ -120,6 +123,10 @@ class TelegramStage:
 
     async def enclose(self, person: str, name: str, content: bytes) -> None:
         self.server.send_file(self.accounts[person], self.accounts[person], name, content)
+
+    async def pinned(self, person: str) -> list[str]:
+        shown = self.server.messages(self.accounts[person], by_bot=True)
+        return [str(one["message_id"]) for one in shown if one["pinned"]]
 
     async def unconfirmed(self) -> int:
         return self.server.pending()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
-from rosic.testing.telegram.transcript import START, Transcript, View, transcript
+from rosic.testing.telegram.transcript import ENGLISH, START, App, Transcript, View, transcript
 from tests.journeys.lab import Lab
 
 BOT = "Lab robots"
@@ -16,12 +16,14 @@ class Newcomer(msgspec.Struct):
     Attributes:
         taps: Telegram's own START among them.
         typed: Messages they wrote themselves.
+        app: Telegram's own words on their phone.
     """
 
     place: Lab
     account: int
     taps: int = 0
     typed: int = 0
+    app: App = ENGLISH
 
     async def start(self, code: str, expected: str) -> None:
         """Open the link of an invitation and tap START; an empty code: find the bot by its name."""
@@ -56,5 +58,5 @@ class Newcomer(msgspec.Struct):
     async def saw(self) -> Transcript:
         """Return the whole conversation."""
         control, chat = self.place.control, self.account
-        view = View(title=BOT, reader=chat, below="bot")
+        view = View(title=BOT, reader=chat, below="bot", app=self.app)
         return transcript(await control.messages(chat), await control.presses(chat), view)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.testing.telegram.picture import draw, in_picture
+from rosic.testing.telegram.transcript import App
 from tests.journeys.lab import Lab, lab
 from tests.journeys.newcomer import Newcomer
 from tests.journeys.pictures import (
@@ -63,13 +64,51 @@ async def test_from_start_to_a_first_motion_in_four_taps(
 
         await cy.start(code, "You are invited as operator on omni")
         await cy.tap("Join", "What should omni do?")
-        await cy.tap("Move in a straight line", "needs a distance")
-        await cy.tap("0.50 m forward", "moved 0.50 m forward")
+        await cy.tap("Move in a straight line", "0.50 m forward?")
+        await cy.tap("Do it", "moved 0.50 m forward")
 
         assert cy.taps <= TAPS_TO_A_MOTION
         assert cy.typed == 0
         await place.ask(place.ada, "status omni", "x 0.50 m")
         await finished("join", cy, capsys)
+
+
+async def test_the_same_in_german(
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with one_robot(tmp_path, launcher) as place:
+        said = await place.ask(place.ada, "/invite operator omni for 2h", "start=")
+        [code] = CODE.findall(said["text"])
+        account = await place.control.create_user("Cy", language_code="de")
+        cy = Newcomer(place, account, app=App("STARTEN", "bearbeitet"))
+
+        await cy.start(code, "eingeladen")
+        await cy.tap("Beitreten", "Was soll omni tun?")
+        await cy.tap("Move in a straight line", "0.50 m forward?")
+        await cy.tap("Mach es", "0.50 m gefahren")
+
+        assert cy.taps <= TAPS_TO_A_MOTION
+        await finished("join-de", cy, capsys)
+
+
+async def test_asking_for_a_right(
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with one_robot(tmp_path, launcher) as place:
+        said = await place.ask(place.ada, "/invite viewer omni", "start=")
+        [code] = CODE.findall(said["text"])
+        vi = Newcomer(place, await place.control.create_user("Vi"))
+        ada = Newcomer(place, place.ada)
+
+        await vi.start(code, "You are invited as viewer")
+        await vi.tap("Join", "You are in")
+        await vi.type("omni move 0.5 m", "needs the right")
+        await vi.tap("Ask for it", "I have asked Ada")
+        await ada.tap("Allow 1 h", "Vi may now")
+        await vi.reads("Ada allows it. You may now")
+        await vi.type("omni move 0.5 m", "moved 0.50 m forward")
+
+        await finished("ask", vi, capsys)
 
 
 async def test_driving_and_stopping_with_buttons(
@@ -79,8 +118,10 @@ async def test_driving_and_stopping_with_buttons(
         bo = Newcomer(place, place.bo)
 
         await bo.start("", "What should omni do?")
-        await bo.tap("Move in a straight line", "needs a distance")
-        await bo.tap("2.00 m forward", "driving")
+        await bo.tap("Move in a straight line", "0.50 m forward?")
+        await bo.tap("+", "1.00 m forward?")
+        await bo.tap("+", "2.00 m forward?")
+        await bo.tap("Do it", "driving")
         await bo.tap("STOP", "STOP: omni at rest")
         await bo.reads("stopped before it ended")
         await bo.type("resume omni", "omni is ready again.")

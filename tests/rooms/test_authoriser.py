@@ -106,3 +106,20 @@ def test_who_was_recognised_in_a_chat() -> None:
     desk.authoriser.identify(inbound(chat="g"))
     assert desk.authoriser.company(Chat("telegram", "g")) == {"p1"}
     assert desk.authoriser.company(Chat("telegram", "h")) == frozenset()
+
+
+def test_somebody_stands_for_a_rule_of_theirs_only_under_a_good_key() -> None:
+    desk = Desk(expires_in_s=60.0)
+    caller = desk.authoriser.stand_for("p1")
+    assert (caller.principal, caller.key, caller.address) == ("p1", "k1", ADA)
+    with pytest.raises(Unrecognised):
+        desk.authoriser.stand_for("nobody")
+    assert desk.authoriser.has_access("p1")
+    desk.authoriser.ends_of = lambda _key: desk.clock.wall_ns()  # a grace that is over
+    with pytest.raises(Unrecognised):
+        desk.authoriser.stand_for("p1")
+    assert not desk.authoriser.has_access("p1")
+    revoked = Desk()
+    revoked.authoriser.revoke("k1")
+    with pytest.raises(Unrecognised):
+        revoked.authoriser.stand_for("p1")

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
+from rosic.app.alarming import author_findings
 from rosic.app.authority import rulebook_of
 from rosic.app.config_file import (
     ConfigFile,
@@ -219,6 +220,7 @@ class _Reading:
             self._note(fleet_findings(robots, table))
             if not self.errors:
                 self._note(rule_findings(self._file, robots, table))
+                self._note(author_findings(self._file, robots))
         return tuple(robots)
 
     def _note(self, findings: Iterable[Finding]) -> None:

@@ -6,18 +6,25 @@ import asyncio
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from rosic.app.alarming import Alarms
 from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
+from rosic.core.message import Outbound
 from rosic.core.reach import FLEET
 from rosic.core.saying import joined
 from rosic.core.skill import SkillClass
 from rosic.errors import NotPermitted, TooManyRequests
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
+from rosic.pipeline.alerts.running import Hands
 from rosic.pipeline.consent import Consent
 from rosic.pipeline.going import Going
 from rosic.pipeline.handover import Handover
+from rosic.pipeline.livecards.asking import CardClerk
+from rosic.pipeline.livecards.drawing import Sides as CardSides
+from rosic.pipeline.livecards.glimpses import Glimpses
+from rosic.pipeline.livecards.livecards import LiveCards
 from rosic.pipeline.people.about import About
 from rosic.pipeline.people.admitting import Admitting
 from rosic.pipeline.people.asking_line import Places
@@ -34,22 +41,26 @@ from rosic.pipeline.people.proving import Proving
 from rosic.pipeline.people.registry import Registry
 from rosic.pipeline.people.reminding import Reminding
 from rosic.pipeline.reach import Reach
+from rosic.pipeline.telling import Note
 from rosic.pipeline.times.clerks import employ_clerks
 from rosic.pipeline.times.keeper import Keeper
 from rosic.pipeline.times.naming import Naming
 from rosic.pipeline.times.parts import Sides, Times
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
+    from rosic.app.people import Seed
     from rosic.authoriser.misuse import Invalidate
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.life import Face
     from rosic.core.message import Chat
+    from rosic.core.record import Memory
     from rosic.core.robot import RobotId
     from rosic.core.secret import Secret
     from rosic.errors import Refusal
@@ -72,6 +83,7 @@ class Furnishing:
         petitioning: Asks admins for rights that somebody lacks.
         granting: Gives rights for a while.
         keeper: Follows the calendar.
+        live_cards: Shows in chats how robots are.
     """
 
     def __init__(
@@ -120,8 +132,22 @@ class Furnishing:
         reception.refused = self._refused
         self._furnish_times(clock, zone)
         self._furnish_people(authority, messengers, clock, entropy, zone)
+        self._furnish_cards(messengers, clock)
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
+
+    def alarms(self, memory: Memory, people: Iterable[Seed], clock: Clock, face: Face) -> Alarms:
+        """Return what follows the rules about alarms, as the record left them."""
+        lives = self._pipeline.lives
+        hands = Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face)
+        alarms = Alarms(self._rooms, self._access, clock, hands)
+        alarms.furnish(self._pipeline, memory, people)
+        return alarms
+
+    async def close(self) -> None:
+        """Follow nothing any more; wait for robots that come to rest, briefly."""
+        await self.keeper.close()
+        await self.live_cards.close()
 
     # ---- people ----
 
@@ -265,6 +291,32 @@ class Furnishing:
         calendar.zone_of = lambda _principal: zone
         self._access.waiting.shown_of = calendar.shown_of
         organiser.moment = lambda _who, at_ns: moment(at_ns, organiser.wall_ns(), zone_named(zone))
+
+    # ---- live cards ----
+
+    def _furnish_cards(self, messengers: Sequence[Messenger], clock: Clock) -> None:
+        rooms, pipeline = self._rooms, self._pipeline
+        glimpses = Glimpses(rooms, pipeline.lives, pipeline.face)
+        sides = CardSides(
+            sees=self._sees,
+            name_of=rooms.organiser.name_of,
+            face=pipeline.face,
+            tell=lambda messenger, chat, text: self._teller.say(
+                Note(messenger, Outbound(chat=chat, text=text))
+            ),
+            catalogue=self._teller.languages.of,
+        )
+        self.live_cards = LiveCards(glimpses, self._access.changes, messengers, clock, sides)
+        self.live_cards.restore(self._access.cards)
+        clerk = CardClerk(self.live_cards, glimpses, rooms.vocabulary, sides)
+        pipeline.reception.office.employ("card", clerk.card)
+
+    def _sees(self, principal: PrincipalId) -> frozenset[RobotId]:
+        """Return what somebody may see now who is not asking: they must be able to ask."""
+        organiser = self._rooms.organiser
+        if principal in organiser.locked or self._access.keys.current(principal) is None:
+            return frozenset()
+        return organiser.visible(principal)
 
     # ---- misuse ----
 

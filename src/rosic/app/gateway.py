@@ -116,7 +116,7 @@ class Gateway:
 
     Attributes:
         pipeline, rooms, stop_lane, robots: Made by ``open``.
-        authority, access, furnishing, holding, languages, seeing: Likewise.
+        authority, access, furnishing, holding, languages, seeing, alarms: Likewise.
     """
 
     pipeline: Pipeline
@@ -215,6 +215,7 @@ class Gateway:
         self.seeing = furnish_seeing(
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
+        self.alarms = self.furnishing.alarms(memory, self._settings.people, time, parts.face)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
@@ -254,13 +255,11 @@ class Gateway:
         self._listening = [
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
-        minder = Minder(
-            self.access, self.authority, self.furnishing, self.holding, self.access.time,
-            self._daily,
-        )  # fmt: skip
+        minder = Minder(self.access, self.authority, self.furnishing, self.holding,
+                        self.access.time, self._daily)  # fmt: skip
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
-            asyncio.create_task(self.seeing.sampler.run()),
+            asyncio.create_task(self.seeing.sampler.run()), asyncio.create_task(self.alarms.run()),
             asyncio.create_task(
                 save_now_and_then(self.rooms.organiser.rates, self._parts.store, self._parts.clock)
             ),
@@ -272,7 +271,7 @@ class Gateway:
         finally:
             for task in keeping:
                 task.cancel()
-            await self.furnishing.keeper.close()
+            await asyncio.gather(self.furnishing.close(), self.alarms.close())
             await self._fall_deaf()
 
     async def _daily(self) -> None:

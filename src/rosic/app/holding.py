@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline import Pipeline
     from rosic.pipeline.languages import Languages
+    from rosic.pipeline.livecards.livecards import LiveCards
     from rosic.pipeline.rooms import Rooms
 
 PERSON = re.compile("p[0-9a-f]{16}")  # how ids of people look
@@ -116,7 +117,7 @@ class Holding:
         )  # fmt: skip
         holdings = holdings_of(around, vault, self.archive, parts)
         self.holdings, self.preferences = holdings, holdings.preferences
-        erasing = self.erasing = Erasing(holdings, self._sides(pipeline))
+        erasing = self.erasing = Erasing(holdings, self._sides(pipeline, furnishing.live_cards))
         filing = employ_clerks(pipeline.reception.office, holdings, erasing)
         take_over(memory.facts, holdings, erasing)
         self._follow_settings()
@@ -186,7 +187,7 @@ class Holding:
         imperial = kept.units == IMPERIAL
         self._languages.choose(principal, kept.language, imperial=imperial)
 
-    def _sides(self, pipeline: Pipeline) -> Sides:
+    def _sides(self, pipeline: Pipeline, cards: LiveCards) -> Sides:
         rooms, access, authority = self._rooms, self._access, self._authority
         directory = rooms.authoriser.directory
 
@@ -200,6 +201,7 @@ class Holding:
                 *authority.roster.take(principal, by),
                 *rooms.organiser.calendar.end_all(principal),
                 *access.waiting.leave_all(principal),
+                *cards.end_all(principal),
                 *(r for key in good for r in access.keys.revoke(key.id, by).records),
             )
 

@@ -76,6 +76,25 @@ async def seed(
     return roles
 
 
+def named_in_file(
+    people: Iterable[Seed], memory: Memory, authoriser: Authoriser
+) -> dict[str, PrincipalId]:
+    """Return whom each name of the configuration file means, by the name without its case.
+
+    Whoever was taken over once is meant for good, however they or others are called since.
+    """
+    known = {entry.name_digest: entry.principal for entry in memory.seeded}
+    found: dict[str, PrincipalId] = {}
+    for person in people:
+        principal = known.get(_digest(person))
+        for address in person.addresses if principal is None else ():
+            just_now = authoriser.directory.at(address)  # in this very run
+            principal = just_now[0].id if just_now is not None else principal
+        if principal is not None:
+            found[person.name.casefold()] = principal
+    return found
+
+
 def _records(
     person: Seed, principal: PrincipalId, digest: bytes, clock: Clock, entropy: Entropy
 ) -> tuple[Principal, AuthorisationKey, list[Record]]:

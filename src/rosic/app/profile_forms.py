@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from rosic.app.shape import Bounds, Field, Form
+from rosic.core.alert_rule import Alert
 from rosic.core.geography import GeographicFrame
 from rosic.core.robot import (
     AtRest,
@@ -84,8 +85,21 @@ _SORT = Form(
     "a kind of file",
     "Use png, jpeg, pdf, pgm, zip, gzip, mcap, db3, yaml, json, csv or text.",
 )
+_LINE = Form(r"[^\x00-\x1f\x7f]{1,120}", "a line of text", "Use 1 to 120 characters of one line.")
+_LENGTH = Form(
+    r" *\d+(\.\d+)? *[a-z]+ *", "a length of time", "Write a number and a unit: 10 s, 2 min."
+)
 
 FORMS: Final[dict[Field, Form]] = {
+    (Alert, "name"): NAMED,
+    (Alert, "when"): _LINE,
+    (Alert, "clear"): _LINE._replace(empty=True),
+    (Alert, "lasting"): _LENGTH,
+    (Alert, "say"): _LINE._replace(empty=True),
+    (Alert, "escalate_after"): _LENGTH._replace(empty=True),
+    (Alert, "run"): _LINE._replace(empty=True),
+    (Alert, "author"): _LINE._replace(empty=True),
+    (Alert, "run_every"): _LENGTH,
     (Profile, "id"): NAMED,
     (Profile, "groups"): NAMED,
     (Profile, "words"): WORD,

@@ -5,12 +5,15 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final
 
+from msgspec.structs import replace
+
 from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.shape import Finding, Rules
 from rosic.app.source import Place, nearest
 from rosic.core.authority import FILES, READ, RESUME
 from rosic.core.language import UnitTable, Vocabulary
 from rosic.core.robot import Files, Profile, Telemetry
+from rosic.core.rule import Wrong, compile_rule, read_run, rules_of
 from rosic.core.skill import Parameter, Skill, SkillClass
 
 if TYPE_CHECKING:
@@ -42,6 +45,9 @@ def profile_rules(units: UnitTable) -> Rules:
         if fault:
             yield Finding(_said_in(made, fault), fault, "Choose another word.")
 
+    def alerts(made: Profile) -> Iterator[Finding]:
+        yield from _alerts(made, units)
+
     return Rules(
         bounds=BOUNDS,
         forms=FORMS,
@@ -51,7 +57,7 @@ def profile_rules(units: UnitTable) -> Rules:
             Telemetry: (telemetry,),
             Files: (_folders,),
             Skill: (_placeholders, _streams),
-            Profile: (_reserved, _located, _bound, _texts, _watched, _stoppable, words),
+            Profile: (_reserved, _located, _bound, _texts, _watched, _stoppable, words, alerts),
         },
     )
 
@@ -250,6 +256,38 @@ def _stoppable(profile: Profile) -> Iterator[Finding]:
             "'at_rest' is missing: a stop of this robot could never be confirmed.",
             "Name a topic and the fields that are near zero when it stands still.",
         )
+
+
+def _alerts(profile: Profile, units: UnitTable) -> Iterator[Finding]:
+    if clash([profile], units):
+        return
+    yield from _low(profile, units)
+    if not profile.alerts:
+        return
+    vocabulary = Vocabulary.build([profile], units)
+    names: set[str] = set()
+    for index, alert in enumerate(profile.alerts):
+        if alert.name in names:
+            yield Finding(
+                ("alerts", index, "name"),
+                f"Two rules are called {alert.name!r}.",
+                "Tell them apart.",
+            )
+        names.add(alert.name)
+        try:
+            rule = compile_rule(profile, alert, units)
+            if alert.run:
+                read_run(rule, vocabulary)
+        except Wrong as wrong:
+            sentence = str(wrong)
+            yield Finding(("alerts", index, wrong.key), f"{sentence[:1].upper()}{sentence[1:]}.")
+
+
+def _low(profile: Profile, units: UnitTable) -> Iterator[Finding]:
+    try:
+        rules_of(replace(profile, alerts=()), units)
+    except Wrong as wrong:
+        yield Finding(("telemetry",), f"An alarm cannot be made of alert_below: {wrong}.")
 
 
 def advice(profile: Profile) -> Iterator[Finding]:

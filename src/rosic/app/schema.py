@@ -52,7 +52,7 @@ MESSENGER = {
 }
 
 # Fields whose name in the file is a word of Python's.
-_RENAMED = {"kind": "class"}
+_RENAMED = {"kind": "class", "lasting": "for", "author": "as"}
 
 _ENTRY = re.compile(r"^    (?P<names>\w+(?:, \w+)*): (?P<text>.+(?:\n {5,}.+)*)", re.MULTILINE)
 

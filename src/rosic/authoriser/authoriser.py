@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import msgspec
 
 from rosic.authoriser.buttons import Buttons, Count, uncounted
-from rosic.core.identity import AuthorisationKey, Caller, KeyId, Principal, PrincipalId
+from rosic.core.identity import Address, AuthorisationKey, Caller, KeyId, Principal, PrincipalId
 from rosic.core.message import ChatKind
 from rosic.core.saying import said
 from rosic.errors import Unrecognised
@@ -99,6 +99,27 @@ class Authoriser:
             raise Unrecognised(ENDED)
         caller = Caller(person.id, person.name, inbound.sender, key.id, self._session_key())
         return Session(caller, self.ends_of(key))
+
+    def stand_for(self, principal: PrincipalId) -> Caller:
+        """Return somebody as whoever acts now by a rule of theirs, under their present key.
+
+        Raises:
+            Unrecognised: Nobody, or their key is revoked or has expired. Nothing changed.
+        """
+        person, key = self.directory.person(principal), self.directory.key_of(principal)
+        if person is None or key is None or not self._is_good(key):
+            raise Unrecognised(ENDED)
+        address = person.addresses[0] if person.addresses else Address("rule", principal)
+        return Caller(person.id, person.name, address, key.id, self._session_key())
+
+    def has_access(self, principal: PrincipalId) -> bool:
+        """Whether somebody could speak here now: their key is not revoked and has not ended."""
+        key = self.directory.key_of(principal)
+        return key is not None and self._is_good(key)
+
+    def _is_good(self, key: AuthorisationKey) -> bool:
+        ends_ns = self.ends_of(key)
+        return key.revoked_ns is None and (ends_ns is None or self.wall_ns() < ends_ns)
 
     def _count_tap(self, kind: str) -> None:
         self.count(kind)

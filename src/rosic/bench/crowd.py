@@ -113,6 +113,7 @@ class Watched:
     assurance = "local"
     edits = True
     file_bytes = fetch_bytes = 0
+    pins = False
 
     def __init__(self) -> None:
         self.told: asyncio.Future[tuple[int, str]] | None = None
@@ -129,6 +130,9 @@ class Watched:
     async def edit(self, message: str, outbound: Outbound) -> None:  # noqa: ARG002 - a contract
         """Take an edit."""
         self._read(outbound)
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Nobody looks."""
 
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Nobody taps."""

@@ -104,6 +104,7 @@ class BenchMessenger:
     assurance = "local"
     edits = True
     file_bytes = fetch_bytes = 0
+    pins = False
 
     def __init__(self) -> None:
         self.ended: dict[str, asyncio.Future[None]] = {}
@@ -121,6 +122,9 @@ class BenchMessenger:
             ended = self.ended.pop(message, None)
             if ended is not None:
                 ended.set_result(None)
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Nobody looks."""
 
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Nobody taps."""

@@ -23,6 +23,7 @@ class Messenger(Protocol):
         edits: Whether a message can be changed after it was sent.
         file_bytes: How large a file may be that goes with a message; 0: it sends none.
         fetch_bytes: How large a file may be that people send; 0: it fetches none.
+        pins: Whether a message can be kept in sight.
     """
 
     platform: str
@@ -31,6 +32,7 @@ class Messenger(Protocol):
     edits: bool
     file_bytes: int
     fetch_bytes: int
+    pins: bool
 
     async def run(self, receive: Receive) -> None:
         """Listen until cancelled; leave nothing running behind.
@@ -66,6 +68,18 @@ class Messenger(Protocol):
         Raises:
             MessageGone: There is no such message any more; say it in a new one.
             MessengerFault: Not changed, or it cannot be known whether it was.
+        """
+        ...
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Keep a message of ours in sight at the top of its chat, or no longer. Nobody is called.
+
+        What is so already succeeds.
+
+        Raises:
+            MessageGone: There is no such message any more.
+            MessengerFault: Not done. The sentence says so to a person, and what would help: it may
+                not in this chat, or it never can.
         """
         ...
 

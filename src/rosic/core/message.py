@@ -42,6 +42,7 @@ class Weight(enum.IntEnum):
     OUTCOME = 2
     QUESTION = 3
     FEEDBACK = 4
+    IDLE = 5
 
 
 class Chat(msgspec.Struct, frozen=True, gc=False):

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 import msgspec
 
+from rosic.core.alert_rule import Alert
 from rosic.core.geography import GeographicFrame
 from rosic.core.skill import Skill
 from rosic.core.view import Pose, Sight
@@ -165,6 +166,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         go_to: Skill that goes to a place, and its two parameters in m: ``goto x y``. With a
             frame, a location that somebody sends asks whether the robot is to go there.
         rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
+        alerts: Rules about what the robot reports: whom to tell, and what to run.
     """
 
     id: RobotId
@@ -189,6 +191,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     files: Files | None = None
     frame: GeographicFrame | None = None
     go_to: str = ""
+    alerts: tuple[Alert, ...] = ()
 
     def __post_init__(self) -> None:
         for name in (self.id, *self.groups):

@@ -43,13 +43,15 @@ class MemoryMessenger:
     """People are method calls: `say` and `tap` speak, `told` is what they read.
 
     Args:
-        edits: False makes it a messenger that cannot change a message once sent.
+        edits: False makes it a messenger that cannot change a message once sent, nor pin one.
         file_bytes: How large a file it takes, and fetches; 0 makes it one without files.
         keep: How much of the past is remembered; what waits to be received is bounded by it too.
 
     Attributes:
         told: Messages and edits, oldest first.
         answers: How taps were answered: the tap's handle and the text.
+        pinned: Which messages are kept in sight, by chat, the newest last.
+        may_pin: Clear it, and pinning is refused as in a group whose admin the bot is not.
         down: Set it, and sending and editing fail as if the platform were away.
         listening_since_ns: Stamped on what is said from now on; see `Inbound`.
     """
@@ -67,10 +69,12 @@ class MemoryMessenger:
         file_bytes: int = FILE_BYTES,
     ) -> None:
         self.name = name
-        self.edits = edits
+        self.edits = self.pins = edits
         self.file_bytes = self.fetch_bytes = file_bytes
         self.told: deque[Told] = deque(maxlen=keep)
         self.answers: deque[tuple[str, str]] = deque(maxlen=keep)
+        self.pinned: dict[str, list[str]] = {}
+        self.may_pin = True
         self.down = False
         self.listening_since_ns = 0
         self._clock = clock
@@ -234,6 +238,21 @@ class MemoryMessenger:
             raise MessageGone("The message to be changed does not exist.")
         if self._shown[message] != outbound:
             self._show(Told(message, outbound, edited=True))
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Remember that it is kept in sight, or forget it.
+
+        Raises:
+            MessengerFault: `down` is set, it may not or cannot, or there is no such message.
+        """
+        self._check_up()
+        if not (self.pins and self.may_pin):
+            raise MessengerFault("I may not pin messages here. An admin of this chat can help.")
+        if pinned and message not in self._shown:
+            raise MessageGone("The message to be pinned does not exist.")
+        kept = [one for one in self.pinned.get(chat.id, ()) if one != message]
+        self.pinned[chat.id] = [*kept, message] if pinned else kept
+        self._announce()
 
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Remember the answer."""

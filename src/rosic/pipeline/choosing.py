@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language import Do, Misunderstood
 from rosic.core.language.binding import place
-from rosic.core.language.showing import show, show_value
+from rosic.core.language.showing import show, show_named
 from rosic.core.language.stepping import beginning, stepped
 from rosic.core.message import Button
 from rosic.core.saying import joined, said
@@ -134,9 +134,7 @@ def _steppers(
         value = arguments[parameter.name]
         if parameter.is_number:
             smaller, larger = stepped(parameter, float(value))
-            label = show_value(float(value), parameter.unit)
-            if len(compiled.numbers) > 1:
-                label = f"{parameter.shown}: {label}"
+            label = show_named(compiled, parameter, value)
             steppers.append((
                 Button(SMALLER, becoming(parameter, smaller)),
                 Button(label, becoming(parameter, value)),

@@ -57,7 +57,11 @@ class Languages:
         if not inbound.locale and not self._readers:
             return None
         principal = self.at(inbound.sender)
-        return self.spoken(inbound.locale) if principal is None else self.of(principal)
+        if principal is None:
+            return self.spoken(inbound.locale)
+        if inbound.locale:  # of whoever has come in by this very message, nothing was heard yet
+            self.hear(principal, inbound.locale)
+        return self.of(principal)
 
     def of_address(self, address: Address) -> Catalogue | None:
         """Return the catalogue of whoever is at an address; English for a stranger."""

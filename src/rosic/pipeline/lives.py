@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.cards import Card
-    from rosic.pipeline.said import Said
+    from rosic.pipeline.said import Behind
     from rosic.pipeline.telling import Teller
 
 AT_MOST = 20_000
@@ -51,7 +51,7 @@ class OrderLife:
     """One order from its claim to its end.
 
     Attributes:
-        said: The message that asked for it.
+        said: Who is behind it: mostly a message.
         shown: How it reads on its card.
         begun: It has been relayed.
         words: How it ended, once it has.
@@ -59,7 +59,7 @@ class OrderLife:
 
     __slots__ = ("_lives", "begun", "card", "order", "said", "shown", "words")
 
-    def __init__(self, order: Order, said: Said, card: Card, shown: Life, lives: Lives) -> None:
+    def __init__(self, order: Order, said: Behind, card: Card, shown: Life, lives: Lives) -> None:
         self.order = order
         self.said = said
         self.card = card
@@ -137,11 +137,12 @@ class Lives:
         self._servers: dict[RobotId, Server] = {}
         self._closing = False
         self._over: asyncio.Event | None = None
+        self._newest: dict[RobotId, OrderLife] | None = None
 
     def __len__(self) -> int:
         return self._under_way
 
-    def begin(self, order: Order, said: Said, card: Card, shown: Life) -> None:
+    def begin(self, order: Order, said: Behind, card: Card, shown: Life) -> None:
         """Let a claimed order live. It will end, and its end will be told."""
         self._under_way += 1
         whose = order.permit.principal
@@ -178,6 +179,8 @@ class Lives:
                 life.void(OrderVoid(NEVER_BEGUN))
                 return
             life.begun = True
+            if self._newest is not None:
+                self._newest[robot] = life
             server.relaying = True
             if self.watch is not None:
                 self.watch.began(life.order)
@@ -252,6 +255,18 @@ class Lives:
             and entry.card.message == message
             and entry.card.where == where
         )
+
+    def follow(self) -> dict[RobotId, OrderLife]:
+        """Keep the order that each robot had last, from now on; return where it is found."""
+        if self._newest is None:
+            self._newest = {
+                robot: server.life for robot, server in self._servers.items() if server.relaying
+            }
+        return self._newest
+
+    def leave_off(self) -> None:
+        """Keep none any more."""
+        self._newest = None
 
     async def cut(self, robot: RobotId, reason: str) -> None:
         """End what a robot does for its holder, and what waits; on return it has come to rest.

@@ -78,6 +78,10 @@ class Reach:
                 places += 1
         return places
 
+    def chats(self, principal: PrincipalId) -> tuple[tuple[Messenger, Chat], ...]:
+        """Return where somebody can be told something in private."""
+        return tuple(self._chats(principal))
+
     def _chats(self, principal: PrincipalId) -> Iterable[tuple[Messenger, Chat]]:
         person = self._authoriser.directory.person(principal)
         for address in person.addresses if person is not None else ():

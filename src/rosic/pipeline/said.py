@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rosic.core.roles import ASSURANCES, Assurance
 from rosic.organiser.grounds import Grounds
@@ -13,6 +13,15 @@ if TYPE_CHECKING:
     from rosic.core.message import Inbound
     from rosic.core.robot import RobotId
     from rosic.pipeline.reception import SteppedUp
+
+
+class Behind(Protocol):
+    """Who is behind an order: somebody who said it, or whose rule asks for it."""
+
+    caller: Caller
+
+    def grounds(self) -> Grounds:
+        """Return what counts besides who they are."""
 
 
 class Said:

@@ -5,12 +5,10 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import OrderedDict
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rosic.container.habits import Habits
 from rosic.container.letters import ReplyTo
-from rosic.core.identity import CommandId, PrincipalId, command_id
 from rosic.core.language import (
     Do,
     Errand,
@@ -21,7 +19,7 @@ from rosic.core.language import (
     Use,
 )
 from rosic.core.life import ENGLISH, wording_in
-from rosic.core.message import Button, ChatKind, Standing
+from rosic.core.message import ChatKind, Standing
 from rosic.core.saying import in_language, said
 from rosic.errors import (
     Expired,
@@ -32,7 +30,7 @@ from rosic.errors import (
     Unrecognised,
 )
 from rosic.pipeline.audience import Audience
-from rosic.pipeline.cards import Card
+from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.choosing import Choosing
 from rosic.pipeline.desk import Desk
 from rosic.pipeline.expiring import Expiring
@@ -40,7 +38,7 @@ from rosic.pipeline.lives import Lives
 from rosic.pipeline.office import Asked
 from rosic.pipeline.reception import Reception
 from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_id
-from rosic.pipeline.requesting import Requesting
+from rosic.pipeline.requesting import Requesting, line_id
 from rosic.pipeline.resuming import Resuming
 from rosic.pipeline.said import Said
 from rosic.pipeline.turns import Turns
@@ -50,7 +48,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
-    from rosic.core.identity import Caller
+    from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Line
     from rosic.core.life import Face
     from rosic.core.message import Inbound
@@ -79,6 +77,7 @@ class Pipeline:
         audience: Who hears what robots say of their own accord.
         reception: Who receives what is no order.
         arrears: Answers to what was sent while nobody listened.
+        face: What a clock on the wall shows here.
     """
 
     def __init__(
@@ -92,7 +91,7 @@ class Pipeline:
         self._teller = teller
         self._languages = teller.languages
         self._clock = clock
-        self._face = face
+        self.face = face
         self._shown = {robot: profile.shown for robot, profile in rooms.profiles.items()}
         self._turns = Turns()
         self._requesting = Requesting(rooms, clock)
@@ -203,7 +202,7 @@ class Pipeline:
         selected = self._rooms.container.selected(caller.principal, inbound.chat)
         visible = self._rooms.organiser.visible(caller.principal)
         for number, line in enumerate(self._reader.lines(text, selected, visible)):
-            cid = _command_id(inbound, number)
+            cid = line_id(inbound, number)
             try:
                 if isinstance(line, Do):
                     await self._command(said, line, cid)
@@ -350,8 +349,8 @@ class Pipeline:
         messenger, chat, caller = said.messenger, said.inbound.chat, said.caller
         catalogue = self._languages.of(caller.principal)
         words = ENGLISH if catalogue is None else wording_in(catalogue)
-        card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self._face, words)
-        card.buttons = _stop_button(line.group or line.robots[0])
+        card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self.face, words)
+        card.buttons = stop_button(line.group or line.robots[0])
         if said.confirmed and messenger.edits and len(said.asked) == len(orders):
             # The question that was answered becomes the life it asked for.
             card.message, card.adopted = said.inbound.under, bool(said.inbound.under)
@@ -378,12 +377,6 @@ class Pipeline:
         await asyncio.sleep(0)
 
 
-@lru_cache(maxsize=1024)
-def _stop_button(name: str) -> tuple[tuple[Button, ...], ...]:
-    """Return the row under a life: a stop is never bound to anybody, nor used up."""
-    return ((Button("STOP", f"stop {name}", f"stop {name}"),),)
-
-
 def _may_bring_a_code(inbound: Inbound) -> bool:
     """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.
 
@@ -391,10 +384,3 @@ def _may_bring_a_code(inbound: Inbound) -> bool:
     """
     text = inbound.text
     return inbound.nonce is not None or "-" in text or text.startswith("/start ")
-
-
-def _command_id(inbound: Inbound, number: int) -> CommandId:
-    if inbound.nonce is not None:
-        return command_id("tap", inbound.nonce, str(number))
-    sender, chat = inbound.sender, inbound.chat
-    return command_id(sender.platform, sender.account, chat.id, inbound.message, str(number))

@@ -39,6 +39,7 @@ class MemoryRobot:
         looked: How many look now.
         pose: Where it says that it is.
         values: What it reports.
+        age_s: Since it reported.
     """
 
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
@@ -51,6 +52,7 @@ class MemoryRobot:
         self.looked = 0
         self.pose: Pose | None = None
         self.values: dict[str, float | str] = {}
+        self.age_s: float | None = 0.0
         self._clock = clock
         self._doing: Order | None = None
         self._end: asyncio.Future[None] | None = None
@@ -103,7 +105,7 @@ class MemoryRobot:
         doing = self._doing.skill.id if self._doing else ""
         return Presence(
             online=self.online,
-            age_s=0.0,
+            age_s=self.age_s,
             doing=doing,
             at_rest=self._doing is None,
             values=self.values,

@@ -62,6 +62,9 @@ class Stage(Protocol):
 
     async def enclose(self, person: str, name: str, content: bytes) -> None:
         """Let a person send a file; only asked where the messenger fetches any."""
+
+    async def pinned(self, person: str) -> list[str]:
+        """Return which messages are kept in sight in this person's chat."""
         ...
 
     async def unconfirmed(self) -> int:

@@ -12,6 +12,7 @@ from rosic.app.profiles import known_units
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Busy, Link, Profile
+from rosic.core.roles import DEFAULT_ROLES, Rulebook
 from rosic.core.skill import Parameter, Skill, SkillClass
 from rosic.errors import StoreFault
 from rosic.messengers.memory import MemoryMessenger
@@ -23,6 +24,7 @@ from rosic.testing.clock import ManualClock, SeededEntropy, settle
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
 
+    from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.store import Latch, Store
     from rosic.core.message import Button, Outbound
     from rosic.core.record import Record
@@ -131,7 +133,12 @@ class Place:
     Attributes:
         chat: The messenger.
         robots: By id.
+        rulebook: The rules of the place.
+        kind: What its robots are.
     """
+
+    rulebook = Rulebook(roles=DEFAULT_ROLES)
+    kind: RobotFactory = MemoryRobot
 
     def __init__(
         self,
@@ -152,12 +159,13 @@ class Place:
             people=PEOPLE,
             limit=limit or RateLimit(burst=1e6, per_s=1e6),
             lease_idle_s=30.0,
+            rulebook=self.rulebook,
         )
         self.gateway = Gateway(
             self._settings,
             Parts(
                 messengers=(self.chat,),
-                robot_factory=lambda _kind: MemoryRobot,
+                robot_factory=lambda _kind: type(self).kind,
                 store=self.store,
                 latch=self.latch,
                 clock=self.clock,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.messenger import Receive
     from rosic.contracts.robot import Tell
-    from rosic.core.message import Enclosure, Inbound, Outbound
+    from rosic.core.message import Chat, Enclosure, Inbound, Outbound
     from rosic.core.order import Order, Outcome, Stop
     from rosic.core.record import Memory, Record
     from rosic.messengers.memory import MemoryMessenger
@@ -113,6 +113,7 @@ class Mouth:
         self.edits = chat.edits
         self.file_bytes = chat.file_bytes
         self.fetch_bytes = chat.fetch_bytes
+        self.pins = chat.pins
         self._chat = chat
         self._disk = disk
 
@@ -126,6 +127,10 @@ class Mouth:
     async def edit(self, message: str, outbound: Outbound) -> None:
         await self._alive()
         await self._chat.edit(message, outbound)
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        await self._alive()
+        await self._chat.pin(chat, message, pinned=pinned)
 
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         await self._alive()

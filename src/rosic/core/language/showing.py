@@ -123,7 +123,7 @@ def show(
         return skill.id
     said = [p for p in compiled.numbers if arguments.get(p.name, p.default) != p.default]
     numbers = [
-        _show_named(compiled, parameter, arguments[parameter.name])
+        show_named(compiled, parameter, arguments[parameter.name])
         for parameter in said or compiled.numbers
         if parameter.name in arguments
     ]
@@ -140,7 +140,7 @@ def _show_word(parameter: CompiledParameter, word: str) -> str:
     return quote(word) if parameter.text else word.replace("_", " ")
 
 
-def _show_named(compiled: CompiledSkill, parameter: CompiledParameter, value: Argument) -> str:
+def show_named(compiled: CompiledSkill, parameter: CompiledParameter, value: Argument) -> str:
     """Show a number; with its name where another of the same kind could be meant."""
     text = show_value(float(value), parameter.unit)
     dimension = parameter.unit.dimension

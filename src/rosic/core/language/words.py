@@ -8,10 +8,11 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 # name.
 ERRANDS = frozenset(
     {
-        "again", "approve", "archive", "ask", "authenticator", "book", "cancel", "chart", "clip",
-        "code", "data", "decline", "end", "files", "forget", "grant", "information", "invite",
-        "language", "lock", "map", "me", "mydata", "people", "picture", "revoke", "security",
-        "settings", "share", "shelf", "slots", "take", "trajectory", "unlock", "wait",
+        "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "cancel",
+        "card", "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
+        "information", "invite", "language", "lock", "map", "me", "mute", "mydata", "people",
+        "picture", "revoke", "security", "seen", "settings", "share", "shelf", "slots", "take",
+        "trajectory", "unlock", "unmute", "wait",
     }
 )  # fmt: skip
 

@@ -43,6 +43,7 @@ class TelegramMessenger:
     platform = "telegram"
     assurance = "provider-readable"
     edits = True
+    pins = True
 
     def __init__(
         self,
@@ -133,6 +134,14 @@ class TelegramMessenger:
             MessengerFault: Not changed, or it cannot be known whether it was.
         """
         await self._speaker.edit(message, outbound)
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Pin without a sound, or unpin.
+
+        Raises:
+            MessengerFault: Not done; in a group only an administrator who may pin can do it.
+        """
+        await self._speaker.pin(chat.id, message, pinned=pinned)
 
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Answer a tap at once, without waiting for the limits. Never raises."""

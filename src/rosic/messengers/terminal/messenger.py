@@ -12,6 +12,7 @@ from msgspec.structs import replace
 from rosic.core.identity import Address
 from rosic.core.language.stopping import hears_stop
 from rosic.core.message import Chat, Enclosure, Inbound, Outbound
+from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal.choices import Choices
 from rosic.messengers.terminal.completing import Completer
@@ -50,6 +51,7 @@ class TerminalMessenger:
     edits = False
     file_bytes = FILE_BYTES
     fetch_bytes = 0
+    pins = False
 
     def __init__(
         self,
@@ -149,6 +151,14 @@ class TerminalMessenger:
             MessengerFault: Always.
         """
         raise MessengerFault("A terminal cannot change what it has shown.")
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:  # noqa: ARG002
+        """Refuse: a terminal scrolls.
+
+        Raises:
+            MessengerFault: Always.
+        """
+        raise MessengerFault(said("A terminal cannot keep a message in sight."))
 
     async def answer_tap(self, inbound: Inbound, text: str) -> None:  # noqa: ARG002 - the contract
         """Show the answer, if there is one."""

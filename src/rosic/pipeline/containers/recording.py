@@ -54,6 +54,7 @@ class Recorded:
         self.turn = turn_of(messenger)
         self.file_bytes = messenger.file_bytes
         self.fetch_bytes = messenger.fetch_bytes
+        self.pins = messenger.pins
         self._messenger = messenger
         self._archive = archive
         self._store = store
@@ -98,6 +99,10 @@ class Recorded:
         """Change what was sent; the archive shows what it was changed to."""
         await self._messenger.edit(message, outbound)
         self._say(message, outbound)
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Keep a message in sight, or no longer; see ``contracts.messenger``."""
+        await self._messenger.pin(chat, message, pinned=pinned)
 
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Answer a tap; what is shown for a moment only is not kept."""

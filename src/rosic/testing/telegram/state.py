@@ -48,6 +48,7 @@ class Chat(msgspec.Struct, kw_only=True, omit_defaults=True):
         "kicked".
         topics: Names of forum topics by thread id.
         instance: The `chat_instance` of button presses here.
+        withheld: Rights that an administrator was not given, by user id.
         last_bot_id: The bot that wrote last; in privacy mode a bare `/command` goes to that one.
     """
 
@@ -62,6 +63,7 @@ class Chat(msgspec.Struct, kw_only=True, omit_defaults=True):
     migrated_to: int | None = None
     pinned: list[int] = []
     instance: str = ""
+    withheld: dict[int, list[str]] = {}
     last_bot_id: int | None = None
 
 

@@ -1,0 +1,82 @@
+"""Puts the rules about alarms in their place: read once, with who stands for each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.app.people import Seed, named_in_file
+from rosic.app.shape import Finding
+from rosic.core.rule import read_run, rules_of
+from rosic.pipeline.alerts.alerting import Alerting
+from rosic.pipeline.alerts.book import ALARM, MUTE, RUN, Book
+from rosic.pipeline.alerts.circles import Circles
+from rosic.pipeline.alerts.clerks import AlarmClerk
+from rosic.pipeline.alerts.running import Running
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rosic.app.access import Access
+    from rosic.app.config_file import ConfigFile
+    from rosic.contracts.clock import Clock
+    from rosic.core.record import Memory
+    from rosic.core.robot import Profile
+    from rosic.pipeline import Pipeline
+    from rosic.pipeline.alerts.running import Hands
+    from rosic.pipeline.rooms import Rooms
+
+
+class Alarms:
+    """What follows the rules of one gateway.
+
+    Attributes:
+        alerting: Looks and tells.
+        running: Gives the orders of rules.
+    """
+
+    def __init__(self, rooms: Rooms, access: Access, clock: Clock, hands: Hands) -> None:
+        self._rooms = rooms
+        self._access = access
+        book = Book()
+        circles = Circles(rooms.authoriser, rooms.organiser)
+        self.alerting = Alerting(rooms, access.changes, hands.reach, clock, book, circles)
+        self.running = Running(rooms, hands, access.changes, clock, book)
+
+    def furnish(self, pipeline: Pipeline, memory: Memory, people: Iterable[Seed]) -> None:
+        """Read the rules, take over what earlier runs have raised, and take the errands."""
+        rooms, changes, book = self._rooms, self._access.changes, self.alerting.book
+        for kind in (ALARM, MUTE, RUN):
+            book.restore(memory.facts.get(kind, ()))
+            changes.keep(kind, book.apply)
+        rules = [
+            rule
+            for profile in rooms.profiles.values()
+            for rule in rules_of(profile, rooms.vocabulary.units)
+        ]
+        lines = {rule.key: read_run(rule, rooms.vocabulary) for rule in rules if rule.alert.run}
+        named = named_in_file(people, memory, rooms.authoriser)
+        self.running.author_of = lambda name: named.get(name.casefold())
+        self.alerting.follow(rules, lines, self.running)
+        AlarmClerk(self.alerting, rooms, changes).employ(pipeline.reception.office)
+
+    async def run(self) -> None:
+        """Follow the rules until cancelled."""
+        await self.alerting.run()
+
+    async def close(self) -> None:
+        """Follow them no more, and write down what is open."""
+        await self.alerting.close()
+
+
+def author_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[Finding]:
+    """Find rules that run something as somebody whom the configuration does not name."""
+    known = {person.name.casefold() for person in file.principal}
+    for index, profile in enumerate(robots):
+        for alert in profile.alerts:
+            if alert.author and alert.author.casefold() not in known:
+                yield Finding(
+                    ("robot", index, "profile"),
+                    f"The rule {alert.name!r} of {profile.id} runs as {alert.author}, and nobody "
+                    "here is called so.",
+                    "Give 'as' the name of a [[principal]].",
+                )

@@ -1,0 +1,240 @@
+"""Looks at what robots report, a second at a time, and tells whom a rule means."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rosic.core.alert import Event
+from rosic.core.alert_rule import Severity
+from rosic.core.message import Button
+from rosic.core.record import Decided
+from rosic.errors import Refusal, RosicError
+from rosic.organiser.words_calendar import length
+from rosic.pipeline.alerts import words_alerts as words
+from rosic.pipeline.alerts.book import Alarm
+from rosic.pipeline.alerts.following import Following
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import PrincipalId
+    from rosic.core.language import Do
+    from rosic.core.record import Record
+    from rosic.core.robot import Presence, RobotId
+    from rosic.core.rule import Rule
+    from rosic.pipeline.alerts.book import Book
+    from rosic.pipeline.alerts.circles import Circles
+    from rosic.pipeline.alerts.running import Running
+    from rosic.pipeline.changes import Changes
+    from rosic.pipeline.reach import Reach
+    from rosic.pipeline.rooms import Rooms
+
+# Robots report some times a second; a rule counts in seconds.
+EVERY_S = 0.5
+BUTTONS_LIVE_S = 86_400.0
+WRITTEN_WITHIN_S = 0.3
+
+log = logging.getLogger("rosic.alerts")
+
+
+class Alerting:
+    """Follows every rule of every robot. A robot without rules costs nothing.
+
+    What is to be told does not wait for the disk; what a rule runs does.
+
+    Attributes:
+        book: What the record keeps.
+        circles: Who is around a robot.
+        following: The rules, by robot.
+    """
+
+    def __init__(
+        self, rooms: Rooms, changes: Changes, reach: Reach, clock: Clock, book: Book,
+        circles: Circles,
+    ) -> None:  # fmt: skip
+        self.book = book
+        self.circles = circles
+        self.following: dict[RobotId, list[Following]] = {}
+        self._lines: dict[str, Do | None] = {}
+        self._running: Running | None = None
+        self._rooms = rooms
+        self._changes = changes
+        self._reach = reach
+        self._clock = clock
+        self._unwritten: list[Record] = []
+        self._writing: asyncio.Task[None] | None = None
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def follow(
+        self, rules: Iterable[Rule], lines: Mapping[str, Do | None], running: Running
+    ) -> None:
+        """Say which rules there are, and go on with what an earlier run has raised.
+
+        Args:
+            rules: All of them.
+            lines: What those run that run something, understood, by the rule's key.
+            running: Gives their orders.
+        """
+        self._lines, self._running = dict(lines), running
+        now_ns = self._clock.monotonic_ns()
+        for rule in rules:
+            following = Following(rule)
+            self.following.setdefault(rule.robot, []).append(following)
+            alarm = self.book.alarms.get(rule.key)
+            if alarm is not None:
+                following.alarm = alarm
+                following.watch.restore(now_ns, acknowledged=bool(alarm.by), level=alarm.level)
+        known = {f.rule.key for row in self.following.values() for f in row}
+        self.write([self.book.cleared(key) for key in self.book.alarms if key not in known])
+
+    async def run(self) -> None:
+        """Look until cancelled. What fails is logged, and looked at again."""
+        while self.following:
+            self.look()
+            await self._clock.sleep(EVERY_S)
+
+    async def close(self) -> None:
+        """Write down what is open, within bounds; what is being asked of a robot is given up."""
+        for task in self._tasks:
+            task.cancel()
+        if self._writing is not None:
+            await asyncio.wait((self._writing,), timeout=WRITTEN_WITHIN_S)
+            self._writing.cancel()
+
+    def look(self) -> None:
+        """Look once at every robot that has rules."""
+        for robot, row in self.following.items():
+            try:
+                presence = self._rooms.linker.presence(robot)
+                for following in row:
+                    self._feed(following, presence)
+            except Exception:
+                log.exception("the rules of %s could not be followed", robot)
+
+    def _feed(self, following: Following, presence: Presence) -> None:
+        rule, clock = following.rule, self._clock
+        muted = self.book.muted(rule.key, clock.wall_ns()) is not None
+        reading = rule.condition.reading(presence)
+        event = following.watch.feed(reading, clock.monotonic_ns(), muted=muted)
+        if event is Event.CLEARED:
+            self._cleared(following, following.now(presence), muted=muted)
+        elif event is not None:
+            self._raised(following, following.now(presence), event)
+
+    # ---- telling ----
+
+    def _raised(self, following: Following, now: str, event: Event) -> None:
+        rule, level = following.rule, following.watch.level
+        wall_ns = self._clock.wall_ns()
+        alarm = following.alarm
+        if alarm is None:
+            alarm = Alarm(wall_ns)
+        people = self.circles.of(rule.robot, rule.alert.tell, level)
+        text = self._text(rule, now, event, alarm.at_ns)
+        self.tell(rule, people, text, buttons=True)
+        if not people:
+            log.warning("nobody may be told of the rule %s", rule.key)
+        told = tuple(dict.fromkeys((*alarm.told, *people)))
+        following.alarm = replace(alarm, told=told, level=level)
+        self.write([self.book.raised(rule.key, following.alarm)])
+        if event is Event.RAISED and rule.alert.run:
+            self._spawn(following)
+
+    def _text(self, rule: Rule, now: str, event: Event, at_ns: int) -> str:
+        shown = self.shown(rule)
+        text = words.raised(rule, shown, now, again=event is Event.AGAIN)
+        if event is Event.ESCALATED:
+            past_s = max(0, self._clock.wall_ns() - at_ns) // 1_000_000_000
+            text = words.escalated(text, length(past_s))
+        if event is Event.RAISED and rule.alert.run:
+            text = words.with_run(text, rule.alert.run, rule.alert.author)
+        return text
+
+    def _cleared(self, following: Following, now: str, *, muted: bool) -> None:
+        rule, alarm = following.rule, following.alarm
+        following.alarm = None
+        self.write([self.book.cleared(rule.key)])
+        if alarm is not None and not muted:
+            self.tell(rule, alarm.told, words.cleared(rule, self.shown(rule), now))
+
+    def tell(
+        self, rule: Rule, people: Iterable[PrincipalId], text: str, *, buttons: bool = False
+    ) -> None:
+        """Tell those of them who may see the robot now."""
+        hearing = [who for who in people if self.circles.may_hear(who, rule.robot)]
+        urgent = rule.alert.severity is Severity.CRITICAL
+        status = Button(words.STATUS, f"/status {rule.robot}")
+        for acts in (True, False):
+            some = [w for w in hearing if self.circles.may_acknowledge(w, rule.robot) is acts]
+            row = (*self.buttons(rule), status) if acts else (status,)
+            self._reach.tell(
+                some, text, (row,) if buttons else (), urgent=urgent,
+                lifetime_s=BUTTONS_LIVE_S, still=True,
+            )  # fmt: skip
+
+    def buttons(self, rule: Rule) -> tuple[Button, ...]:
+        """Return what whoever may operate the robot taps."""
+        target = f"{rule.robot} {rule.alert.name}"
+        return (Button(words.SEEN, f"/seen {target}"), Button(words.MUTE, f"/mute {target} 1h"))
+
+    def shown(self, rule: Rule) -> str:
+        """Return how people read the robot of a rule."""
+        return self._rooms.profiles[rule.robot].shown
+
+    # ---- seen ----
+
+    def seen(self, following: Following, by: PrincipalId) -> bool:
+        """Somebody has seen it: all who were told hear of it. Return False if it was seen."""
+        alarm = following.alarm
+        if alarm is None or not following.unseen or not following.watch.acknowledge():
+            return False
+        rule, name = following.rule, self._rooms.organiser.name_of(by)
+        following.alarm = replace(alarm, by=by)
+        decided = Decided(act="alarm-seen", by=by, about=rule.key, at_ns=self._clock.wall_ns())
+        self.write([decided, self.book.raised(rule.key, following.alarm)])
+        others = [who for who in alarm.told if who != by]
+        self.tell(rule, others, words.seen_by(rule, self.shown(rule), name))
+        return True
+
+    # ---- writing and running ----
+
+    def write(self, records: Iterable[Record]) -> None:
+        """Write down what is so already; in order, one batch after another."""
+        self._unwritten.extend(records)
+        if self._unwritten and self._writing is None:
+            self._writing = asyncio.create_task(self._write())
+
+    async def _write(self) -> None:
+        try:
+            while self._unwritten:
+                batch, self._unwritten = self._unwritten, []
+                async with self._changes.turn() as turn:
+                    await turn.act(batch)
+        finally:
+            self._writing = None
+
+    def _spawn(self, following: Following) -> None:
+        task = asyncio.create_task(self._run_for(following))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _run_for(self, following: Following) -> None:
+        """Let the robot do what the rule says, and tell whoever heard of it if it cannot."""
+        rule, alarm = following.rule, following.alarm
+        if self._running is None or alarm is None:
+            return
+        try:
+            await self._running.run(rule, self._lines[rule.key], alarm.at_ns)
+        except Refusal as refusal:
+            self.tell(rule, alarm.told, words.not_run(rule, self.shown(rule), refusal.sentence))
+        except (RosicError, Exception):
+            log.exception("the rule %s could not be run", rule.key)
+            self.tell(rule, alarm.told, words.not_run(rule, self.shown(rule), words.fault()))
+        else:
+            if self._lines[rule.key] is None:
+                self.tell(rule, alarm.told, words.stopped(rule, self.shown(rule)))

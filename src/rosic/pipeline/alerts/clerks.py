@@ -1,0 +1,214 @@
+"""``/alerts``, ``/seen``, ``/mute`` and ``/unmute``: what people say about alarms."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.core.language import clean
+from rosic.core.record import Decided
+from rosic.core.saying import joined
+from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
+from rosic.pipeline.alerts import words_alerts as words
+from rosic.pipeline.alerts.book import Mute
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.people.invitation_line import length_said
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.core.identity import PrincipalId
+    from rosic.core.message import Button
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.alerts.alerting import Alerting
+    from rosic.pipeline.alerts.following import Following
+    from rosic.pipeline.changes import Changes
+    from rosic.pipeline.office import Asked, Office
+    from rosic.pipeline.rooms import Rooms
+
+USUAL_S = 3_600.0
+SHORTEST_S = 60.0
+LONGEST_S = 30 * 86_400.0
+SHOWN_AT_MOST = 12
+LONGEST_LINE = 200
+
+
+class Target(NamedTuple):
+    """What somebody speaks of: a robot, those of its rules, and a length of time if one is said."""
+
+    robot: RobotId
+    rules: list[Following]
+    seconds: float | None
+
+
+class AlarmClerk:
+    """Answers about alarms; reads only what its asker may see."""
+
+    def __init__(self, alerting: Alerting, rooms: Rooms, changes: Changes) -> None:
+        self._alerting = alerting
+        self._rooms = rooms
+        self._changes = changes
+
+    def employ(self, office: Office) -> None:
+        """Take the errands."""
+        office.employ("alerts", self.list)
+        office.employ("seen", self.seen)
+        office.employ("mute", self.mute)
+        office.employ("unmute", self.unmute)
+
+    async def list(self, asked: Asked) -> Reply:
+        """Show what is open and what is muted, on every robot one may see, or on one.
+
+        Raises:
+            NotUnderstood: No such robot.
+        """
+        who = asked.caller.principal
+        lines: list[str] = []
+        rows: list[tuple[Button, ...]] = []
+        rules = self._target(who, asked.rest).rules if asked.rest.strip() else self._all(who)
+        for following in rules:
+            rule = following.rule
+            if following.watch.announced and len(rows) < SHOWN_AT_MOST:
+                lines.append(self._line(following))
+                if following.unseen and self._answers(who, rule.robot):
+                    rows.append(self._alerting.buttons(rule))
+            mute = self._alerting.book.muted(rule.key, self._rooms.organiser.wall_ns())
+            if mute is not None:
+                lines.append(self._muted_line(following, mute, who))
+        return Reply(joined("\n", lines), tuple(rows)) if lines else Reply(words.none_open())
+
+    def _line(self, following: Following) -> str:
+        rule, alarm = following.rule, following.alarm
+        presence = self._rooms.linker.presence(rule.robot)
+        by = self._name(alarm.by) if alarm is not None and alarm.by else ""
+        return words.one(rule, self._alerting.shown(rule), following.now(presence), by)
+
+    def _muted_line(self, following: Following, mute: Mute, who: PrincipalId) -> str:
+        rule = following.rule
+        until = self._rooms.organiser.moment(who, mute.until_ns)
+        return words.muted_line(rule, self._alerting.shown(rule), self._name(mute.by), until)
+
+    async def seen(self, asked: Asked) -> Reply:
+        """Say that one has seen alarms: all that are open, a robot's, or one.
+
+        Raises:
+            NotUnderstood: No such robot or rule, or nothing is open.
+            NotPermitted: Not theirs to answer.
+        """
+        who = asked.caller.principal
+        if asked.rest.strip():
+            target = self._target(who, asked.rest)
+            self._check(who, target.robot)
+            meant = target.rules
+        else:
+            meant = [f for f in self._all(who) if self._answers(who, f.rule.robot)]
+        fresh = [following for following in meant if self._alerting.seen(following, who)]
+        if fresh:
+            return Reply(words.you_saw([self._what(following) for following in fresh]))
+        before = [f for f in meant if f.alarm is not None and f.alarm.by]
+        if not before:
+            raise NotUnderstood(words.nothing_to_see())
+        first = before[0]
+        by = first.alarm.by if first.alarm is not None else ""
+        return Reply(words.seen_before(self._what(first), self._name(by)))
+
+    async def mute(self, asked: Asked) -> Reply:
+        """Let rules of a robot be silent for a while.
+
+        Raises:
+            NotUnderstood, OutOfBounds: No such robot, rule or length of time.
+            NotPermitted: Not theirs to answer.
+        """
+        who = asked.caller.principal
+        if not asked.rest.strip():
+            raise NotUnderstood(words.how_to_mute())
+        target = self._target(who, asked.rest)
+        self._check(who, target.robot)
+        lasts_s = USUAL_S if target.seconds is None else target.seconds
+        if not SHORTEST_S <= lasts_s <= LONGEST_S:
+            raise OutOfBounds(words.too_long(int(LONGEST_S)))
+        now_ns = self._rooms.organiser.wall_ns()
+        mute = Mute(who, now_ns + int(lasts_s * 1e9))
+        book = self._alerting.book
+        async with self._changes.turn() as turn:
+            for following in target.rules:
+                key = following.rule.key
+                decided = Decided(act="alarm-mute", by=who, about=key, at_ns=now_ns)
+                await turn.act((decided, book.mute(key, mute)))
+                following.watch.hush()
+        self._tell_others(target, who, mute)
+        shown = self._rooms.profiles[target.robot].shown
+        until = self._rooms.organiser.moment(who, mute.until_ns)
+        return Reply(words.muted(shown, [f.rule for f in target.rules], until))
+
+    def _tell_others(self, target: Target, who: PrincipalId, mute: Mute) -> None:
+        """Tell whoever was told of what is open that it falls silent."""
+        shown, name = self._rooms.profiles[target.robot].shown, self._name(who)
+        for following in target.rules:
+            alarm = following.alarm
+            for other in alarm.told if alarm is not None else ():
+                if other != who:
+                    until = self._rooms.organiser.moment(other, mute.until_ns)
+                    text = words.was_muted(shown, [following.rule], name, until)
+                    self._alerting.tell(following.rule, (other,), text)
+
+    async def unmute(self, asked: Asked) -> Reply:
+        """Let rules of a robot tell again.
+
+        Raises:
+            NotUnderstood: No such robot or rule.
+            NotPermitted: Not theirs to answer.
+        """
+        who = asked.caller.principal
+        target = self._target(who, asked.rest)
+        self._check(who, target.robot)
+        now_ns, book = self._rooms.organiser.wall_ns(), self._alerting.book
+        async with self._changes.turn() as turn:
+            for following in target.rules:
+                key = following.rule.key
+                decided = Decided(act="alarm-unmute", by=who, about=key, at_ns=now_ns)
+                await turn.write((decided, book.unmute(key)))
+        shown = self._rooms.profiles[target.robot].shown
+        return Reply(words.unmuted(shown, [f.rule for f in target.rules]))
+
+    # ---- what is meant ----
+
+    def _target(self, who: PrincipalId, said: str) -> Target:
+        first, *rest = clean(said)[:LONGEST_LINE].casefold().split() or [""]
+        if first not in self._rooms.organiser.visible(who):
+            raise NotUnderstood(words.no_robot(first or "?"))
+        rules = self._alerting.following.get(first, [])
+        if not rules:
+            raise NotUnderstood(words.no_rules(self._rooms.profiles[first].shown))
+        named, seconds = _tail(rest)
+        exact = [f for f in rules if f.rule.alert.name == named]
+        meant = exact or [f for f in rules if f.called(named)] if named else rules
+        if not meant:
+            raise NotUnderstood(words.no_such_rule(named, [f.rule.alert.name for f in rules]))
+        return Target(first, meant, seconds)
+
+    def _all(self, who: PrincipalId) -> Iterator[Following]:
+        for robot in sorted(self._rooms.organiser.visible(who)):
+            yield from self._alerting.following.get(robot, ())
+
+    def _answers(self, who: PrincipalId, robot: RobotId) -> bool:
+        return self._alerting.circles.may_acknowledge(who, robot)
+
+    def _check(self, who: PrincipalId, robot: RobotId) -> None:
+        if not self._answers(who, robot):
+            raise NotPermitted(words.may_not(self._rooms.profiles[robot].shown))
+
+    def _what(self, following: Following) -> str:
+        return words.one(following.rule, self._alerting.shown(following.rule), "", "")
+
+    def _name(self, who: PrincipalId) -> str:
+        return self._rooms.organiser.name_of(who)
+
+
+def _tail(said: list[str]) -> tuple[str, float | None]:
+    """Split a rule's name from how long: ``battery low for 1 h``."""
+    for at in range(len(said)):
+        seconds, used = length_said(said[at:])
+        if used and used == len(said) - at:
+            named = said[: at - 1] if at and said[at - 1] == "for" else said[:at]
+            return "_".join(named), seconds
+    return "_".join(said), None

@@ -1,0 +1,201 @@
+"""What a rule lets its robot do: an order like any other, as the rule's author, over every room.
+
+The author is a person of the configuration, with the rights they have at that moment. A rule waits
+for nobody and confirms nothing: what would want a person's tap is not done, and that is said.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.container.letters import ReplyTo
+from rosic.core.identity import command_id
+from rosic.core.order import Request
+from rosic.core.record import Decided
+from rosic.errors import NotPermitted, RobotBusy, TakeOver, TooManyRequests
+from rosic.organiser.grounds import NOTHING, Grounds
+from rosic.organiser.words_calendar import length
+from rosic.pipeline.alerts import words_alerts as words
+from rosic.pipeline.alerts.book import Run
+from rosic.pipeline.cards import Card
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import Caller, CommandId, PrincipalId
+    from rosic.core.language import Do
+    from rosic.core.life import Face
+    from rosic.core.order import Permit
+    from rosic.core.rule import Rule
+    from rosic.pipeline.alerts.book import Book
+    from rosic.pipeline.changes import Changes
+    from rosic.pipeline.handover import Handover
+    from rosic.pipeline.lives import Lives
+    from rosic.pipeline.reach import Reach
+    from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.stopping import StopLane
+    from rosic.pipeline.telling import Teller
+
+
+class Hands(NamedTuple):
+    """What an order of a rule goes through, besides the rooms, and how people hear of it."""
+
+    lives: Lives
+    stop_lane: StopLane
+    handover: Handover
+    teller: Teller
+    reach: Reach
+    face: Face
+
+
+class ByRule:
+    """Who asks when a rule does: its author, who has shown and confirmed nothing.
+
+    Attributes:
+        caller: The author.
+    """
+
+    def __init__(self, caller: Caller) -> None:
+        self.caller = caller
+
+    def grounds(self) -> Grounds:
+        """Return that nothing counts besides who it is."""
+        return NOTHING
+
+
+class Running:
+    """Gives the orders of rules: once an occurrence, and not more often than a rule says.
+
+    Attributes:
+        author_of: Returns who is called so in the configuration; None: nobody.
+    """
+
+    def __init__(
+        self, rooms: Rooms, hands: Hands, changes: Changes, clock: Clock, book: Book
+    ) -> None:
+        self.author_of: Callable[[str], PrincipalId | None] = _nobody
+        self._rooms = rooms
+        self._hands = hands
+        self._changes = changes
+        self._reach = hands.reach
+        self._clock = clock
+        self._book = book
+
+    async def run(self, rule: Rule, line: Do | None, alarm_ns: int) -> None:
+        """Do what a rule says, because of one occurrence.
+
+        Args:
+            rule: Which.
+            line: What it runs, understood; None is a stop.
+            alarm_ns: When the alarm was raised: with the rule, the identity of what is done.
+
+        Raises:
+            Refusal: Why not; no robot has moved because of it.
+        """
+        author = self._author(rule)
+        if line is None:
+            await self._stop(rule, author)
+            return
+        self._check_pace(rule, alarm_ns)
+        caller = self._rooms.authoriser.stand_for(author)
+        self._rooms.organiser.check_unlocked(caller)
+        self._rooms.organiser.charge(caller)
+        cid = command_id("rule", rule.robot, rule.alert.name, str(alarm_ns))
+        permits, request = await self._admitted(rule, line, caller, cid)
+        try:
+            async with self._changes.turn() as turn:
+                now_ns = self._clock.wall_ns()
+                decided = Decided(
+                    act="alarm-run", by=author, about=rule.key, at_ns=now_ns, digest=cid
+                )
+                await turn.write((decided, self._book.run(rule.key, Run(now_ns, alarm_ns))))
+            await self._begin(rule, caller, permits, request)
+        except BaseException:
+            self._rooms.organiser.abandon(permits)
+            raise
+
+    def _author(self, rule: Rule) -> PrincipalId:
+        """Return in whose name a rule runs.
+
+        Raises:
+            NotPermitted: They have no access, or could not be told what came of it.
+        """
+        author = self.author_of(rule.alert.author)
+        if author is None or not self._rooms.authoriser.has_access(author):
+            raise NotPermitted(words.no_author(rule.alert.author))
+        return author
+
+    def _check_pace(self, rule: Rule, alarm_ns: int) -> None:
+        last = self._book.last_run(rule.key)
+        if last is None:
+            return
+        past_ns = self._clock.wall_ns() - last.at_ns  # a clock that was set back waits longer
+        if past_ns < rule.run_every_ns or last.alarm_ns == alarm_ns:
+            every_s = rule.run_every_ns // 1_000_000_000
+            raise TooManyRequests(words.too_soon(length(every_s)), retry_after_s=float(every_s))
+
+    async def _stop(self, rule: Rule, author: PrincipalId) -> None:
+        if rule.robot not in self._rooms.organiser.visible(author):
+            raise NotPermitted(words.no_author(rule.alert.author))
+        self._hands.stop_lane.stop_robots((rule.robot,), author)
+        decided = Decided(act="alarm-run", by=author, about=rule.key, at_ns=self._clock.wall_ns())
+        async with self._changes.turn() as turn:
+            await turn.act((decided,))
+
+    async def _admitted(
+        self, rule: Rule, line: Do, caller: Caller, cid: CommandId
+    ) -> tuple[tuple[Permit, ...], Request]:
+        """CHECKPERMISSIONS, once more where somebody has to give way first."""
+        request = self._request(rule, line, cid)
+        try:
+            return self._admit(caller, request), request
+        except TakeOver as needed:
+            await self._take_over(rule, caller, needed)
+        request = self._request(rule, line, cid)
+        return self._admit(caller, request), request
+
+    def _admit(self, caller: Caller, request: Request) -> tuple[Permit, ...]:
+        complete = self._rooms.container.complete
+        return self._rooms.organiser.admit(
+            caller, [request], lambda one: complete(one).arguments, lambda: NOTHING
+        )
+
+    def _request(self, rule: Rule, line: Do, cid: CommandId) -> Request:
+        [skill] = line.skills
+        deadline_ns = self._clock.monotonic_ns() + skill.order_lifetime_ns
+        return Request(
+            cid, rule.robot, skill, line.spoken, line.text, self._clock.wall_ns(), 0, deadline_ns
+        )
+
+    async def _take_over(self, rule: Rule, caller: Caller, needed: TakeOver) -> None:
+        shown = self._rooms.profiles[rule.robot].shown
+        name = self._rooms.organiser.name_of(caller.principal)
+        self._reach.tell(needed.others, words.took_over(shown, name, rule), urgent=True)
+        if not await self._hands.handover.end(rule.robot, words.reason(rule)):
+            raise RobotBusy(words.not_at_rest(shown))
+        self._rooms.organiser.yielded(rule.robot, caller.principal)
+
+    async def _begin(
+        self, rule: Rule, caller: Caller, permits: tuple[Permit, ...], request: Request
+    ) -> None:
+        """PROCESSCOMMAND; RELAYCOMMAND goes on in a life of its own, shown to the author."""
+        hands, shown = self._hands, self._rooms.profiles[rule.robot].shown
+        places = self._reach.chats(caller.principal)
+        if not places:
+            name = self._rooms.organiser.name_of(caller.principal)
+            raise NotPermitted(words.no_chat(name))
+        messenger, chat = places[0]
+        title = str(words.order_title(f"{shown}: {request.text}", rule))
+        origin = ReplyTo(messenger.name, chat, "", title)
+        [order] = await self._rooms.container.prepare(permits, [request], origin)
+        card = Card(messenger, chat, "", caller.principal, hands.face)
+        card.buttons = words.stop_button(rule.robot)
+        titled = str(words.order_title(f"{shown}: {order.words}", rule))
+        life = card.add(order.cid, shown, titled, self._clock.wall_ns())
+        hands.lives.begin(order, ByRule(caller), card, life)
+        hands.teller.show(card)
+
+
+def _nobody(_name: str) -> PrincipalId | None:
+    return None
