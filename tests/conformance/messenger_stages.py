@@ -63,6 +63,12 @@ class MemoryStage:
             if one.attachment is not None and one.chat == self.chat(person)
         ]
 
+    async def enclose(self, person: str, name: str, content: bytes) -> None:
+        self.memory.enclose(name, content, account=person, chat=f"chat of {person}")
+
+    async def pinned(self, person: str) -> list[str]:
+        return self.memory.pinned.get(self.chat(person).id, [])
+
     async def unconfirmed(self) -> int:
         return len(self.memory.unconfirmed())
 
@@ -114,6 +120,13 @@ class TelegramStage:
             elif one.get("photo"):
                 found.append(("", self.server.file(one["photo"][-1]["file_id"])))
         return found
+
+    async def enclose(self, person: str, name: str, content: bytes) -> None:
+        self.server.send_file(self.accounts[person], self.accounts[person], name, content)
+
+    async def pinned(self, person: str) -> list[str]:
+        shown = self.server.messages(self.accounts[person], by_bot=True)
+        return [str(one["message_id"]) for one in shown if one["pinned"]]
 
     async def unconfirmed(self) -> int:
         return self.server.pending()

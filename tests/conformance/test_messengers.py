@@ -7,11 +7,15 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.testing.messengers import MessengerConformance
-from rosic.testing.wicked_messengers import SINNERS, Wicked, catches, rules
+from rosic.testing.wicked_fetchers import FETCHING_SINNERS
+from rosic.testing.wicked_messengers import SINNERS as OTHER_SINNERS
+from rosic.testing.wicked_messengers import Wicked, catches, rules
 from tests.conformance.messenger_stages import MemoryStage, TelegramStage, telegram_stage
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+
+SINNERS = OTHER_SINNERS | FETCHING_SINNERS
 
 
 class TestMemory(MessengerConformance):

@@ -87,6 +87,9 @@ class TerminalStage:
         assert len(set(paths)) == len(paths), "a file was written over another"
         return [(FILE.name, path.read_bytes()) for path in paths]
 
+    async def pinned(self, _person: str) -> list[str]:
+        return []
+
     async def unconfirmed(self) -> int:
         return 0
 

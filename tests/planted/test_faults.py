@@ -12,6 +12,7 @@ import pytest
 
 from tests.planted.faults import FAULTS, Fault
 from tests.planted.faults_of_alerts import OF_ALERTS
+from tests.planted.faults_of_cards import OF_CARDS
 from tests.planted.faults_of_telling import OF_TELLING
 from tests.planted.messenger_faults import MESSENGER_FAULTS
 
@@ -19,7 +20,7 @@ ROOT = Path(__file__).parents[2]
 PYTEST_TESTS_FAILED = 1
 
 
-ALL = (*FAULTS, *OF_TELLING, *OF_ALERTS, *MESSENGER_FAULTS)
+ALL = (*FAULTS, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *MESSENGER_FAULTS)
 
 
 @pytest.mark.parametrize("fault", ALL, ids=[fault.name for fault in ALL])

@@ -21,6 +21,7 @@ from rosic.organiser.rates import KIND as RATE
 from rosic.organiser.roster import GRANT
 from rosic.organiser.waiting import WAITING, WaitingList
 from rosic.pipeline.changes import Changes
+from rosic.pipeline.livecards.livecard import KIND as CARD
 
 if TYPE_CHECKING:
     from rosic.app.authority import Authority
@@ -42,6 +43,7 @@ class Access:
         changes: Through which every change goes.
         enrolment, keys, locks, stepup, misuse, tally, time, security, waiting, petitions: The
             books.
+        cards: Live cards of earlier runs, for whoever shows them.
     """
 
     def __init__(
@@ -49,6 +51,7 @@ class Access:
         entropy: Entropy, *, place: str,
     ) -> None:  # fmt: skip
         self.changes = Changes(store)
+        self.cards: tuple[Fact, ...] = ()
         self.time = time
         self.tally = Tally()
         self.locks = Locks(self.time)
@@ -87,6 +90,7 @@ class Access:
             for fact in memory.facts.get(kind, ()):
                 apply(fact)
             changes.keep(kind, apply)
+        self.cards = memory.facts.get(CARD, ())
         calendar = organiser.calendar
         calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
         changes.keep(SLOT, calendar.apply)

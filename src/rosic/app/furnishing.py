@@ -10,6 +10,7 @@ from rosic.app.alarming import Alarms
 from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
+from rosic.core.message import Outbound
 from rosic.core.reach import FLEET
 from rosic.core.saying import joined
 from rosic.core.skill import SkillClass
@@ -18,7 +19,12 @@ from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.alerts.running import Hands
 from rosic.pipeline.consent import Consent
+from rosic.pipeline.going import Going
 from rosic.pipeline.handover import Handover
+from rosic.pipeline.livecards.asking import CardClerk
+from rosic.pipeline.livecards.drawing import Sides as CardSides
+from rosic.pipeline.livecards.glimpses import Glimpses
+from rosic.pipeline.livecards.livecards import LiveCards
 from rosic.pipeline.people.about import About
 from rosic.pipeline.people.admitting import Admitting
 from rosic.pipeline.people.asking_line import Places
@@ -35,6 +41,7 @@ from rosic.pipeline.people.proving import Proving
 from rosic.pipeline.people.registry import Registry
 from rosic.pipeline.people.reminding import Reminding
 from rosic.pipeline.reach import Reach
+from rosic.pipeline.telling import Note
 from rosic.pipeline.times.clerks import employ_clerks
 from rosic.pipeline.times.keeper import Keeper
 from rosic.pipeline.times.naming import Naming
@@ -76,6 +83,7 @@ class Furnishing:
         petitioning: Asks admins for rights that somebody lacks.
         granting: Gives rights for a while.
         keeper: Follows the calendar.
+        live_cards: Shows in chats how robots are.
     """
 
     def __init__(
@@ -116,11 +124,15 @@ class Furnishing:
         self.consent = Consent(rooms.organiser, self.reach, clock, entropy)
         self._say_times_in(zone)
         reception.consent = self.consent
+        going = Going(rooms)
+        answer = self._pipeline.answer
+        reception.placed = lambda m, inbound, who: answer(m, inbound, who, going.ask(inbound, who))
         reception.stepped_up = self._access.stepup.fresh
         reception.proof_used = self._proof_used
         reception.refused = self._refused
         self._furnish_times(clock, zone)
         self._furnish_people(authority, messengers, clock, entropy, zone)
+        self._furnish_cards(messengers, clock)
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
 
@@ -131,6 +143,11 @@ class Furnishing:
         alarms = Alarms(self._rooms, self._access, clock, hands)
         alarms.furnish(self._pipeline, memory, people)
         return alarms
+
+    async def close(self) -> None:
+        """Follow nothing any more; wait for robots that come to rest, briefly."""
+        await self.keeper.close()
+        await self.live_cards.close()
 
     # ---- people ----
 
@@ -274,6 +291,32 @@ class Furnishing:
         calendar.zone_of = lambda _principal: zone
         self._access.waiting.shown_of = calendar.shown_of
         organiser.moment = lambda _who, at_ns: moment(at_ns, organiser.wall_ns(), zone_named(zone))
+
+    # ---- live cards ----
+
+    def _furnish_cards(self, messengers: Sequence[Messenger], clock: Clock) -> None:
+        rooms, pipeline = self._rooms, self._pipeline
+        glimpses = Glimpses(rooms, pipeline.lives, pipeline.face)
+        sides = CardSides(
+            sees=self._sees,
+            name_of=rooms.organiser.name_of,
+            face=pipeline.face,
+            tell=lambda messenger, chat, text: self._teller.say(
+                Note(messenger, Outbound(chat=chat, text=text))
+            ),
+            catalogue=self._teller.languages.of,
+        )
+        self.live_cards = LiveCards(glimpses, self._access.changes, messengers, clock, sides)
+        self.live_cards.restore(self._access.cards)
+        clerk = CardClerk(self.live_cards, glimpses, rooms.vocabulary, sides)
+        pipeline.reception.office.employ("card", clerk.card)
+
+    def _sees(self, principal: PrincipalId) -> frozenset[RobotId]:
+        """Return what somebody may see now who is not asking: they must be able to ask."""
+        organiser = self._rooms.organiser
+        if principal in organiser.locked or self._access.keys.current(principal) is None:
+            return frozenset()
+        return organiser.visible(principal)
 
     # ---- misuse ----
 

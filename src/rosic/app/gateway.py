@@ -274,7 +274,7 @@ class Gateway:
         finally:
             for task in keeping:
                 task.cancel()
-            await asyncio.gather(self.furnishing.keeper.close(), self.alarms.close())
+            await asyncio.gather(self.furnishing.close(), self.alarms.close())
             await self._fall_deaf()
 
     async def _daily(self) -> None:

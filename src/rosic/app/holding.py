@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from rosic.app.languages import LANGUAGES
 from rosic.authoriser.directory import SOMEBODY
 from rosic.container.archive import NOBODY, Archive, Author
+from rosic.container.drawer import Drawer
 from rosic.container.preferences import IMPERIAL, Caps, PreferenceBook
 from rosic.container.preferences import KIND as PREFERENCE
 from rosic.container.shelf import Shelf
@@ -24,6 +25,9 @@ from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings, Vault
 from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.containers.tidying import tidy
+from rosic.pipeline.files.handing import Handing
+from rosic.pipeline.files.receiving import Receiving
+from rosic.robots.folders import RobotFolders
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -45,6 +49,7 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline import Pipeline
     from rosic.pipeline.languages import Languages
+    from rosic.pipeline.livecards.livecards import LiveCards
     from rosic.pipeline.rooms import Rooms
 
 PERSON = re.compile("p[0-9a-f]{16}")  # how ids of people look
@@ -70,6 +75,7 @@ class Holding:
         preferences: What people set for themselves.
         erasing: Erases somebody; None while the record cannot look into containers.
         holdings: What is kept in containers; likewise.
+        receiving: Takes in files that people send; likewise.
     """
 
     def __init__(
@@ -86,6 +92,7 @@ class Holding:
         self._authority = authority
         self._clock = clock
         self.holdings: Holdings | None = None
+        self.receiving: Receiving | None = None
         self.erasing: Erasing | None = None
 
     def record(self, messengers: Sequence[Messenger], store: Store) -> tuple[Messenger, ...]:
@@ -110,13 +117,19 @@ class Holding:
         )  # fmt: skip
         holdings = holdings_of(around, vault, self.archive, parts)
         self.holdings, self.preferences = holdings, holdings.preferences
-        erasing = self.erasing = Erasing(holdings, self._sides(pipeline))
-        employ_clerks(pipeline.reception.office, holdings, erasing)
+        erasing = self.erasing = Erasing(holdings, self._sides(pipeline, furnishing.live_cards))
+        filing = employ_clerks(pipeline.reception.office, holdings, erasing)
         take_over(memory.facts, holdings, erasing)
         self._follow_settings()
         if memory.facts.get(PREFERENCE):
             rooms.container.usual = self._usual
         furnishing.admitting.forget = erasing.stranger
+        self.receiving = Receiving(holdings, pipeline.answer, pipeline.plain)
+        pipeline.reception.enclosed = self.receiving.take
+        handing = handing_of(rooms, holdings, pipeline)
+        filing.hand_over(handing)
+        self.receiving.offer = handing.offer
+        await self.receiving.finish()
         await erasing.finish()
 
     async def finish(self) -> None:
@@ -135,6 +148,8 @@ class Holding:
 
     async def leave(self) -> None:
         """Keep what people often ask; at the end, and as far as it can be."""
+        if self.receiving is not None:
+            await self.receiving.close()
         with suppress(Refusal):
             await self.finish()
 
@@ -172,7 +187,7 @@ class Holding:
         imperial = kept.units == IMPERIAL
         self._languages.choose(principal, kept.language, imperial=imperial)
 
-    def _sides(self, pipeline: Pipeline) -> Sides:
+    def _sides(self, pipeline: Pipeline, cards: LiveCards) -> Sides:
         rooms, access, authority = self._rooms, self._access, self._authority
         directory = rooms.authoriser.directory
 
@@ -186,6 +201,7 @@ class Holding:
                 *authority.roster.take(principal, by),
                 *rooms.organiser.calendar.end_all(principal),
                 *access.waiting.leave_all(principal),
+                *cards.end_all(principal),
                 *(r for key in good for r in access.keys.revoke(key.id, by).records),
             )
 
@@ -195,8 +211,10 @@ class Holding:
             rooms.container.forget(principal)
             pipeline.habits.forget(principal)
 
-        async def ended(_principal: PrincipalId) -> None:
+        async def ended(principal: PrincipalId) -> None:
             authority.enforce()
+            if self.receiving is not None:
+                await self.receiving.end(principal)
 
         def theirs(principal: PrincipalId, chat: Chat) -> bool:
             person = directory.person(principal)
@@ -224,6 +242,15 @@ class Holding:
         )
 
 
+def handing_of(rooms: Rooms, holdings: Holdings, pipeline: Pipeline) -> Handing:
+    """Return the clerk who brings files to robots, and robots' files to people."""
+    robots = {p.id: p.files for p in rooms.profiles.values() if p.files is not None}
+    return Handing(
+        holdings, rooms.organiser, rooms.profiles, RobotFolders(robots), pipeline.plain,
+        stopped=lambda robot: rooms.board[robot].latched,
+    )  # fmt: skip
+
+
 class Around(NamedTuple):
     """What stands around the books of containers."""
 
@@ -249,6 +276,7 @@ def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -
     return Holdings(
         preferences=preferences,
         shelf=shelf,
+        files=Drawer(clock),
         habits=around.habits,
         archive=archive,
         vault=vault,

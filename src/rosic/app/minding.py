@@ -51,6 +51,7 @@ class Minder:
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""
+        self._furnishing.live_cards.run()
         while True:
             self._woken.clear()
             try:

@@ -6,9 +6,11 @@ from typing import Final
 
 from rosic.app.shape import Bounds, Field, Form
 from rosic.core.alert_rule import Alert
+from rosic.core.geography import GeographicFrame
 from rosic.core.robot import (
     AtRest,
     Camera,
+    Files,
     Link,
     MapSource,
     PathSource,
@@ -72,6 +74,17 @@ _PATH = Form(
 _PATHS = _PATH._replace(pattern=rf"{_FIELD_PATH}( *, *{_FIELD_PATH})*")
 _PATH_OR_NONE = _PATH._replace(empty=True)
 
+_FOLDER = Form(
+    r"/[^\x00-\x1f\x7f]{1,500}",
+    "a folder's full path",
+    "Begin with a slash: /srv/omni/inbox.",
+    empty=True,
+)
+_SORT = Form(
+    "png|jpeg|pdf|pgm|zip|gzip|mcap|db3|yaml|json|csv|text",
+    "a kind of file",
+    "Use png, jpeg, pdf, pgm, zip, gzip, mcap, db3, yaml, json, csv or text.",
+)
 _LINE = Form(r"[^\x00-\x1f\x7f]{1,120}", "a line of text", "Use 1 to 120 characters of one line.")
 _LENGTH = Form(
     r" *\d+(\.\d+)? *[a-z]+ *", "a length of time", "Write a number and a unit: 10 s, 2 min."
@@ -90,6 +103,12 @@ FORMS: Final[dict[Field, Form]] = {
     (Profile, "id"): NAMED,
     (Profile, "groups"): NAMED,
     (Profile, "words"): WORD,
+    (Profile, "go_to"): Form(
+        rf"{_NAME} {_NAME} {_NAME}",
+        "a skill and two of its parameters",
+        "Write the skill, then what it calls x and y: goto x y.",
+        empty=True,
+    ),
     (Profile, "skills"): NAMED,
     (Profile, "telemetry"): NAMED,
     (Skill, "words"): WORD,
@@ -108,6 +127,9 @@ FORMS: Final[dict[Field, Form]] = {
     (Telemetry, "type"): _MESSAGE._replace(empty=True),
     (Telemetry, "field"): _PATH_OR_NONE,
     (Camera, "topic"): _GRAPH,
+    (Files, "accept"): _SORT,
+    (Files, "inbox"): _FOLDER,
+    (Files, "outbox"): _FOLDER,
     (Camera, "type"): _FRAMES,
     (MapSource, "topic"): _GRAPH,
     (MapSource, "type"): _GRIDS,
@@ -133,10 +155,14 @@ FORMS: Final[dict[Field, Form]] = {
 }
 
 BOUNDS: Final[dict[Field, Bounds]] = {
+    (GeographicFrame, "latitude"): Bounds(-85, 85),
+    (GeographicFrame, "longitude"): Bounds(-180, 180),
+    (GeographicFrame, "heading_deg"): Bounds(-360, 360),
     (Profile, "queue_length"): Bounds(1, 10_000),
     (Profile, "watchdog_s"): Bounds(0.05, 5),
     (Profile, "rest_timeout_s"): Bounds(0.1, 120),
     (Link, "heartbeat_s"): Bounds(0.1, 3600),
+    (Files, "max_mb"): Bounds(0.001, 2_000),
     (AtRest, "below"): Bounds(1e-6, 10),
     (Skill, "lifetime_s"): Bounds(0.1, 3600),
     (Skill, "cost"): Bounds(1, COST_MAX),

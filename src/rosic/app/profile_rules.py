@@ -10,9 +10,9 @@ from msgspec.structs import replace
 from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.shape import Finding, Rules
 from rosic.app.source import Place, nearest
-from rosic.core.authority import READ, RESUME
+from rosic.core.authority import FILES, READ, RESUME
 from rosic.core.language import UnitTable, Vocabulary
-from rosic.core.robot import Profile, Telemetry
+from rosic.core.robot import Files, Profile, Telemetry
 from rosic.core.rule import Wrong, compile_rule, read_run, rules_of
 from rosic.core.skill import Parameter, Skill, SkillClass
 
@@ -23,7 +23,7 @@ STREAMED: Final = "duration"
 # One message of these keeps a robot moving until something else is said.
 VELOCITIES: Final = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
 # These words have a meaning for every robot, and are rights of their own.
-RESERVED: Final = frozenset({READ, RESUME, "stop"})
+RESERVED: Final = frozenset({READ, RESUME, FILES, "stop"})
 FLEET: Final = "fleet"
 TWICE: Final = 2.0
 
@@ -55,8 +55,9 @@ def profile_rules(units: UnitTable) -> Rules:
         checks={
             Parameter: (parameter,),
             Telemetry: (telemetry,),
+            Files: (_folders,),
             Skill: (_placeholders, _streams),
-            Profile: (_reserved, _bound, _texts, _watched, _stoppable, words, alerts),
+            Profile: (_reserved, _located, _bound, _texts, _watched, _stoppable, words, alerts),
         },
     )
 
@@ -208,6 +209,32 @@ def _watched(profile: Profile) -> Iterator[Finding]:
                 f"{profile.watchdog_s:g} s.",
                 f"Send at {TWICE / profile.watchdog_s:g} Hz or more.",
             )
+
+
+def _located(profile: Profile) -> Iterator[Finding]:
+    if bool(profile.go_to) != (profile.frame is not None):
+        yield Finding((), "To be sent to a place on Earth, a robot needs both frame and go_to.")
+    if not profile.go_to:
+        return
+    name, *axes = profile.go_to.split()
+    if name not in profile.skills:
+        hint = nearest(name, profile.skills)
+        yield Finding(("go_to",), f"{name!r} is not a skill of this robot.", hint)
+        return
+    parameters = profile.skills[name].parameters
+    for axis in axes:
+        if axis not in parameters or parameters[axis].unit != "m":
+            yield Finding(("go_to",), f"{axis!r} is not a parameter of {name} in m.")
+    for other, parameter in parameters.items():
+        if other not in axes and parameter.default is None:
+            yield Finding(("go_to",), f"{name} also asks for {other}, which a place does not say.")
+
+
+def _folders(files: Files) -> Iterator[Finding]:
+    if bool(files.accept) != bool(files.inbox):
+        yield Finding((), "Files are taken with both: which kinds to accept, and an inbox.")
+    if files.inbox and files.inbox.rstrip("/") == files.outbox.rstrip("/"):
+        yield Finding(("outbox",), "What the robot gives needs a folder of its own.")
 
 
 def _stoppable(profile: Profile) -> Iterator[Finding]:

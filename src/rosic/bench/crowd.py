@@ -20,12 +20,14 @@ from rosic.robots.memory import MemoryRobot
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger, Receive
     from rosic.contracts.robot import Tell
     from rosic.contracts.store import Latch, Store
     from rosic.core.gate import Gate
-    from rosic.core.message import Outbound
+    from rosic.core.message import Enclosure, Outbound
     from rosic.core.order import Order, Outcome, Rest, Stop
     from rosic.core.robot import RobotId
 
@@ -110,7 +112,8 @@ class Watched:
     name = "bench"
     assurance = "local"
     edits = True
-    file_bytes = 0
+    file_bytes = fetch_bytes = 0
+    pins = False
 
     def __init__(self) -> None:
         self.told: asyncio.Future[tuple[int, str]] | None = None
@@ -128,8 +131,15 @@ class Watched:
         """Take an edit."""
         self._read(outbound)
 
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Nobody looks."""
+
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Nobody taps."""
+
+    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Nobody sends a file."""
+        raise NotImplementedError
 
     def _read(self, outbound: Outbound) -> None:
         if self.told is None or outbound.chat.id != WATCHER:

@@ -37,11 +37,12 @@ from rosic.stores.memory import MemoryStore
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import AsyncIterator, Iterator
 
     from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.messenger import Receive
     from rosic.contracts.store import Latch, Store
+    from rosic.core.message import Enclosure
 
 ROBOTS = 50
 TURN_MESSAGES = 4
@@ -102,7 +103,8 @@ class BenchMessenger:
     name = "bench"
     assurance = "local"
     edits = True
-    file_bytes = 0
+    file_bytes = fetch_bytes = 0
+    pins = False
 
     def __init__(self) -> None:
         self.ended: dict[str, asyncio.Future[None]] = {}
@@ -121,8 +123,15 @@ class BenchMessenger:
             if ended is not None:
                 ended.set_result(None)
 
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Nobody looks."""
+
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Nobody taps."""
+
+    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Nobody sends a file."""
+        raise NotImplementedError
 
 
 def measure(*, quick: bool = False) -> Report:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from typing import Protocol, TypeAlias
 
 from rosic.core.menu import Menu
-from rosic.core.message import Chat, Inbound, Outbound, Passing, Weight
+from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Passing, Weight
 from rosic.errors import MessengerFault
 
 Receive: TypeAlias = Callable[[Inbound], Awaitable[None]]
@@ -25,6 +25,8 @@ class Messenger(Protocol):
         assurance: ``provider-readable``, ``e2ee-verified`` or ``local``; shown to people.
         edits: Whether a message can be changed after it was sent.
         file_bytes: How large a file may be that goes with a message; 0: it sends none.
+        fetch_bytes: How large a file may be that people send; 0: it fetches none.
+        pins: Whether a message can be kept in sight.
     """
 
     platform: str
@@ -32,6 +34,8 @@ class Messenger(Protocol):
     assurance: str
     edits: bool
     file_bytes: int
+    fetch_bytes: int
+    pins: bool
 
     async def run(self, receive: Receive) -> None:
         """Listen until cancelled; leave nothing running behind.
@@ -72,8 +76,33 @@ class Messenger(Protocol):
         """
         ...
 
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Keep a message of ours in sight at the top of its chat, or no longer. Nobody is called.
+
+        What is so already succeeds.
+
+        Raises:
+            MessageGone: There is no such message any more.
+            MessengerFault: Not done. The sentence says so to a person, and what would help: it may
+                not in this chat, or it never can.
+        """
+        ...
+
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Answer a tap at once; an empty text only ends the waiting. Never raises."""
+        ...
+
+    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Yield a file that somebody sent, piece by piece, byte for byte.
+
+        Never more than ``fetch_bytes``, and never more than was said of it.
+
+        Raises:
+            MessengerFault: It cannot be had, is larger than ``fetch_bytes``, or is not as long as
+                was said. What came so far is a part of it and worth nothing. Of one that is said
+                to be too large, this is raised at once, and the sentence names the limit and
+                what raises it.
+        """
         ...
 
 

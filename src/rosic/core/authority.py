@@ -8,6 +8,8 @@ import msgspec
 
 READ = "read"
 RESUME = "resume"
+FILES = "files"
+"""The right to put files into a robot's inbox, and to fetch those it gives."""
 
 SCOPE = re.compile(r"[a-z0-9_*?-]+:[a-z0-9_*?-]+\Z")
 

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 import msgspec
 
 from rosic.core.order import Ending, Outcome, Report, Stage
-from rosic.core.saying import Catalogue, in_language, said
+from rosic.core.saying import Catalogue, in_language, joined, said
 
 Face: TypeAlias = Callable[[int], str]
 """Wall clock nanoseconds to what a clock on the wall shows: ``14:02:07``."""
+BETWEEN = " · "
+
+K = TypeVar("K")
 
 _STEP = {
     Stage.ACCEPTED: said("accepted"),
@@ -20,6 +23,7 @@ _STEP = {
     Stage.SENT: said("sent"),
     Stage.RECEIVED: said("received by the robot"),
 }
+_BRIEFLY = _STEP | {Stage.RECEIVED: said("received")}
 _ENDED = {
     Ending.DONE: said("done"),
     Ending.FAILED: said("failed"),
@@ -93,7 +97,7 @@ class Life:
         stage = report.stage
         if stage is not Stage.RUNNING:
             word = f"{self.words.step[stage]} {self._face(at_ns)}"
-            self._steps = f"{self._steps} · {word}" if self._steps else word
+            self._steps = f"{self._steps}{BETWEEN}{word}" if self._steps else word
             return True
         news = report.note != self._note or self._fraction is None
         self._note = report.note
@@ -116,6 +120,21 @@ class Life:
         share = "" if self._fraction is None else f"{round(self._fraction * 100)} %"
         note = in_language(self._note, self.words.catalogue) if self._note else self.words.running
         return f"{note} {share}" if share else note
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """Return the steps so far, each with its time, for readers of any language."""
+        parts = self._steps.split(BETWEEN) if self._steps else ()
+        return tuple(_anew(part, self.words.step, _BRIEFLY) for part in parts)
+
+    def now(self) -> str:
+        """Return how it ended, or else what runs, likewise; empty before it runs."""
+        if self._ending:
+            return _anew(self._ending, self.words.ended, _ENDED)
+        if self._fraction is None and not self._note:
+            return ""
+        share = "" if self._fraction is None else f" {round(self._fraction * 100)} %"
+        return joined("", (self._note or _RUNNING, share))
 
     def text(self, *, ending: bool = True) -> str:
         """Return the whole life as one message, with or without how it ended."""
@@ -146,3 +165,11 @@ def ended(outcome: Outcome, time_of_day: str, words: Wording = ENGLISH) -> str:
     if outcome.ending is Ending.REFUSED:
         return note or word
     return f"{word} {time_of_day}: {note}" if note else f"{word} {time_of_day}"
+
+
+def _anew(text: str, told: Mapping[K, str], words: Mapping[K, str]) -> str:
+    """Return what was told in one language so that it can be said in others: its first words."""
+    for what, word in told.items():
+        if text.startswith(word) and text[len(word) : len(word) + 1] in {" ", ""}:
+            return joined("", (words[what], text[len(word) :]))
+    return text

@@ -42,6 +42,7 @@ class Weight(enum.IntEnum):
     OUTCOME = 2
     QUESTION = 3
     FEEDBACK = 4
+    IDLE = 5
 
 
 class Chat(msgspec.Struct, frozen=True, gc=False):
@@ -56,6 +57,32 @@ class Chat(msgspec.Struct, frozen=True, gc=False):
     id: str
     kind: ChatKind = ChatKind.PRIVATE
     topic: str = ""
+
+
+class Enclosure(msgspec.Struct, frozen=True, gc=False, kw_only=True):
+    """A file that somebody sent, as the platform describes it. None of it is checked yet.
+
+    Attributes:
+        id: What the messenger fetches it by; opaque.
+        name: As its sender calls it; empty where the platform gives none (a photo).
+        media_type: As its sender claims.
+        size: Bytes, as claimed; 0 where nobody says.
+    """
+
+    id: str
+    name: str = ""
+    media_type: str = ""
+    size: int = 0
+
+    def __repr__(self) -> str:
+        return f"Enclosure({self.size} bytes)"
+
+
+class Spot(msgspec.Struct, frozen=True, gc=False):
+    """A place on Earth that somebody sent: degrees, WGS 84."""
+
+    latitude: float
+    longitude: float
 
 
 class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
@@ -76,6 +103,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         locale: What the sender's messenger is set to, where the platform says so: ``de``. Only the
             default for whoever has not chosen a language.
         addressed: In a group: it names us, or replies to what we said.
+        enclosed: A file that came with it; the text is then what was written beneath.
+        place: A place that was sent instead of words.
     """
 
     sender: Address
@@ -93,6 +122,13 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     shown_as: str = ""
     locale: str = ""
     addressed: bool = False
+    enclosed: Enclosure | None = None
+    place: Spot | None = None
+
+    @property
+    def brings(self) -> bool:
+        """Whether there is something besides words: a file or a place."""
+        return self.enclosed is not None or self.place is not None
 
 
 class Passage(enum.Enum):

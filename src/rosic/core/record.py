@@ -6,12 +6,15 @@ which the store seals with the container's own key.
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 import msgspec
 
 from rosic.core.identity import Address, AuthorisationKey, CommandId, KeyId, PrincipalId
 from rosic.core.robot import RobotId
+
+APART: Final = frozenset({"file-part"})
+"""Kinds of facts that are too large to be handed over with the others: asked for by key alone."""
 
 
 class Letter(msgspec.Struct, frozen=True, gc=False):

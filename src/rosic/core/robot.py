@@ -9,6 +9,7 @@ from typing import TypeAlias
 import msgspec
 
 from rosic.core.alert_rule import Alert
+from rosic.core.geography import GeographicFrame
 from rosic.core.skill import Skill
 from rosic.core.view import Pose, Sight
 
@@ -135,6 +136,25 @@ class PathSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     type: str = "nav_msgs/msg/Path"
 
 
+class Files(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which files the robot takes from people, and where its own lie.
+
+    Both folders are on the computer that ROSIC runs on, by their full paths; how the robot reaches
+    them (it runs there, or mounts them) is the operator's business.
+
+    Attributes:
+        accept: Kinds it takes, by what is in them: png, pgm, yaml, zip.
+        max_mb: Of one file, in megabytes of a million bytes.
+        inbox: Folder into which files for the robot are put; empty: it takes none.
+        outbox: Folder out of which its files may be fetched; empty: it gives none.
+    """
+
+    accept: tuple[str, ...] = ()
+    max_mb: float = 5.0
+    inbox: str = ""
+    outbox: str = ""
+
+
 class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything ROSIC knows about one robot.
 
@@ -143,6 +163,8 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         groups: Plain names under which several robots are commanded together.
         slots: What booked times mean: nothing, others wait, or nobody moves it without one.
         watchdog_s: The robot's own time-out for a velocity topic; without it no skill may stream.
+        go_to: Skill that goes to a place, and its two parameters in m: ``goto x y``. With a
+            frame, a location that somebody sends asks whether the robot is to go there.
         rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
         alerts: Rules about what the robot reports: whom to tell, and what to run.
     """
@@ -166,6 +188,9 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     map: MapSource | None = None
     pose: PoseSource | None = None
     path: PathSource | None = None
+    files: Files | None = None
+    frame: GeographicFrame | None = None
+    go_to: str = ""
     alerts: tuple[Alert, ...] = ()
 
     def __post_init__(self) -> None:

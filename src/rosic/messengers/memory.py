@@ -10,11 +10,20 @@ from msgspec.structs import replace
 
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
-from rosic.core.message import Button, Chat, ChatKind, Inbound, Outbound, Passing, Standing
+from rosic.core.message import (
+    Button,
+    Chat,
+    ChatKind,
+    Enclosure,
+    Inbound,
+    Outbound,
+    Passing,
+    Standing,
+)
 from rosic.errors import ChatGone, ConfigurationError, MessageGone, MessengerFault
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import AsyncIterator, Callable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Passed, Receive
@@ -22,6 +31,8 @@ if TYPE_CHECKING:
 KEEP = 10_000
 """How many of the newest messages, edits and answers are remembered."""
 FILE_BYTES = 1_000_000
+PIECE_BYTES = 65_536
+FILES_KEPT = 100
 
 
 class Told(NamedTuple):
@@ -41,13 +52,15 @@ class MemoryMessenger:
     """People are method calls: `say` and `tap` speak, `told` is what they read.
 
     Args:
-        edits: False makes it a messenger that cannot change a message once sent.
-        file_bytes: How large a file it takes; 0 makes it a messenger that sends none.
+        edits: False makes it a messenger that cannot change a message once sent, nor pin one.
+        file_bytes: How large a file it takes, and fetches; 0 makes it one without files.
         keep: How much of the past is remembered; what waits to be received is bounded by it too.
 
     Attributes:
         told: Messages and edits, oldest first.
         answers: How taps were answered: the tap's handle and the text.
+        pinned: Which messages are kept in sight, by chat, the newest last.
+        may_pin: Clear it, and pinning is refused as in a group whose admin the bot is not.
         down: Set it, and sending and editing fail as if the platform were away.
         gone: Ids of chats in which nothing can be said any more.
         refused: How often somebody tried all the same.
@@ -68,10 +81,12 @@ class MemoryMessenger:
         file_bytes: int = FILE_BYTES,
     ) -> None:
         self.name = name
-        self.edits = edits
-        self.file_bytes = file_bytes
+        self.edits = self.pins = edits
+        self.file_bytes = self.fetch_bytes = file_bytes
         self.told: deque[Told] = deque(maxlen=keep)
         self.answers: deque[tuple[str, str]] = deque(maxlen=keep)
+        self.pinned: dict[str, list[str]] = {}
+        self.may_pin = True
         self.down = False
         self.gone: set[str] = set()
         self.refused = 0
@@ -83,6 +98,7 @@ class MemoryMessenger:
         self._told_ever = 0
         self._unconfirmed = 0
         self._shown: dict[str, Outbound] = {}
+        self._files: dict[str, bytes] = {}
         self._waiting: dict[Chat, deque[Inbound]] = {}
         self._stops: dict[int, Inbound] = {}
         self._under_way: set[Chat | int] = set()
@@ -106,6 +122,25 @@ class MemoryMessenger:
         """Write a message, now unless `sent_ns` says otherwise, and return what will be seen."""
         inbound = self._inbound(account, Chat(self.platform, chat, kind, topic), message, sent_ns)
         return self.deliver(replace(inbound, text=text, standing=standing, answers=answers))
+
+    def enclose(  # noqa: PLR0913 - as `say`
+        self,
+        name: str,
+        content: bytes,
+        *,
+        text: str = "",
+        account: str = "1",
+        chat: str = "1",
+        kind: ChatKind = ChatKind.PRIVATE,
+        standing: Standing = Standing.FRESH,
+    ) -> Inbound:
+        """Send a file, with something written beneath."""
+        inbound = self._inbound(account, Chat(self.platform, chat, kind), None, None)
+        enclosure = Enclosure(id=f"file-{inbound.message}", name=name, size=len(content))
+        self._files[enclosure.id] = content
+        while len(self._files) > FILES_KEPT:
+            del self._files[next(iter(self._files))]
+        return self.deliver(replace(inbound, text=text, standing=standing, enclosed=enclosure))
 
     def tap(self, button: Button, *, under: str = "", account: str = "1") -> Inbound:
         """Tap a button of the message `under`. It carries what the button carried, and no time."""
@@ -220,10 +255,44 @@ class MemoryMessenger:
         if self._shown[message] != outbound:
             self._show(Told(message, outbound, edited=True))
 
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Remember that it is kept in sight, or forget it.
+
+        Raises:
+            MessengerFault: `down` is set, it may not or cannot, or there is no such message.
+        """
+        self._check_up(chat)
+        if not (self.pins and self.may_pin):
+            raise MessengerFault("I may not pin messages here. An admin of this chat can help.")
+        if pinned and message not in self._shown:
+            raise MessageGone("The message to be pinned does not exist.")
+        kept = [one for one in self.pinned.get(chat.id, ()) if one != message]
+        self.pinned[chat.id] = [*kept, message] if pinned else kept
+        self._announce()
+
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Remember the answer."""
         self.answers.append((inbound.tap, text))
         self._announce()
+
+    async def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Yield what somebody sent.
+
+        Raises:
+            MessengerFault: `down` is set, it is too large, forgotten, or not as long as was said.
+        """
+        self._check_up(None)
+        content = self._files.get(enclosure.id)
+        if max(enclosure.size, len(content or b"")) > self.fetch_bytes:
+            raise MessengerFault(f"This messenger takes files of up to {self.fetch_bytes} bytes.")
+        if content is None:
+            raise MessengerFault("The file is not there any more. Send it again.")
+        if enclosure.size not in {0, len(content)}:
+            raise MessengerFault("The file is not as long as was said. Send it again.")
+        for start in range(0, len(content), PIECE_BYTES):
+            await asyncio.sleep(0)
+            self._check_up(None)
+            yield content[start : start + PIECE_BYTES]
 
     # ---- inside ----
 
@@ -289,8 +358,8 @@ class MemoryMessenger:
         """Have somebody told what happens to chats."""
         self.passed = passed
 
-    def _check_up(self, chat: Chat) -> None:
-        if chat.id in self.gone:
+    def _check_up(self, chat: Chat | None) -> None:
+        if chat is not None and chat.id in self.gone:
             self.refused += 1
             raise ChatGone("Nobody can be spoken to in that chat any more.")
         if self.down:

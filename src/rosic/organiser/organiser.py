@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.asking import Ask, Denied, Key, State
-from rosic.core.authority import RESUME
+from rosic.core.authority import FILES, RESUME
 from rosic.core.decision import decide
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.lease import Lease
@@ -277,6 +277,16 @@ class Organiser:
             NotPermitted: Not this person.
         """
         decision = self.decision(caller, robot, RESUME, grounds=grounds)
+        if isinstance(decision, Denied):
+            raise self._refusing.denial(decision)
+
+    def check_files(self, caller: Caller, robot: RobotId) -> None:
+        """Decide whether a person may put files into a robot's inbox, and fetch those it gives.
+
+        Raises:
+            NotPermitted: Not this person.
+        """
+        decision = self.decision(caller, robot, FILES)
         if isinstance(decision, Denied):
             raise self._refusing.denial(decision)
 

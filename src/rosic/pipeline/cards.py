@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rosic.core.life import ENGLISH, Face, Life, Wording
+from rosic.core.message import Button
 from rosic.core.order import Report, Stage
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import CommandId, PrincipalId
-    from rosic.core.message import Button, Chat
+    from rosic.core.message import Chat
 
 
 # What a robot reports while nothing can be said is not worth more.
@@ -132,3 +134,9 @@ class Card:
 
 
 ACCEPTED = Report(Stage.ACCEPTED)
+
+
+@lru_cache(maxsize=1024)
+def stop_button(name: str) -> tuple[tuple[Button, ...], ...]:
+    """Return the row under a life: a stop is never bound to anybody, nor used up."""
+    return ((Button("STOP", f"stop {name}", f"stop {name}"),),)

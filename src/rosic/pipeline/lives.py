@@ -137,6 +137,7 @@ class Lives:
         self._servers: dict[RobotId, Server] = {}
         self._closing = False
         self._over: asyncio.Event | None = None
+        self._newest: dict[RobotId, OrderLife] | None = None
 
     def __len__(self) -> int:
         return self._under_way
@@ -178,6 +179,8 @@ class Lives:
                 life.void(OrderVoid(NEVER_BEGUN))
                 return
             life.begun = True
+            if self._newest is not None:
+                self._newest[robot] = life
             server.relaying = True
             if self.watch is not None:
                 self.watch.began(life.order)
@@ -252,6 +255,18 @@ class Lives:
             and entry.card.message == message
             and entry.card.where == where
         )
+
+    def follow(self) -> dict[RobotId, OrderLife]:
+        """Keep the order that each robot had last, from now on; return where it is found."""
+        if self._newest is None:
+            self._newest = {
+                robot: server.life for robot, server in self._servers.items() if server.relaying
+            }
+        return self._newest
+
+    def leave_off(self) -> None:
+        """Keep none any more."""
+        self._newest = None
 
     async def cut(self, robot: RobotId, reason: str) -> None:
         """End what a robot does for its holder, and what waits; on return it has come to rest.

@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.identity import Caller, PrincipalId
-from rosic.core.message import Button, Chat
+from rosic.core.message import Button, Chat, ChatKind
 from rosic.core.robot import RobotId
 from rosic.errors import Refusal
 from rosic.pipeline.office import Office
@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from rosic.core.message import Inbound
     from rosic.pipeline.consent import Consent
     from rosic.pipeline.desk import Reply
+    from rosic.pipeline.said import Said
 
 SteppedUp: TypeAlias = Callable[[PrincipalId, Chat], bool]
 ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
 Newcomer: TypeAlias = "Callable[[Messenger, Inbound, str], Awaitable[Reply | None]]"
+Enclosed: TypeAlias = "Callable[[Messenger, Inbound, Caller], None]"
 Sights: TypeAlias = Callable[[RobotId], list[Button]]
 Refused: TypeAlias = Callable[[Caller, Refusal], None]
 Outdated: TypeAlias = Callable[[PrincipalId], None]
@@ -38,6 +40,8 @@ class Reception:
         proof_used: Hears that this has let something dangerous pass.
         newcomer: Answers somebody unknown who may have brought a code; None: it was no code.
         refused: Hears of every refusal, for rules about misuse.
+        enclosed: Takes in files that people send; None: none are taken.
+        placed: Asks about places that people send; None: they mean nothing.
         outdated: Hears, in private, of a tap on a button that is no good any more.
         sights: Buttons for what can be seen of a robot, for its menu.
     """
@@ -49,8 +53,29 @@ class Reception:
         self.proof_used: ProofUsed = _unused
         self.newcomer: Newcomer | None = None
         self.refused: Refused = _ignore
+        self.enclosed: Enclosed | None = None
+        self.placed: Enclosed | None = None
         self.outdated: Outdated = _nothing
         self.sights: Sights = _unseen
+
+    def take_in(self, said: Said, charge: Callable[[Caller], object]) -> None:
+        """Take in what came that is no words, a file or a place, if there is any.
+
+        Only in private: in a group, nobody meant it for ROSIC.
+
+        Raises:
+            Refusal: It is not taken; what was written beneath is not followed either.
+        """
+        inbound = said.inbound
+        if not inbound.brings:
+            return
+        if inbound.chat.kind is not ChatKind.PRIVATE:
+            return
+        charge(said.caller)
+        if inbound.enclosed is not None and self.enclosed is not None:
+            self.enclosed(said.messenger, inbound, said.caller)
+        if inbound.place is not None and self.placed is not None:
+            self.placed(said.messenger, inbound, said.caller)
 
     def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
         """Return what a button that confirms says, and who has agreed to it.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.identity import robot_command_id
+from rosic.core.identity import command_id, robot_command_id
 from rosic.core.order import Request
 from rosic.core.saying import said
 from rosic.errors import Expired
@@ -67,3 +67,11 @@ class Requesting:
                 said("{shown} was stopped after you sent this. Nothing was done.", shown=shown),
                 offers=(request.text,),
             )
+
+
+def line_id(inbound: Inbound, number: int) -> CommandId:
+    """Return the identity of one line of a message, or of what a tap says."""
+    if inbound.nonce is not None:
+        return command_id("tap", inbound.nonce, str(number))
+    sender, chat = inbound.sender, inbound.chat
+    return command_id(sender.platform, sender.account, chat.id, inbound.message, str(number))

@@ -5,12 +5,10 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import OrderedDict
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from rosic.container.habits import Habits
 from rosic.container.letters import ReplyTo
-from rosic.core.identity import CommandId, PrincipalId, command_id
 from rosic.core.language import (
     Do,
     Errand,
@@ -21,7 +19,7 @@ from rosic.core.language import (
     Use,
 )
 from rosic.core.life import ENGLISH, wording_in
-from rosic.core.message import Button, ChatKind, Standing
+from rosic.core.message import ChatKind, Standing
 from rosic.core.saying import in_language, said
 from rosic.errors import (
     Expired,
@@ -32,7 +30,7 @@ from rosic.errors import (
     Unrecognised,
 )
 from rosic.pipeline.audience import Audience
-from rosic.pipeline.cards import Card
+from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.choosing import Choosing
 from rosic.pipeline.desk import Desk
 from rosic.pipeline.expiring import Expiring
@@ -40,7 +38,7 @@ from rosic.pipeline.lives import Lives
 from rosic.pipeline.office import Asked
 from rosic.pipeline.reception import Reception
 from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_id
-from rosic.pipeline.requesting import Requesting
+from rosic.pipeline.requesting import Requesting, line_id
 from rosic.pipeline.resuming import Resuming
 from rosic.pipeline.said import Said
 from rosic.pipeline.subjects import meant
@@ -51,6 +49,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Line
     from rosic.core.life import Face
     from rosic.core.message import Inbound
@@ -79,6 +78,7 @@ class Pipeline:
         audience: Who hears what robots say of their own accord.
         reception: Who receives what is no order.
         arrears: Answers to what was sent while nobody listened.
+        face: What a clock on the wall shows here.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Pipeline:
         self._teller = teller
         self._languages = teller.languages
         self._clock = clock
-        self._face = face
+        self.face = face
         self._shown = {robot: profile.shown for robot, profile in rooms.profiles.items()}
         self._turns = Turns()
         self._requesting = Requesting(rooms, clock)
@@ -152,6 +152,7 @@ class Pipeline:
                 self._languages.hear(caller.principal, inbound.locale)
             said = Said(messenger, inbound, caller, arrived_ns, self.reception.stepped_up)
             self._rooms.organiser.check_unlocked(caller)
+            self.reception.take_in(said, self._rooms.organiser.charge)
             if inbound.nonce is None:
                 await self._lines(said, inbound.text)
             else:
@@ -203,7 +204,7 @@ class Pipeline:
         container, members = self._rooms.container, self._desk.members
         selected = meant(said, self._teller.subjects, container, visible, members)
         for number, line in enumerate(self._reader.lines(text, selected, visible)):
-            cid = _command_id(inbound, number)
+            cid = line_id(inbound, number)
             try:
                 if isinstance(line, Do):
                     await self._command(said, line, cid)
@@ -234,7 +235,7 @@ class Pipeline:
         ):
             return
         if isinstance(line, Misunderstood) and not self._addressed(said.inbound):
-            return  # people talk to each other in groups
+            return  # people talk to each other in groups, and write beneath files what they show
         # Before anything may refuse it: what was refused once is not done when it comes again.
         repeated = self._repeated(cid)
         self._rooms.organiser.charge(said.caller)
@@ -292,11 +293,19 @@ class Pipeline:
         """Whether words that make no sense were meant for ROSIC at all."""
         first = inbound.text[:64].split(maxsplit=1)[:1]
         return (
-            inbound.chat.kind is ChatKind.PRIVATE
+            (inbound.chat.kind is ChatKind.PRIVATE and not inbound.brings)
             or inbound.addressed
             or inbound.text.startswith("/")
             or (bool(first) and first[0].lower() in self._vocabulary.callees)
         )
+
+    def answer(self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply) -> None:
+        """Answer somebody once something that took a while is done."""
+        self._replies.hand_over(messenger, inbound, caller, reply)
+
+    def plain(self, inbound: Inbound, text: str) -> str:
+        """Return a sentence as whoever wrote reads it."""
+        return in_language(text, self._languages.of_sender(inbound))
 
     def menu(self, principal: PrincipalId) -> Reply:
         """Return what somebody who has just come in may begin with."""
@@ -343,9 +352,9 @@ class Pipeline:
         messenger, chat, caller = said.messenger, said.inbound.chat, said.caller
         catalogue = self._languages.of(caller.principal)
         words = ENGLISH if catalogue is None else wording_in(catalogue)
-        card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self._face, words)
+        card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self.face, words)
         card.about = line.group or line.robots[0]
-        card.buttons = _stop_button(card.about)
+        card.buttons = stop_button(card.about)
         if said.confirmed and messenger.edits and len(said.asked) == len(orders):
             # The question that was answered becomes the life it asked for.
             card.message, card.adopted = said.inbound.under, bool(said.inbound.under)
@@ -372,12 +381,6 @@ class Pipeline:
         await asyncio.sleep(0)
 
 
-@lru_cache(maxsize=1024)
-def _stop_button(name: str) -> tuple[tuple[Button, ...], ...]:
-    """Return the row under a life: a stop is never bound to anybody, nor used up."""
-    return ((Button("STOP", f"stop {name}", f"stop {name}"),),)
-
-
 def _may_bring_a_code(inbound: Inbound) -> bool:
     """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.
 
@@ -385,10 +388,3 @@ def _may_bring_a_code(inbound: Inbound) -> bool:
     """
     text = inbound.text
     return inbound.nonce is not None or "-" in text or text.startswith("/start ")
-
-
-def _command_id(inbound: Inbound, number: int) -> CommandId:
-    if inbound.nonce is not None:
-        return command_id("tap", inbound.nonce, str(number))
-    sender, chat = inbound.sender, inbound.chat
-    return command_id(sender.platform, sender.account, chat.id, inbound.message, str(number))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from sqlalchemy import select
 
-from rosic.core.record import Fact, KeyRevoked, Letter, Resumed, Stopped
+from rosic.core.record import APART, Fact, KeyRevoked, Letter, Resumed, Stopped
 from rosic.core.saying import said
 from rosic.errors import StoreFault
 from rosic.stores import reading, sqlite, tables
@@ -73,7 +73,8 @@ class Shelves(reading.Reader):
             if (content := self._unsealed(container, CARD, row.principal.encode(), row.sealed))
         ]
         sealed = select(facts.kind, facts.key, facts.body, facts.sealed)
-        rows = self._connection.execute(sealed.where(facts.container == container)).all()
+        ours = sealed.where(facts.container == container, facts.kind.not_in(APART))
+        rows = self._connection.execute(ours).all()
         found += [self._fact(row.kind, row.key, row.body, container, row.sealed) for row in rows]
         return (*found, *self._commands(container))
 

@@ -10,6 +10,7 @@ import msgspec
 
 from rosic.core.order import Ending
 from rosic.core.record import (
+    APART,
     Claimed,
     Concluded,
     Decided,
@@ -113,7 +114,7 @@ class MemoryStore:
             numbers=dict(self._numbers),
             generations=dict(self._generations),
             unfinished=tuple(self._unfinished(life) for life in self._lives.values()),
-            facts=by_kind(self._facts.values()),
+            facts=by_kind(fact for fact in self._facts.values() if fact.kind not in APART),
         )
 
     async def close(self) -> None:
@@ -197,7 +198,11 @@ class MemoryStore:
             for who, of in self._enrolled.items()
             if of.letter.container == container
         )
-        facts = (fact for fact in self._facts.values() if owner(fact.letter) == container)
+        facts = (
+            fact
+            for fact in self._facts.values()
+            if owner(fact.letter) == container and fact.kind not in APART
+        )
         found = [*cards, *facts]
         for cid, life in self._lives.items():
             if life.principal == container:

@@ -20,7 +20,7 @@ from sqlalchemy import (
 
 from rosic.core.identity import AuthorisationKey, CommandId
 from rosic.core.order import Ending
-from rosic.core.record import Enrolled, Fact, Letter, Memory, Seeded, Selected, Unfinished
+from rosic.core.record import APART, Enrolled, Fact, Letter, Memory, Seeded, Selected, Unfinished
 from rosic.stores import tables
 from rosic.stores.facts import by_kind
 from rosic.stores.scribe import CARD, CLAIM, FACT, PLACED, WORDS, Standing
@@ -121,9 +121,9 @@ class Reader:
         """Return what is so, in the order in which it was first written."""
         facts = tables.facts.c
         rows = self._connection.execute(
-            select(facts.kind, facts.key, facts.body, facts.container, facts.sealed).order_by(
-                facts.id
-            )
+            select(facts.kind, facts.key, facts.body, facts.container, facts.sealed)
+            .where(facts.kind.not_in(APART))
+            .order_by(facts.id)
         )
         return by_kind(
             Fact(kind=kind, key=key, body=body)

@@ -60,6 +60,13 @@ class Stage(Protocol):
         """Return the files that this person was sent: name and content, oldest first."""
         ...
 
+    async def enclose(self, person: str, name: str, content: bytes) -> None:
+        """Let a person send a file; only asked where the messenger fetches any."""
+
+    async def pinned(self, person: str) -> list[str]:
+        """Return which messages are kept in sight in this person's chat."""
+        ...
+
     async def unconfirmed(self) -> int:
         """Return how many messages the platform would give out again."""
         ...

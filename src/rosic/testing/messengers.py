@@ -11,6 +11,8 @@ import asyncio
 from msgspec.structs import replace
 
 from rosic.core.message import Outbound, Standing
+from rosic.errors import MessageGone
+from rosic.testing.enclosure_rules import EnclosureRules
 from rosic.testing.file_rules import LONG, YES, FileRules
 from rosic.testing.messenger_stage import (
     Ear,
@@ -30,7 +32,7 @@ MARKUP = (
 )
 
 
-class MessengerConformance(FileRules):
+class MessengerConformance(FileRules, EnclosureRules):
     """The rules. A subclass gives the fixture ``stage``."""
 
     async def test_messages_of_a_chat_come_in_order(self, stage: Stage) -> None:
@@ -172,6 +174,27 @@ class MessengerConformance(FileRules):
             except Exception as error:
                 raise AssertionError("editing to the same content failed") from error
         assert await stage.screen(person) == [Seen(message, "omni: done")]
+
+    async def test_a_message_is_kept_in_sight_until_it_is_not(self, stage: Stage) -> None:
+        """Both twice; one that is gone is said to be gone; who cannot do it says so."""
+        messenger, person = stage.messenger, stage.people[0]
+        chat = stage.chat(person)
+        async with listening(stage):
+            message = await messenger.send(Outbound(chat=chat, text="omni: free"))
+            if not messenger.pins:
+                await faults_only("pinning", messenger.pin(chat, message))
+                return
+            for _ in range(2):
+                await messenger.pin(chat, message)
+                assert await stage.pinned(person) == [message], "it is not kept in sight"
+            for _ in range(2):
+                await messenger.pin(chat, message, pinned=False)
+                assert await stage.pinned(person) == [], "it is still kept in sight"
+            try:
+                await messenger.pin(chat, "999999")
+            except MessageGone:
+                return
+        raise AssertionError("a message that is not there was pinned")
 
     async def test_a_tap_brings_its_nonce_and_its_tapper(self, stage: Stage) -> None:
         """The nonce travels, never the command; it is dated when it is received."""

@@ -6,17 +6,20 @@ Each wraps an honest one. `catches` runs a rule over a sinner; `SINNERS` names o
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
 from rosic.core.identity import Address
-from rosic.errors import MessengerFault
+from rosic.errors import MessageGone, MessengerFault
 from rosic.testing.messengers import MessengerConformance
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
     from rosic.contracts.messenger import Messenger, Receive
-    from rosic.core.message import Inbound, Outbound
+    from rosic.core.message import Chat, Enclosure, Inbound, Outbound
     from rosic.testing.messengers import Stage
 
 
@@ -30,6 +33,8 @@ class Wicked:
         self.assurance = honest.assurance
         self.edits = honest.edits
         self.file_bytes = honest.file_bytes
+        self.fetch_bytes = honest.fetch_bytes
+        self.pins = honest.pins
 
     async def run(self, receive: Receive) -> None:
         """Pass on."""
@@ -43,9 +48,17 @@ class Wicked:
         """Pass on."""
         await self.honest.edit(message, outbound)
 
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Pass on."""
+        await self.honest.pin(chat, message, pinned=pinned)
+
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Pass on."""
         await self.honest.answer_tap(inbound, text)
+
+    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Pass on."""
+        return self.honest.fetch(enclosure)
 
 
 class Tampers(Wicked):
@@ -272,6 +285,31 @@ class RefusesTheSame(Wicked):
         await self.honest.edit(message, outbound)
 
 
+class PretendsToPin(Wicked):
+    """Says that a message is kept in sight, and does nothing."""
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Do nothing."""
+
+
+class NeverUnpins(Wicked):
+    """Keeps in sight for ever what was once pinned."""
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Pin in any case."""
+        if pinned:
+            await self.honest.pin(chat, message)
+
+
+class PinsWhatIsGone(Wicked):
+    """Says nothing when there is nothing to pin."""
+
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Pass over that the message is gone."""
+        with suppress(MessageGone):
+            await self.honest.pin(chat, message, pinned=pinned)
+
+
 class ForgetsTheNonce(Tampers):
     """Hands over a tap as if its command had been typed."""
 
@@ -332,6 +370,11 @@ SINNERS: dict[str, tuple[type[Wicked], ...]] = {
     "test_a_file_that_is_too_large_is_a_messenger_fault": (CutsLargeFiles,),
     "test_a_message_is_changed_in_place": (SendsInsteadOfChanging,),
     "test_editing_to_the_same_content_succeeds": (RefusesTheSame,),
+    "test_a_message_is_kept_in_sight_until_it_is_not": (
+        PretendsToPin,
+        NeverUnpins,
+        PinsWhatIsGone,
+    ),
     "test_a_tap_brings_its_nonce_and_its_tapper": (ForgetsTheNonce, TakesTheBotForTheTapper),
     "test_answering_a_tap_never_raises": (RaisesWhenAnswering,),
     "test_every_failure_is_a_messenger_fault": (RaisesWhatItGets,),

@@ -44,7 +44,7 @@ def test_the_default_roles_and_a_good_junior_are_without_mistake() -> None:
             Role(scopes=("*:fly",)),
             "scopes.0",
             ("No robot of '*' has a skill 'fly'. "
-            "Known here: grant, grasp, home, look, move, read, resume."),
+            "Known here: files, grant, grasp, home, look, move, read, resume."),
         ),
         (
             Role(scopes=("kuka1",)),

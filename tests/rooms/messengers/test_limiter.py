@@ -103,6 +103,20 @@ async def test_stops_first_then_messages_then_edits() -> None:
     assert dict(turns.given)["stop"] == 0
 
 
+async def test_what_is_idle_waits_until_nothing_is_owed_and_spends_like_the_others() -> None:
+    turns = Turns()
+    turns.ask("idle", weight=Weight.IDLE)
+    turns.ask("card", weight=Weight.IDLE)
+    turns.ask("edit", weight=Weight.FEEDBACK)
+    turns.ask("message")
+    await turns.clock.advance(2)
+    turns.ask("later")
+    await turns.clock.advance(60)
+
+    assert turns.names() == ["idle", "edit", "message", "later", "card"]
+    assert dict(turns.given)["card"] == 4
+
+
 async def test_retry_after_holds_the_chat_even_for_a_stop() -> None:
     turns = Turns()
     turns.limiter.hold("1", 7.0)

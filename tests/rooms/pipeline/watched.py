@@ -11,11 +11,11 @@ from rosic.robots.memory import CANCELLED, DONE, RECEIVED, SENT, MemoryRobot
 from rosic.stores.latch import MemoryLatch
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import AsyncIterator, Callable
 
     from rosic.contracts.messenger import Receive
     from rosic.contracts.robot import Tell
-    from rosic.core.message import Inbound, Outbound
+    from rosic.core.message import Chat, Enclosure, Inbound, Outbound
     from rosic.core.order import Order, Outcome, Stop
     from rosic.core.record import Memory, Record
     from rosic.messengers.memory import MemoryMessenger
@@ -112,6 +112,8 @@ class Mouth:
     def __init__(self, chat: MemoryMessenger, disk: Disk) -> None:
         self.edits = chat.edits
         self.file_bytes = chat.file_bytes
+        self.fetch_bytes = chat.fetch_bytes
+        self.pins = chat.pins
         self._chat = chat
         self._disk = disk
 
@@ -126,9 +128,16 @@ class Mouth:
         await self._alive()
         await self._chat.edit(message, outbound)
 
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        await self._alive()
+        await self._chat.pin(chat, message, pinned=pinned)
+
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         await self._alive()
         await self._chat.answer_tap(inbound, text)
+
+    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        return self._chat.fetch(enclosure)
 
     async def _alive(self) -> None:
         if self._disk.dead:

@@ -228,6 +228,15 @@ async def test_pinning(server: FakeTelegram, api: Api, ada: int, lab: int) -> No
     assert await api.refusal("pinChatMessage", chat_id=lab, message_id=own["message_id"]) == (
         "400 Bad Request: not enough rights to manage pinned messages in the chat"
     )
+    bot = server.world.bot.id
+    server.set_member(lab, bot, "administrator", without=["can_pin_messages"])
+    assert not (await api.ok("getChatMember", chat_id=lab, user_id=bot))["can_pin_messages"]
+    for method in ("pinChatMessage", "unpinChatMessage"):
+        assert await api.refusal(method, chat_id=lab, message_id=own["message_id"]) == (
+            "400 Bad Request: not enough rights to manage pinned messages in the chat"
+        )
+    server.set_member(lab, bot, "administrator", without=["can_invite_users"])
+    await api.ok("pinChatMessage", chat_id=lab, message_id=own["message_id"])
     assert await api.refusal("pinChatMessage", chat_id=ada, message_id=99) == (
         "400 Bad Request: message to pin not found"
     )

@@ -9,9 +9,10 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 ERRANDS = frozenset(
     {
         "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "cancel",
-        "chart", "clip", "code", "data", "decline", "end", "forget", "grant", "information",
-        "invite", "language", "lock", "map", "me", "mute", "mydata", "people", "picture",
-        "revoke", "security", "seen", "settings", "share", "shelf", "slots", "take", "topic",
+        "card", "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
+        "information", "invite", "language", "lock", "map", "me", "mute", "mydata", "people",
+        "picture", "revoke", "security", "seen", "settings", "share", "shelf", "slots", "take",
+        "topic",
         "trajectory", "unlock", "unmute", "wait",
     }
 )  # fmt: skip

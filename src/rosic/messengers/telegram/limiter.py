@@ -32,14 +32,14 @@ class Rate(NamedTuple):
     """
 
     interval_s: float
-    at_once: tuple[int, int, int, int, int]
+    at_once: tuple[int, int, int, int, int, int]
 
 
-CHAT = Rate(1.0, (5, 5, 3, 3, 2))
+CHAT = Rate(1.0, (5, 5, 3, 3, 2, 1))
 """Where people are answered all the time there is still room for a stop's two calls at once."""
-GROUP = Rate(5.0, (12, 12, 8, 8, 6))
+GROUP = Rate(5.0, (12, 12, 8, 8, 6, 2))
 """8 at once and then one every 5 s: never more than 20 in any minute, except for what is urgent."""
-OVERALL = Rate(1 / 29, (30, 30, 24, 24, 16))
+OVERALL = Rate(1 / 29, (30, 30, 24, 24, 16, 8))
 
 
 class Rates(NamedTuple):
@@ -135,7 +135,7 @@ class Limiter:
                 self._rest()
 
     def _is_full(self, chat: str, weight: Weight) -> bool:
-        if len(self._waiting) >= WAITING_AT_MOST * (len(Weight) - weight):
+        if len(self._waiting) >= WAITING_AT_MOST * max(1, Weight.IDLE - weight):
             return True
         return weight > Weight.ALARM and self._in_chat[chat] >= WAITING_IN_A_CHAT
 

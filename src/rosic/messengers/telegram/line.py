@@ -17,7 +17,7 @@ from rosic.messengers.telegram.settings import API_BASE
 from rosic.messengers.telegram.trouble import DEFAULT_WAIT_S, TooFast, trouble
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+    from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Sequence
 
     from rosic.messengers.telegram.settings import TelegramSettings
 
@@ -58,6 +58,18 @@ class _Request(HTTPXRequest):
             raise TooFast(_retry_after_s(payload))
         return code, payload
 
+    async def pieces(self, url: str, size: int) -> AsyncGenerator[bytes]:
+        """Read what is at an address, piece by piece; what it is called says whose it is.
+
+        Raises:
+            TelegramError: There is nothing to be had.
+        """
+        async with self._client.stream("GET", url) as answer:
+            if answer.status_code != HTTPStatus.OK:
+                raise TelegramError(f"the file is not there: {answer.status_code}")
+            async for piece in answer.aiter_raw(size):
+                yield piece
+
 
 class _Bot(Bot):
     """Gives updates as they are on the wire, so that one malformed update spoils no other."""
@@ -79,6 +91,19 @@ class _Bot(Bot):
         if not isinstance(updates, list):
             raise TelegramError("the answer to getUpdates is not a list")
         return updates
+
+    async def raw_file(self, file_id: str) -> dict[str, Any]:
+        """Call getFile. The original makes an address out of whatever path it is told."""
+        found = await self._post("getFile", {"file_id": file_id})
+        if not isinstance(found, dict):
+            raise TelegramError("the answer to getFile is no file")
+        return found
+
+    def raw_content(self, path: str, size: int) -> AsyncGenerator[bytes]:
+        """Read a file, piece by piece, at a path that is quoted already."""
+        request = self.request
+        assert isinstance(request, _Request)  # noqa: S101 - made below
+        return request.pieces(f"{self.base_file_url}/{path}", size)
 
 
 class Line:
@@ -149,6 +174,7 @@ class Line:
             bot = _Bot(
                 settings.token.reveal(),
                 base_url=settings.api_base,
+                base_file_url=settings.file_base,
                 get_updates_request=self._requests[0],
                 request=self._requests[1],
             )

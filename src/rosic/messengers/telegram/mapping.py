@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
-from rosic.core.message import Chat, ChatKind, Inbound, Passage, Passing, Standing
+from rosic.core.message import (
+    Chat,
+    ChatKind,
+    Enclosure,
+    Inbound,
+    Passage,
+    Passing,
+    Spot,
+    Standing,
+)
 from rosic.messengers.telegram import wire
 
 if TYPE_CHECKING:
@@ -152,11 +161,14 @@ def _text(
     own_name: str,
     received: Received,
 ) -> Inbound | None:
-    written = message.text if message.text is not None else message.caption
-    text = addressed_here(written, own_name) if written else None
-    if text is None or written is None:
+    written = message.text or message.caption
+    enclosed = _enclosed(message)
+    place = _placed(message)
+    bare = None if enclosed is None and place is None else ""
+    text = addressed_here(written, own_name) if written else bare
+    if text is None:
         return None
-    named, replied = _names(written, own_name), _replied_bot(message)
+    named, replied = _names(written or "", own_name), _replied_bot(message)
     if replied not in {"", own_name.casefold()} and not named and hears_stop(text) is None:
         return None  # an answer to another bot, of another gateway perhaps
     date = message.date if message.edit_date is None else message.edit_date
@@ -174,7 +186,22 @@ def _text(
         shown_as="" if message.sender is None else message.sender.first_name,
         locale="" if message.sender is None else message.sender.language_code or "",
         addressed=named or bool(replied),
+        enclosed=enclosed,
+        place=place,
     )
+
+
+def _placed(message: wire.Message) -> Spot | None:
+    found = wire.placed(message)
+    return None if found is None else Spot(found.latitude, found.longitude)
+
+
+def _enclosed(message: wire.Message) -> Enclosure | None:
+    file = wire.enclosed(message)
+    if file is None:
+        return None
+    size = max(file.file_size, 0)
+    return Enclosure(id=file.file_id, name=file.file_name, media_type=file.mime_type, size=size)
 
 
 def _tap(query: wire.CallbackQuery, received: Received) -> Inbound | None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.chats import Chats
+from rosic.messengers.telegram.fetching import Fetcher
 from rosic.messengers.telegram.files import FILE_BYTES
 from rosic.messengers.telegram.limiter import PUBLISHED, Limiter, Rates
 from rosic.messengers.telegram.line import Line
@@ -17,12 +18,12 @@ from rosic.messengers.telegram.speaker import Speaker
 
 if TYPE_CHECKING:
     from collections import Counter
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Passed, Receive
     from rosic.core.menu import Menu
-    from rosic.core.message import Chat, Inbound, Outbound, Weight
+    from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Weight
 
 CHECK_S = 4.0
 
@@ -44,7 +45,7 @@ class TelegramMessenger:
     platform = "telegram"
     assurance = "provider-readable"
     edits = True
-    file_bytes = FILE_BYTES
+    pins = True
 
     def __init__(
         self,
@@ -65,6 +66,9 @@ class TelegramMessenger:
         self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
         self._speaker = Speaker(self._line, Limiter(clock, rates), chats, clock)
         self._menus = Menus(name, self._line, clock)
+        self._fetcher = Fetcher(self._line, settings)
+        self.fetch_bytes = self._fetcher.most
+        self.file_bytes = FILE_BYTES
         self._running = False
 
     def __repr__(self) -> str:
@@ -142,9 +146,25 @@ class TelegramMessenger:
         """
         await self._speaker.edit(message, outbound)
 
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Pin without a sound, or unpin.
+
+        Raises:
+            MessengerFault: Not done; in a group only an administrator who may pin can do it.
+        """
+        await self._speaker.pin(chat.id, message, pinned=pinned)
+
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Answer a tap at once, without waiting for the limits. Never raises."""
         await self._speaker.answer(inbound, text)
+
+    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Yield what somebody sent; see `Fetcher`.
+
+        Raises:
+            MessengerFault: As the contract says.
+        """
+        return self._fetcher.fetch(enclosure)
 
 
 def telegram_messenger(name: str, settings: Mapping[str, Any], clock: Clock) -> TelegramMessenger:

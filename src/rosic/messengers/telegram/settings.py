@@ -18,7 +18,9 @@ LONGEST_POLL_S = 4
 """A tap carries no time. A poll that is answered late may bring an old one, so an answer must come
 within the 5 s after which a pause counts as a gap: 4 s of waiting, and 1 s for the way."""
 
-_KNOWN = ("kind", "name", "token", "api_base", "proxy", "poll_timeout_s")
+_KNOWN = (
+    "kind", "name", "token", "api_base", "local_mode", "local_folder", "proxy", "poll_timeout_s",
+)  # fmt: skip
 _TOKEN = re.compile(r"[0-9]{1,20}:[A-Za-z0-9_-]{1,100}")
 _ADDRESS = re.compile(r"https?://[^\s/?#]+(?:/[^\s?#]*)?")
 _PROXY = re.compile(r"(?:https?|socks5h?)://[^\s/?#]+/?")
@@ -32,12 +34,22 @@ class TelegramSettings(msgspec.Struct, frozen=True, kw_only=True):
         api_base: Where the Bot API is, up to and including ``/bot``.
         proxy: May hold a password, so it is a secret too; None for a direct connection.
         poll_timeout_s: How long Telegram keeps an empty request open, 1 to 4 s.
+        local_mode: The Bot API server is one's own and runs with ``--local``: files of up to
+            2000 MB, which it leaves in its folder on this computer.
+        local_folder: That folder. Nothing outside is read, whatever the server says.
     """
 
     token: Secret
     api_base: str = API_BASE
     proxy: Secret | None = None
     poll_timeout_s: int = 3
+    local_mode: bool = False
+    local_folder: str = ""
+
+    @property
+    def file_base(self) -> str:
+        """Where files are downloaded from; the token follows."""
+        return f"{self.api_base.removesuffix('bot')}file/bot"
 
 
 def read_settings(name: str, settings: Mapping[str, Any]) -> TelegramSettings:
@@ -52,11 +64,14 @@ def read_settings(name: str, settings: Mapping[str, Any]) -> TelegramSettings:
             raise ConfigurationError(
                 f"The messenger {name} does not know the setting {key}.", hint=f"It knows: {known}."
             )
+    api_base = _api_base(name, settings.get("api_base", API_BASE))
     return TelegramSettings(
         token=_token(name, settings.get("token")),
-        api_base=_api_base(name, settings.get("api_base", API_BASE)),
+        api_base=api_base,
         proxy=_proxy(name, settings.get("proxy")),
         poll_timeout_s=_poll_timeout_s(name, settings.get("poll_timeout_s", 3)),
+        local_mode=bool(settings.get("local_mode", False)),
+        local_folder=_local_folder(name, settings, api_base),
     )
 
 
@@ -87,6 +102,25 @@ def _api_base(name: str, value: object) -> str:
             hint=f"It looks like {API_BASE} or http://127.0.0.1:8081/bot.",
         )
     return text if text.endswith("/bot") else f"{text}/bot"
+
+
+def _local_folder(name: str, settings: Mapping[str, Any], api_base: str) -> str:
+    mode, folder = settings.get("local_mode", False), _text(settings.get("local_folder", ""))
+    if type(mode) is not bool:
+        raise ConfigurationError(f"local_mode of the messenger {name} must be true or false.")
+    if not mode and not folder:
+        return ""
+    if not mode or api_base == API_BASE:
+        raise ConfigurationError(
+            f"The messenger {name} has a local Bot API server only in part.",
+            hint="It needs api_base, local_mode = true and local_folder together.",
+        )
+    if not folder.startswith("/") or ".." in folder.split("/") or folder.strip("/") == "":
+        raise ConfigurationError(
+            f"local_folder of the messenger {name} is not a folder's full path.",
+            hint="Name the folder that the Bot API server keeps its files in (its --dir).",
+        )
+    return folder.rstrip("/")
 
 
 def _proxy(name: str, value: object) -> Secret | None:

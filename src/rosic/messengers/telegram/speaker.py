@@ -12,6 +12,8 @@ from telegram import (
     ReplyParameters,
 )
 
+from rosic.core.message import Weight
+from rosic.core.saying import said
 from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.messengers.telegram import text as texts
 from rosic.messengers.telegram.files import FILE_S, prepared
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from telegram import Bot
 
     from rosic.contracts.clock import Clock
-    from rosic.core.message import Chat, Inbound, Outbound, Weight
+    from rosic.core.message import Chat, Inbound, Outbound
     from rosic.messengers.telegram.chats import Chats
     from rosic.messengers.telegram.files import Sendable
     from rosic.messengers.telegram.limiter import Limiter
@@ -43,6 +45,9 @@ HAS_A_FILE = "no text in the message to edit"
 """Telegram's words for a message whose text is the caption of a file."""
 NO_TOPIC = ("message thread not found", "topic_closed", "topic_deleted")
 """Telegram's words for a topic in which nothing more can be said: it is said in the group then."""
+NO_RIGHT = "not enough rights"
+NOT_THERE = ("message to pin not found", "message to unpin not found", "message_id_invalid")
+"""Telegram's words for a message that was deleted; of one to be unpinned, also that it is not."""
 NO_PREVIEW = LinkPreviewOptions(is_disabled=True)
 
 log = logging.getLogger("rosic.messengers.telegram")
@@ -141,6 +146,34 @@ class Speaker:
             )
         except MessengerFault as fault:
             log.info("a tap was not answered: %s", fault)
+
+    async def pin(self, chat: str, message: str, *, pinned: bool) -> None:
+        """Pin, without a sound, or unpin. What is so already succeeds.
+
+        Raises:
+            MessageGone: There is no such message any more.
+            MessengerFault: Not done; in a group only an administrator who may pin can do it.
+        """
+        number = _number(message)
+
+        async def act(bot: Bot, where: int) -> None:
+            if pinned:
+                await bot.pin_chat_message(where, number, disable_notification=True)
+            else:
+                await bot.unpin_chat_message(where, message_id=number)
+
+        try:
+            await self._call(Call(chat, Weight.QUESTION, repeatable=True), act)
+        except Trouble as trouble:
+            reason = trouble.reason.lower()
+            if trouble.kind is not Kind.REFUSED:
+                raise
+            if NO_RIGHT in reason:
+                raise MessengerFault(may_not_pin()) from None
+            if not any(words in reason for words in NOT_THERE):
+                raise
+            if pinned:
+                raise MessageGone(str(trouble)) from None
 
     # ---- one call each ----
 
@@ -335,3 +368,11 @@ def _keyboard(outbound: Outbound) -> InlineKeyboardMarkup | None:
         for row in outbound.buttons
     ]
     return InlineKeyboardMarkup(rows)
+
+
+def may_not_pin() -> str:
+    """Say why nothing is pinned here, and who can change it."""
+    return said(
+        "I may not pin messages here. An admin of this chat can make me one who may; "
+        "or pin it yourself."
+    )

@@ -54,6 +54,8 @@ class Message(msgspec.Struct, kw_only=True):
         date: Unix time in whole seconds, cut off.
         message_thread_id: Of a forum topic; of any other thread where ``is_topic_message`` is not.
         left_chat_member: Whoever left, as it came: what is said must not depend on its form.
+        document, photo, location: As they came: read by `enclosed` and `placed`, so that what is
+            malformed hides no stop that was written beneath.
     """
 
     message_id: int
@@ -63,6 +65,10 @@ class Message(msgspec.Struct, kw_only=True):
     sender_chat: Chat | None = None
     text: str | None = None
     caption: str | None = None
+    document: Any = None
+    photo: Any = None
+    location: Any = None
+    venue: Any = None
     reply_to_message: Shown | None = None
     edit_date: int | None = None
     forward_origin: Any = None
@@ -77,6 +83,32 @@ class Message(msgspec.Struct, kw_only=True):
     message_thread_id: int | None = None
     is_topic_message: bool = False
     left_chat_member: Any = None
+
+
+class Document(msgspec.Struct):
+    """A file of any kind. What is said of it is its sender's word."""
+
+    file_id: str
+    file_name: str = ""
+    mime_type: str = ""
+    file_size: int = 0
+
+
+class PhotoSize(msgspec.Struct):
+    """A photo in one of several sizes."""
+
+    file_id: str
+    width: int = 0
+    height: int = 0
+    file_size: int = 0
+
+
+class Location(msgspec.Struct):
+    """A point on the map. A live one moves along with its sender."""
+
+    latitude: float
+    longitude: float
+    live_period: int | None = None
 
 
 class CallbackQuery(msgspec.Struct, kw_only=True):
@@ -140,3 +172,32 @@ def parse(raw: object) -> Update:
         msgspec.ValidationError: It is not what Telegram's documentation says.
     """
     return msgspec.convert(raw, Update)
+
+
+def enclosed(message: Message) -> Document | None:
+    """Return the file that a message brings: a document, or the largest size of a photo."""
+    try:
+        if message.document is not None:
+            return msgspec.convert(message.document, Document)
+        if message.photo:
+            sizes = msgspec.convert(message.photo, list[PhotoSize])
+            photo = max(sizes, key=lambda size: size.width * size.height)
+            return Document(photo.file_id, "", "image/jpeg", photo.file_size)
+    except msgspec.ValidationError:
+        return None
+    return None
+
+
+def placed(message: Message) -> Location | None:
+    """Return the place that a message is.
+
+    None for a live location, which follows its sender about, and for a venue.
+    """
+    if message.location is None or message.venue is not None:
+        return None
+    try:
+        location = msgspec.convert(message.location, Location)
+    except msgspec.ValidationError:
+        return None
+    near = abs(location.latitude) <= 90 and abs(location.longitude) <= 180  # noqa: PLR2004
+    return location if near and location.live_period is None else None

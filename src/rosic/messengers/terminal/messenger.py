@@ -11,7 +11,8 @@ from msgspec.structs import replace
 
 from rosic.core.identity import Address
 from rosic.core.language.stopping import hears_stop
-from rosic.core.message import Chat, Inbound, Outbound
+from rosic.core.message import Chat, Enclosure, Inbound, Outbound
+from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal.choices import Choices
 from rosic.messengers.terminal.completing import Completer
@@ -19,7 +20,7 @@ from rosic.messengers.terminal.drawer import FILE_BYTES, Drawer
 from rosic.messengers.terminal.screen import PlainScreen, Screen, standard_input, write
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable, Mapping
+    from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
@@ -49,6 +50,8 @@ class TerminalMessenger:
     assurance = "local"
     edits = False
     file_bytes = FILE_BYTES
+    fetch_bytes = 0
+    pins = False
 
     def __init__(
         self,
@@ -149,6 +152,14 @@ class TerminalMessenger:
         """
         raise MessengerFault("A terminal cannot change what it has shown.")
 
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:  # noqa: ARG002
+        """Refuse: a terminal scrolls.
+
+        Raises:
+            MessengerFault: Always.
+        """
+        raise MessengerFault(said("A terminal cannot keep a message in sight."))
+
     async def answer_tap(self, inbound: Inbound, text: str) -> None:  # noqa: ARG002 - the contract
         """Show the answer, if there is one."""
         if text:
@@ -156,6 +167,14 @@ class TerminalMessenger:
                 self.show(text)
             except MessengerFault:
                 self.ended.set()
+
+    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:  # noqa: ARG002 - the contract
+        """Refuse: nobody encloses anything in a line.
+
+        Raises:
+            MessengerFault: Always.
+        """
+        raise MessengerFault("No file can be sent over a terminal.")
 
     def show(self, text: str) -> None:
         """Show something that need not be part of a conversation: a greeting, a farewell.

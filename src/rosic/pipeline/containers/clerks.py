@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.container import archived, habits, lending, preferences, shelf
+from rosic.container import archived, drawer, habits, lending, preferences, shelf
 from rosic.pipeline.containers import erasing as erasing_of
 from rosic.pipeline.containers.archiving import Archiving
 from rosic.pipeline.containers.keeping import Keeping
 from rosic.pipeline.containers.mine import Mine
 from rosic.pipeline.containers.settings import Settings
 from rosic.pipeline.containers.sharing import Sharing
+from rosic.pipeline.files.clerk import Filing
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.office import Office
 
 
-def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> None:
-    """Let settings, language, mydata, forget, archive, data, share and shelf be done."""
+def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> Filing:
+    """Let settings, language, mydata, forget, archive, data, share, shelf and files be done."""
     settings, mine = Settings(holdings), Mine(holdings, erasing)
     office.employ("settings", settings.settings)
     office.employ("language", settings.language)
@@ -33,6 +34,9 @@ def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> None:
     sharing = Sharing(holdings)
     office.employ("share", sharing.share)
     office.employ("shelf", sharing.shelf)
+    filing = Filing(holdings)
+    office.employ("files", filing.files)
+    return filing
 
 
 def keepers(holdings: Holdings, erasing: Erasing) -> Mapping[str, Callable[[Fact], object]]:
@@ -48,6 +52,8 @@ def books_kept(holdings: Holdings) -> Mapping[str, Callable[[Fact], object]]:
         shelf.KIND: holdings.shelf.apply,
         lending.LOAN: holdings.shelf.apply,
         shelf.QUOTA: holdings.shelf.apply,
+        drawer.KIND: holdings.files.apply,
+        drawer.PART: lambda _: None,  # content stays on the disk
         archived.SWITCH: holdings.archive.apply,
         archived.ENTRY: holdings.archive.apply,
     }

@@ -159,6 +159,7 @@ class Erasing:
             *holdings.preferences.unset(principal),
             *holdings.shelf.end_all(principal),
             *holdings.habits.end_all(principal),
+            *holdings.files.end_all(principal),
             *holdings.archive.end_private(lambda chat: self._sides.theirs(principal, chat)),
         )
 

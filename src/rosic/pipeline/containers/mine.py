@@ -6,6 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.container import export
+from rosic.container.drawer import PART
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, RecordUnavailable, StoreFault
 from rosic.pipeline.containers import words_containers as words
@@ -50,7 +51,9 @@ class Mine:
             command = f"{words.TO_EXPORT} {asked.caller.principal}"
             return handed_over(asked, FILE, made, command)
         row = (Button(words.EXPORT, f"/mydata {EXPORT}"), Button(words.FORGET, "/forget me"))
-        return Reply(words.my_data(export.summary(found)), (row,))
+        count, size = self._holdings.files.used(asked.caller.principal)
+        inside = (export.Sum(PART, count, size),) if count else ()
+        return Reply(words.my_data((*export.summary(found), *inside)), (row,))
 
     async def _belongings(self, principal: PrincipalId) -> tuple[Fact, ...]:
         try:

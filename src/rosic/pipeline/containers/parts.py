@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 import msgspec
 
 from rosic.container.archive import Archive
+from rosic.container.drawer import Drawer
 from rosic.container.habits import Habits
 from rosic.container.preferences import PreferenceBook
 from rosic.container.shelf import Shelf
@@ -72,6 +73,7 @@ class Holdings(msgspec.Struct, frozen=True, kw_only=True):
 
     preferences: PreferenceBook
     shelf: Shelf
+    files: Drawer
     habits: Habits
     archive: Archive
     vault: Vault

@@ -15,10 +15,12 @@ from rosic.core.message import ChatKind
 from rosic.errors import StoreFault
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
     from rosic.container.archive import Archive
     from rosic.contracts.messenger import Messenger, Passed, Receive, SetMenus
     from rosic.contracts.store import Store
-    from rosic.core.message import Chat, Inbound, Outbound
+    from rosic.core.message import Chat, Enclosure, Inbound, Outbound
     from rosic.core.record import Fact
 
 AuthorOf: TypeAlias = Callable[[Address], Author]
@@ -51,6 +53,8 @@ class Recorded:
         self.edits = messenger.edits
         self.turn = turn_of(messenger)
         self.file_bytes = messenger.file_bytes
+        self.fetch_bytes = messenger.fetch_bytes
+        self.pins = messenger.pins
         self._messenger = messenger
         self._archive = archive
         self._store = store
@@ -105,9 +109,17 @@ class Recorded:
         await self._messenger.edit(message, outbound)
         self._say(message, outbound)
 
+    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
+        """Keep a message in sight, or no longer; see ``contracts.messenger``."""
+        await self._messenger.pin(chat, message, pinned=pinned)
+
     async def answer_tap(self, inbound: Inbound, text: str) -> None:
         """Answer a tap; what is shown for a moment only is not kept."""
         await self._messenger.answer_tap(inbound, text)
+
+    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
+        """Fetch a file; an archive keeps what was written, not what was enclosed."""
+        return self._messenger.fetch(enclosure)
 
     def _say(self, message: str, outbound: Outbound) -> None:
         if not self._archive.keeps(outbound.chat):

@@ -74,6 +74,8 @@ KINDS: Final[Mapping[str, str]] = {
     "archived": said("your messages in chats that are kept"),
     "card": said("your name and your addresses"),
     "command": said("your commands, and where I answered"),
+    "file": said("files you sent"),
+    "file-part": said("what is in them"),
     "invitation": said("invitations you made"),
     "message": said("which messages showed your commands"),
     "outcome": said("how your commands ended"),

@@ -42,6 +42,9 @@ class ControlDoor:
             "seq": lambda: server.seq,
             "file": lambda file_id: base64.b64encode(server.file(file_id)).decode(),
             "send_file": self._send_file,
+            "swap_file": lambda file_id, content: self._server.swap_file(
+                file_id, base64.b64decode(content)
+            ),
             "commands": lambda: server.world.state.commands,
             "health": lambda: {
                 "bot": server.world.bot.username,

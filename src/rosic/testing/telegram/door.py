@@ -152,10 +152,22 @@ class BotDoor:
             return _respond(Reply(error.code, dispatch.refused(error)))
         path = request.match_info["path"]
         self._world.journal.add("download", path=path)
-        held = files.by_path(self._world, path)
+        fault = self._faults.next_for("download", None)
+        if fault is not None and fault.kind == "bad_gateway":
+            return web.Response(status=502, body=BAD_GATEWAY, content_type="text/html")
+        held = None if self._world.settings.local_folder else files.by_path(self._world, path)
         if held is None:
             return _respond(Reply(404, dispatch.refused(ApiError(404, "Not Found"))))
+        if fault is not None:
+            return await self._break_off(request, held.content)
         return web.Response(body=held.content, content_type="application/octet-stream")
+
+    async def _break_off(self, request: web.Request, content: bytes) -> web.StreamResponse:
+        """Reset the connection in the middle of a file."""
+        response = web.StreamResponse(headers={"Content-Length": str(len(content))})
+        await response.prepare(request)
+        await response.write(content[: len(content) // 2])
+        return _reset(request)
 
 
 def _respond(reply: Reply) -> web.Response:

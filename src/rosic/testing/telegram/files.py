@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import struct
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from rosic.testing.telegram.state import JsonObject, StoredFile
@@ -80,5 +80,15 @@ def _store(world: World, upload: Upload, kind: str, show: JsonObject) -> StoredF
 
 
 def by_path(world: World, path: str) -> StoredFile | None:
-    """Return the file behind a `file_path`."""
-    return next((held for held in world.state.files.values() if held.path == path), None)
+    """Return the file behind a `file_path`, while the link that getFile gave is good."""
+    held = next((held for held in world.state.files.values() if held.path == path), None)
+    now_s = world.clock.now_s()
+    return held if held is not None and now_s < held.link_until_s else None
+
+
+def left_in(folder: str, held: StoredFile) -> str:
+    """Leave a file where a local server does, and return its absolute path."""
+    path = Path(folder) / held.path
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(held.content)
+    return str(path)

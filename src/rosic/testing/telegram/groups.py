@@ -56,15 +56,31 @@ class Groups:
         """Return the thread ids of a forum's topics by name."""
         return {name: thread_id for thread_id, name in self.world.state.chats[chat].topics.items()}
 
-    def set_member(self, chat: int, user: int, status: str, *, by: int | None = None) -> None:
+    def set_member(
+        self,
+        chat: int,
+        user: int,
+        status: str,
+        *,
+        by: int | None = None,
+        without: Sequence[str] = (),
+    ) -> None:
         """Let somebody, or the bot, join, leave, be promoted, restricted or thrown out.
 
         https://core.telegram.org/bots/api#chatmemberupdated: `my_chat_member` for the bot itself;
         `chat_member` for others, only where the bot is an administrator and asked for it. Joining
         and leaving also leave a service message.
+
+        Args:
+            chat: Where.
+            user: Who.
+            status: As https://core.telegram.org/bots/api#chatmember has it.
+            by: Who did it; the owner if nobody is named.
+            without: Rights that an administrator is not given, such as "can_pin_messages".
         """
         where = self.world.state.chats[chat]
         old, who = where.members.get(user, "left"), self.world.state.users[user]
+        withheld, where.withheld[user] = where.withheld.get(user, []), [*without]
         where.members[user] = status
         actor = by or next(iter(where.members))
         if (old in PRESENT) != (status in PRESENT) and where.kind != "channel":
@@ -73,8 +89,8 @@ class Groups:
             "chat": objects.chat(where, self.world.state),
             "from": objects.user(self.world.state.users[actor]),
             "date": self.world.clock.date(),
-            "old_chat_member": objects.member(who, old),
-            "new_chat_member": objects.member(who, status),
+            "old_chat_member": objects.member(who, old, withheld),
+            "new_chat_member": objects.member(who, status, without),
         }
         if user == self.world.bot.id:
             self._queue("my_chat_member", update)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from rosic.testing.telegram.state import Chat, Content, JsonObject, Message, Query, State, User
 
 
@@ -97,13 +99,13 @@ def callback_query(query: Query, state: State) -> JsonObject:
     }
 
 
-def member(who: User, status: str) -> JsonObject:
+def member(who: User, status: str, withheld: Sequence[str] = ()) -> JsonObject:
     """https://core.telegram.org/bots/api#chatmember, in the form that belongs to the status."""
     shown: JsonObject = {"user": user(who), "status": status}
     if status == "creator":
         shown["is_anonymous"] = False
     elif status == "administrator":
-        shown |= dict.fromkeys(ADMIN_RIGHTS, True)
+        shown |= {right: right not in withheld for right in ADMIN_RIGHTS}
         shown |= {"can_be_edited": False, "is_anonymous": False}
     elif status == "restricted":
         shown |= {"is_member": True, "until_date": 0} | dict.fromkeys(MEMBER_RIGHTS, False)

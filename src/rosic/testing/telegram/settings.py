@@ -46,6 +46,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
         max_upload_bytes: "50 MB for other types" (https://core.telegram.org/bots/api#sending-files);
             a local server takes 2000 MB (https://core.telegram.org/bots/api#using-a-local-bot-api-server).
         max_download_bytes: "up to 20MB in size" (https://core.telegram.org/bots/api#getfile).
+        link_lifetime_s: "guaranteed that the link will be valid for at least 1 hour"
+            (https://core.telegram.org/bots/api#getfile); here not a moment longer.
+        local_folder: Where a local server (``--local``) leaves files: getFile gives a path below
+            it, and there are no downloads. Empty for Telegram's own servers.
         idle_poll_s: The published server stretches a short poll that repeats the same offset within
             3 s to this timeout. 0 switches it off, so that tests need not wait for it.
     """
@@ -59,4 +63,6 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     press_lifetime_s: float = 150.0
     answer_window_s: float = 15.0
     conflict_pause_s: float = 3.0
+    link_lifetime_s: float = 3600.0
+    local_folder: str = ""
     idle_poll_s: float = 0.0

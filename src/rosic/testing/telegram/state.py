@@ -48,6 +48,7 @@ class Chat(msgspec.Struct, kw_only=True, omit_defaults=True):
         "kicked".
         topics: Names of forum topics by thread id.
         instance: The `chat_instance` of button presses here.
+        withheld: Rights that an administrator was not given, by user id.
         last_bot_id: The bot that wrote last; in privacy mode a bare `/command` goes to that one.
     """
 
@@ -62,6 +63,7 @@ class Chat(msgspec.Struct, kw_only=True, omit_defaults=True):
     migrated_to: int | None = None
     pinned: list[int] = []
     instance: str = ""
+    withheld: dict[int, list[str]] = {}
     last_bot_id: int | None = None
 
 
@@ -134,6 +136,7 @@ class StoredFile(msgspec.Struct, kw_only=True, omit_defaults=True):
     Attributes:
         path: What getFile gives as `file_path`.
         show: The Document or PhotoSize object, without its content.
+        link_until_s: Server time until which it can be downloaded; 0 before getFile.
     """
 
     id: str
@@ -143,6 +146,7 @@ class StoredFile(msgspec.Struct, kw_only=True, omit_defaults=True):
     kind: str
     content: bytes
     show: JsonObject
+    link_until_s: float = 0.0
 
 
 class Pending(msgspec.Struct, kw_only=True, omit_defaults=True):

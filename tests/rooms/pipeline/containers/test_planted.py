@@ -16,6 +16,7 @@ from rosic.app.face import face_of
 from rosic.app.logs import OneLine
 from rosic.authoriser import totp
 from rosic.container import export
+from rosic.container.drawer import PART
 from rosic.core.identity import Address, AuthorisationKey
 from rosic.core.message import ChatKind
 from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
@@ -134,6 +135,17 @@ def ways(text: str, account: str, group: str) -> dict[int, tuple[str, str, ChatK
     }
 
 
+async def leave(ward: Ward, place: int, text: str, account: str) -> None:
+    """Leave something in one's own container: data, what is shared of it, a file."""
+    if place % 12 == 11:
+        content = f"{text}\n".encode()
+        ward.chat.enclose(f"{text}.txt", content, text=text, account=account, chat=account)
+        return
+    await ward.said("data", f"{text} = {text}", account=account)
+    if place % 12 == 3:
+        await ward.said("share", f"{text} with omni for 2h", account=account)
+
+
 async def use(ward: Ward, planted: list[str]) -> None:
     """Use everything with planted strings: names, addresses, words, data, refusals, archives."""
     words = iter(planted)
@@ -149,11 +161,8 @@ async def use(ward: Ward, planted: list[str]) -> None:
         account = people[place % PEOPLE][1]
         if place % 120 == 3:
             await ward.said("invite", f"viewer as {text}", account=ADA)
-        elif place % 12 == 3:
-            await ward.said("data", f"{text} = {text}", account=account)
-            await ward.said("share", f"{text} with omni for 2h", account=account)
-        elif place % 12 == 9:
-            await ward.said("data", f"{text} = {text}", account=account)
+        elif place % 12 in {3, 9, 11}:
+            await leave(ward, place, text, account)
         else:
             said, chat, kind = ways(text, account, group)[place % 6]
             ward.chat.say(said, account=account, chat=chat, kind=kind)
@@ -176,6 +185,9 @@ async def test_a_thousand_planted_strings_are_found_in_no_file(tmp_path: Path) -
         assert not secret_in(tmp_path, secret)
         assert {DATABASE, "latch", "root.key"} <= names_in(tmp_path)
         everything = [await ward.kept.belongings(name) for name in await ward.kept.containers()]
+        parts = await ward.kept.facts(PART, "", COUNT)
+        assert len(parts) > COUNT // 20
+        everything.append(parts)
         said = msgspec.json.encode(
             [fact.letter.content.decode("latin-1") for held in everything for fact in held
              if fact.letter is not None]

@@ -7,8 +7,10 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 from rosic.app.gateway import Gateway
+from rosic.app.holding import handing_of
 from rosic.app.profiles import known_units
 from rosic.container.archive import NOBODY, Archive, Author
+from rosic.container.drawer import Drawer
 from rosic.container.preferences import Caps, PreferenceBook
 from rosic.container.shelf import Shelf
 from rosic.core.identity import Address, Caller, Principal
@@ -23,18 +25,21 @@ from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings
 from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.desk import Reply
+from rosic.pipeline.files.receiving import Receiving
 from rosic.pipeline.office import Asked
 from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import FileLatch
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
 from tests.rooms.pipeline.place import ADA, BO, Place
+from tests.rooms.pipeline.place import FLEET as ROBOTS
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable
     from pathlib import Path
 
     from rosic.core.record import Memory, Record
+    from rosic.core.robot import Profile
 
 LANGUAGES = {"en": ("English",), "de": ("Deutsch", "German")}
 
@@ -70,12 +75,18 @@ class WardGateway(Gateway):
 class Ward(Place):
     """Ada is admin, Bo operator, Vi viewer."""
 
-    def __init__(self, folder: Path | None = None, *, clock: ManualClock | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path | None = None,
+        *,
+        clock: ManualClock | None = None,
+        fleet: tuple[Profile, ...] = ROBOTS,
+    ) -> None:
         clock = clock or ManualClock()
         self.kept: KeepingStore | KeepingMemory = (
             KeepingMemory() if folder is None else KeepingStore(folder, clock=clock)
         )
-        super().__init__(self.kept, clock=clock)
+        super().__init__(self.kept, clock=clock, fleet=fleet)
         self.archive = Archive(clock)
         recorded = Recorded(self.chat, self.archive, self.kept, self.author_of)
         parts = self.gateway._parts
@@ -103,8 +114,8 @@ class Ward(Place):
         self.shelf.sees = lambda who, robot: robot in organiser.visible(who)
         self.shelf.works_with = lambda who, robot: organiser.holder(robot) == who
         self.holdings = Holdings(
-            preferences=self.book, shelf=self.shelf, habits=gateway.pipeline.habits,
-            archive=self.archive, vault=self.kept,
+            preferences=self.book, shelf=self.shelf, files=Drawer(clock),
+            habits=gateway.pipeline.habits, archive=self.archive, vault=self.kept,
             changes=access.changes, clock=clock, name=directory.name,
             shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
             visible=organiser.visible, choices=organiser.visible,
@@ -115,13 +126,19 @@ class Ward(Place):
             tell=gateway.furnishing.reach.tell,
         )  # fmt: skip
         self.erasing = Erasing(self.holdings, self.sides())
-        employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
+        filing = employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
+        self.receiving = Receiving(self.holdings, gateway.pipeline.answer, gateway.pipeline.plain)
+        gateway.pipeline.reception.enclosed = self.receiving.take
+        handing = handing_of(rooms, self.holdings, gateway.pipeline)
+        filing.hand_over(handing)
+        self.receiving.offer = handing.offer
         take_over(self.kept.memory.facts, self.holdings, self.erasing)
         chosen = rooms.container.selected
         rooms.container.selected = lambda principal, chat: (  # type: ignore[method-assign]
             chosen(principal, chat) or self.book.of(principal).robot
         )
         await self.erasing.finish()
+        await self.receiving.finish()
 
     def sides(self) -> Sides:
         gateway = self.gateway

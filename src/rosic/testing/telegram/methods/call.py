@@ -132,6 +132,13 @@ def require_admin(world: World, chat: Chat, refusal: str) -> None:
         raise bad_request(refusal)
 
 
+def require_right(world: World, chat: Chat, right: str, refusal: str) -> None:
+    """Raise a 400 unless the chat is private, or the bot an administrator with this right."""
+    require_admin(world, chat, refusal)
+    if right in chat.withheld.get(world.bot.id, ()):
+        raise bad_request(refusal)
+
+
 def message_of(world: World, args: Arguments, chat: Chat, what: str) -> Message:
     """Return the message that `message_id` names; `what` is "message to edit" or the like."""
     if "message_id" not in args:

@@ -10,7 +10,7 @@ from rosic.testing.telegram.methods.call import (
     chat_of,
     message_of,
     present_in,
-    require_admin,
+    require_right,
     unsupported,
     writable,
 )
@@ -57,13 +57,19 @@ def pin_chat_message(world: World, call: Call) -> bool:
     """https://core.telegram.org/bots/api#pinchatmessage; a service message tells the chat."""
     chat = writable(world, call.args)
     message = message_of(world, call.args, chat, "message to pin")
-    require_admin(world, chat, NO_PIN)
+    _require_pins(world, chat)
     if message.message_id in chat.pinned:
         chat.pinned.remove(message.message_id)
     chat.pinned.append(message.message_id)
     world.journal.add("pinned", chat_id=chat.id, message_id=message.message_id)
     _tell_pinned(world, chat, message)
     return True
+
+
+def _require_pins(world: World, chat: Chat) -> None:
+    """https://core.telegram.org/bots/api#pinchatmessage: which right, depends on the chat."""
+    right = {"supergroup": "can_pin_messages", "channel": "can_edit_messages"}.get(chat.kind, "")
+    require_right(world, chat, right, NO_PIN)
 
 
 def _tell_pinned(world: World, chat: Chat, message: Message) -> None:
@@ -86,7 +92,7 @@ def _tell_pinned(world: World, chat: Chat, message: Message) -> None:
 def unpin_chat_message(world: World, call: Call) -> bool:
     """https://core.telegram.org/bots/api#unpinchatmessage; without an id, the most recent pin."""
     chat = writable(world, call.args)
-    require_admin(world, chat, NO_PIN)
+    _require_pins(world, chat)
     pinned = call.args.integer("message_id", chat.pinned[-1] if chat.pinned else 0)
     if pinned not in chat.pinned:
         raise bad_request("message to unpin not found")
@@ -98,7 +104,7 @@ def unpin_chat_message(world: World, call: Call) -> bool:
 def unpin_all(world: World, call: Call) -> bool:
     """https://core.telegram.org/bots/api#unpinallchatmessages."""
     chat = writable(world, call.args)
-    require_admin(world, chat, NO_PIN)
+    _require_pins(world, chat)
     for pinned in chat.pinned:
         world.journal.add("unpinned", chat_id=chat.id, message_id=pinned)
     chat.pinned.clear()
@@ -115,7 +121,8 @@ def get_chat_member(world: World, call: Call) -> JsonObject:
         )
     if chat.kind == "private":
         return objects.member(person, "member")
-    return objects.member(person, chat.members.get(person.id, "left"))
+    withheld = chat.withheld.get(person.id, ())
+    return objects.member(person, chat.members.get(person.id, "left"), withheld)
 
 
 def get_chat_administrators(world: World, call: Call) -> list[JsonObject]:
@@ -125,7 +132,7 @@ def get_chat_administrators(world: World, call: Call) -> list[JsonObject]:
         raise bad_request("there are no administrators in the private chat")
     people = ((world.state.users[number], status) for number, status in chat.members.items())
     return [
-        objects.member(who, status)
+        objects.member(who, status, chat.withheld.get(who.id, ()))
         for who, status in people
         if status in ADMINS and (not who.is_bot or who.id == world.bot.id)
     ]

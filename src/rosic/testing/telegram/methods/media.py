@@ -93,11 +93,13 @@ def get_file(world: World, call: Call) -> JsonObject:
         raise bad_request("invalid file_id")
     if len(held.content) > world.settings.max_download_bytes:
         raise bad_request("file is too big")
+    held.link_until_s = world.clock.now_s() + world.settings.link_lifetime_s
+    folder = world.settings.local_folder
     return {
         "file_id": held.id,
         "file_unique_id": held.unique_id,
-        "file_size": len(held.content),
-        "file_path": held.path,
+        "file_size": held.show["file_size"],
+        "file_path": files.left_in(folder, held) if folder else held.path,
     }
 
 

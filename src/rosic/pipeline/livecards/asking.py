@@ -1,0 +1,104 @@
+"""``/card``: begin a live card, choose its robots, keep it in sight, end it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language.compiled import fold
+from rosic.core.language.suggestions import did_you_mean
+from rosic.core.language.words import FILLERS
+from rosic.core.saying import joined
+from rosic.core.words import NOTHING_VISIBLE
+from rosic.errors import NotUnderstood
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.livecards import words_livecards as words
+
+if TYPE_CHECKING:
+    from rosic.core.language import Vocabulary
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.livecards.drawing import Sides
+    from rosic.pipeline.livecards.glimpses import Glimpses
+    from rosic.pipeline.livecards.livecards import LiveCards
+    from rosic.pipeline.office import Asked
+
+_ENDS = ".,;:!?"
+_BETWEEN = str.maketrans(",;", "  ")
+
+
+class CardClerk:
+    """The clerk of live cards."""
+
+    def __init__(
+        self, live: LiveCards, glimpses: Glimpses, vocabulary: Vocabulary, sides: Sides
+    ) -> None:
+        self._live = live
+        self._glimpses = glimpses
+        self._vocabulary = vocabulary
+        self._sides = sides
+
+    async def card(self, asked: Asked) -> Reply:
+        """Do what was said about this chat's card. The card itself is the answer.
+
+        Raises:
+            NotUnderstood: There is no such robot, as far as this person may know.
+            TooManyRequests: There are too many cards.
+            RecordUnavailable: It could not be ended.
+        """
+        said = asked.rest.strip().rstrip(_ENDS).translate(_BETWEEN).split()
+        verb = fold(said[0]) if said else ""
+        if verb == "off" and len(said) == 1:
+            return await self._off(asked)
+        known = self._live.of(asked.messenger, asked.inbound.chat)
+        if verb in {"pin", "unpin"} and len(said) == 1 and known is not None:
+            self._live.keep_in_sight(known, pinned=verb == "pin")
+            return Reply("")
+        if verb == "unpin" and len(said) == 1:
+            return Reply(words.NO_SUCH_CARD)
+        return self._begin(asked, said[1:] if verb == "pin" else said, pinned=verb == "pin")
+
+    async def _off(self, asked: Asked) -> Reply:
+        known = self._live.of(asked.messenger, asked.inbound.chat)
+        if known is None:
+            return Reply(words.NO_SUCH_CARD)
+        await self._live.end(known)
+        return Reply(words.OFF)
+
+    def _begin(self, asked: Asked, said: list[str], *, pinned: bool) -> Reply:
+        owner, chat = asked.caller.principal, asked.inbound.chat
+        visible = self._sides.sees(owner)
+        if not visible:
+            return Reply(NOTHING_VISIBLE)
+        robots = self._robots(said, visible)
+        if not asked.messenger.edits:
+            shown = robots or tuple(sorted(visible))
+            self._glimpses.look(shown)
+            now = self._live.drawing.text(chat, owner, shown)
+            return Reply(joined("\n", (words.AS_IT_IS, now)))
+        self._live.begin(asked.messenger, chat, owner, robots, pinned=pinned)
+        return Reply("")
+
+    def _robots(self, said: list[str], visible: frozenset[RobotId]) -> tuple[RobotId, ...]:
+        """Return the robots that were named; what one may not see, there is not."""
+        robots: dict[RobotId, None] = {}
+        at = 0
+        while at < len(said):
+            if fold(said[at]) in FILLERS:
+                at += 1
+                continue
+            found, at = self._named(said, at, visible)
+            robots.update(dict.fromkeys(found))
+        return tuple(robots)
+
+    def _named(
+        self, said: list[str], at: int, visible: frozenset[RobotId]
+    ) -> tuple[tuple[RobotId, ...], int]:
+        """Return whom the longest name means that begins here, and where it ends."""
+        for end in range(len(said), at, -1):
+            name = " ".join(said[at:end])
+            profile = self._vocabulary.robot(name)
+            meant = self._vocabulary.members(name) if profile is None else (profile.id,)
+            seen = tuple(robot for robot in meant if robot in visible)
+            if seen:
+                return seen, end
+        offers = tuple(f"/card {name}" for name in did_you_mean(fold(said[at]), sorted(visible)))
+        raise NotUnderstood(words.no_such_robot(said[at]), offers=offers or ("/card",))

@@ -1,0 +1,110 @@
+"""What there is to see of each robot now, looked at once for all cards that show it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.robot import Slots
+from rosic.core.saying import joined
+from rosic.pipeline.livecards import words_livecards as words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rosic.core.life import Face
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.lives import Lives, OrderLife
+    from rosic.pipeline.rooms import Rooms
+
+
+class Glimpses:
+    """The newest look at each robot.
+
+    A number beside it grows whenever there is something new to see: a card compares numbers. While
+    nobody looks, orders are not followed.
+    """
+
+    def __init__(self, rooms: Rooms, lives: Lives, face: Face) -> None:
+        self._rooms = rooms
+        self._lives = lives
+        self._face = face
+        self._seen: dict[RobotId, tuple[int, str]] = {}
+        self._followed: dict[RobotId, OrderLife] = {}
+
+    def begin(self) -> None:
+        """Follow orders from now on, those under way included."""
+        self._followed = self._lives.follow()
+
+    def end(self) -> None:
+        """Follow nothing any more."""
+        self._lives.leave_off()
+        self._followed = {}
+
+    def look(self, robots: Iterable[RobotId]) -> None:
+        """Look at these robots."""
+        for robot in robots:
+            text = joined("\n", self._lines(robot))
+            number, before = self._seen.get(robot, (0, ""))
+            if text != before:
+                self._seen[robot] = (number + 1, text)
+
+    def number(self, robot: RobotId) -> int:
+        """Return how often there was something new to see."""
+        return self._seen[robot][0]
+
+    def text(self, robot: RobotId) -> str:
+        """Return what there is to see."""
+        return self._seen[robot][1]
+
+    # ---- one robot ----
+
+    def _lines(self, robot: RobotId) -> Iterator[str]:
+        linker, profile = self._rooms.linker, self._rooms.profiles[robot]
+        presence, queued = linker.presence(robot), linker.waiting(robot)
+        states = [
+            self._stopped(robot),
+            self._holder(robot),
+            words.waiting(queued) if queued else "",
+            words.battery(profile, presence),
+            words.link(presence),
+        ]
+        yield words.head(profile, [state for state in states if state])
+        life = self._followed.get(robot)
+        if life is not None:
+            what = _what(life)
+            yield from (words.step(step, what) for step in life.shown.steps)
+        done = life.shown.now() if life is not None else ""
+        if done:
+            yield words.now(done)
+        elif presence.doing:
+            yield words.now(words.doing(presence.doing))
+        elif presence.at_rest:
+            yield words.now(words.at_rest())
+
+    def _stopped(self, robot: RobotId) -> str:
+        entry = self._rooms.board[robot]
+        if not entry.latched:
+            return ""
+        name = self._rooms.organiser.name_of(entry.by) if entry.by else ""
+        return words.stopped(name, self._face(entry.at_ns) if entry.at_ns else "")
+
+    def _holder(self, robot: RobotId) -> str:
+        organiser = self._rooms.organiser
+        calendar, now_ns = organiser.calendar, organiser.wall_ns()
+        booked = self._rooms.profiles[robot].slots is not Slots.NONE and calendar.has_slots(robot)
+        slot = calendar.present(robot, now_ns) if booked else None
+        who = organiser.whose(robot)
+        if who is not None:
+            ends = slot is not None and slot.principal == who
+            until = organiser.moment(who, slot.end_ns) if slot is not None and ends else ""
+            return words.theirs(organiser.name_of(who), until)
+        following = calendar.next_of(robot, now_ns) if booked else None
+        return words.free("" if following is None else organiser.moment("", following.start_ns))
+
+
+def _what(life: OrderLife) -> str:
+    """Return what was asked; what somebody wrote freely is theirs, and stays in their own chat."""
+    skill = life.order.skill
+    if any(parameter.text for parameter in skill.parameters.values()):
+        return skill.title or skill.id.replace("_", " ")
+    return words.short(life.order.words)
