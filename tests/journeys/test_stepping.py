@@ -157,9 +157,9 @@ async def test_a_second_person_agrees_once_and_only_who_was_asked(
         assert await press(place, place.ada, "I agree") == ""
         await place.reads(place.bo, "Ada agrees: bee hop.")
         assert place.acted() == 0, "an agreement alone moves nothing"
+        message = await asked(place, place.bo, "Do it")
         assert await press(place, place.bo, "Do it") == ""
         await place.reads(place.bo, "done ")
-        message = await asked(place, place.bo, "Do it")
         again = await place.control.tap(
             place.bo, place.bo, message["message_id"], "Do it", stale=True
         )

@@ -176,6 +176,7 @@ class Gateway:
             authority.draw_up(), profiles, board, time,
             limit=settings.limit, lease_idle_s=settings.lease_idle_s,
         )  # fmt: skip
+        limit_rates(organiser, profiles, settings.robot_limits, parts.store.note)
         organiser.key_of = partial(key_of, authoriser)
         self.access = Access(
             authoriser, authority, parts.store, time, parts.entropy, place=settings.place
@@ -192,7 +193,6 @@ class Gateway:
             authoriser, organiser, container,
             Linker(self.robots, board, parts.latch, parts.clock), vocabulary, profiles, board,
         )  # fmt: skip
-        limit_rates(self.rooms, settings.robot_limits, parts.store.note)
         self.authority = authority
         await self._furnish(memory)
 

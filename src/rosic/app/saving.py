@@ -13,16 +13,21 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
     from rosic.core.rate import RateLimit
     from rosic.core.record import Fact
-    from rosic.core.robot import RobotId
+    from rosic.core.robot import Profile, RobotId
+    from rosic.organiser.organiser import Organiser
     from rosic.organiser.rates import Rates
-    from rosic.pipeline.rooms import Rooms
 
 
 def limit_rates(
-    rooms: Rooms, robots: Mapping[RobotId, RateLimit], note: Callable[[Fact], None]
+    organiser: Organiser,
+    profiles: Mapping[RobotId, Profile],
+    robots: Mapping[RobotId, RateLimit],
+    note: Callable[[Fact], None],
 ) -> None:
-    """Let robots and roles be asked only as often as was set, and say who keeps what is used."""
-    organiser, profiles = rooms.organiser, rooms.profiles
+    """Let robots and roles be asked only as often as was set, and say who keeps what is used.
+
+    Before what was used is restored: it is taken over only for whom there is a limit.
+    """
     rates = organiser.rates
     rates.robots, rates.roles = robots, organiser.rights.rates
     rates.shown_of = lambda robot: profiles[robot].shown
