@@ -18,6 +18,7 @@ from rosic.core.slot import SERIES, SLOT
 from rosic.errors import Refusal
 from rosic.organiser.petitions import PETITION, Petitions
 from rosic.organiser.rates import KIND as RATE
+from rosic.organiser.rolebook import ROLE
 from rosic.organiser.roster import GRANT
 from rosic.organiser.waiting import WAITING, WaitingList
 from rosic.pipeline.changes import Changes
@@ -100,6 +101,7 @@ class Access:
         changes.keep("key-end", self._key_ends)
         changes.keep("lock", self._locked)
         changes.keep(GRANT, authority.granted)
+        changes.keep(ROLE, authority.ruled)
         changes.watch(Enrolled, self._enrolled)
         changes.watch(KeyIssued, self._issued)
         changes.watch(KeyRevoked, self._revoked)

@@ -11,16 +11,17 @@ from rosic.core.limits import unit_converter
 from rosic.core.reach import Fleet
 from rosic.core.rights import Rights
 from rosic.core.roles import DEFAULT_ROLES, Rulebook
-from rosic.organiser.roster import Roster
+from rosic.organiser.rolebook import ROLE, Rolebook
+from rosic.organiser.roster import GRANT, Roster
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
     from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.clock import Clock
     from rosic.core.identity import KeyId, PrincipalId
     from rosic.core.language import UnitTable
-    from rosic.core.record import Enrolled, Fact
+    from rosic.core.record import Enrolled, Fact, Memory
     from rosic.core.robot import Profile, RobotId
     from rosic.core.roles import Care, Role
     from rosic.pipeline.rooms import Rooms
@@ -32,6 +33,7 @@ class Authority:
 
     Attributes:
         roster: Everybody's roles and grants.
+        rolebook: What the roles are.
         rights: The present snapshot.
         when_granted: Called when a grant was given or has ended.
     """
@@ -41,7 +43,7 @@ class Authority:
     ) -> None:
         self.roster = Roster(clock)
         self.when_granted: Callable[[], object] = _nothing
-        self._rulebook = rulebook
+        self.rolebook = Rolebook(rulebook)
         self._fleet = fleet_of(profiles)
         self._convert = unit_converter(units)
         self._rooms: Rooms | None = None
@@ -50,7 +52,15 @@ class Authority:
 
     def _drawn_up(self, epoch: int) -> Rights:
         everybody = self.roster.everybody()
-        return Rights.draw_up(epoch, self._rulebook, self._fleet, everybody, self._convert)
+        rules = self.rolebook.rulebook
+        return Rights.draw_up(epoch, rules, self._fleet, everybody, self._convert)
+
+    def restore(self, memory: Memory, roles: Mapping[PrincipalId, tuple[str, ...]]) -> None:
+        """Take over what earlier runs wrote; `draw_up` is for afterwards."""
+        for principal, names in roles.items():
+            self.roster.set_roles(principal, names)
+        self.roster.restore(memory.facts.get(GRANT, ()))
+        self.rolebook.restore(memory.facts.get(ROLE, ()))
 
     def draw_up(self) -> Rights:
         """Work everything out anew, after the roster was filled."""
@@ -70,6 +80,12 @@ class Authority:
         if principal is not None:
             self.renew(principal)
         self.when_granted()
+
+    def ruled(self, fact: Fact) -> None:
+        """A role was made, replaced or taken back: every table is drawn up anew."""
+        self.rolebook.apply(fact)
+        self.draw_up()
+        self._put_in_force()
 
     def enrolled(self, record: Enrolled) -> None:
         """Somebody has other roles of their own."""

@@ -40,6 +40,7 @@ from rosic.pipeline.people.powers import Powers
 from rosic.pipeline.people.proving import Proving
 from rosic.pipeline.people.registry import Registry
 from rosic.pipeline.people.reminding import Reminding
+from rosic.pipeline.people.rolemaking import Rolemaking
 from rosic.pipeline.reach import Reach
 from rosic.pipeline.telling import Note
 from rosic.pipeline.times.clerks import employ_clerks
@@ -198,6 +199,7 @@ class Furnishing:
         )
         self.granting = Granting(registry, powers, entropy, places.zone_of)
         self.petitioning = Petitioning(registry, powers, access.petitions, self.granting, places)
+        self.rolemaking = Rolemaking(registry, powers, authority.rolebook)
         about = About(
             registry,
             powers,
@@ -210,7 +212,7 @@ class Furnishing:
         clerks = Clerks(
             about, self.admitting, Custody(registry, powers, self.notices),
             Inviting(registry, powers, link=_link),
-            Proving(registry, powers), self.granting, self.petitioning,
+            Proving(registry, powers), self.granting, self.petitioning, self.rolemaking,
         )  # fmt: skip
         hire(self._pipeline.reception.office, clerks, self.consent)
         self._pipeline.reception.newcomer = joining.take

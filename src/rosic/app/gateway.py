@@ -44,7 +44,6 @@ from rosic.core.stopboard import StopBoard
 from rosic.errors import ConfigurationError
 from rosic.linker.linker import Linker
 from rosic.organiser.organiser import Organiser
-from rosic.organiser.roster import GRANT
 from rosic.pipeline import Pipeline
 from rosic.pipeline.containers.parts import Vault
 from rosic.pipeline.languages import Languages
@@ -233,9 +232,7 @@ class Gateway:
             await seed(settings.people, memory, authoriser, parts.store, parts.clock, parts.entropy)
         )
         authority = Authority(settings.rulebook, settings.profiles, parts.units, time)
-        for principal, names in roles.items():
-            authority.roster.set_roles(principal, names)
-        authority.roster.restore(memory.facts.get(GRANT, ()))
+        authority.restore(memory, roles)
         return authority
 
     async def _recover(self, memory: Memory) -> None:

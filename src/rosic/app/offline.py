@@ -25,7 +25,6 @@ from rosic.core.rate import RateLimit
 from rosic.core.roles import DEFAULT_ROLES, Assurance, Rulebook
 from rosic.core.stopboard import StopBoard
 from rosic.organiser.organiser import Organiser
-from rosic.organiser.roster import GRANT
 from rosic.organiser.zones import UNIVERSAL
 from rosic.pipeline.containers.clerks import books_kept
 from rosic.pipeline.containers.parts import Vault
@@ -137,9 +136,7 @@ class Alone:
             sink = store if seeding is Seeding.WRITTEN else await _nowhere()
             roles |= await seed(self._seeds, memory, authoriser, sink, clock, entropy)
         authority = Authority(rulebook, robots, known_units(), time)
-        for principal, names in roles.items():
-            authority.roster.set_roles(principal, names)
-        authority.roster.restore(memory.facts.get(GRANT, ()))
+        authority.restore(memory, roles)
         stops = await self._stops(memory, profiles)
         organiser = Organiser(
             authority.draw_up(), profiles, StopBoard(profiles, stops),

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.reach import GRANT
-from rosic.core.role_mistakes import grant_mistakes
+from rosic.core.role_mistakes import given_by, grant_mistakes, rulebook_mistakes
 from rosic.core.roles import priority_of
 from rosic.core.tables import NO_CAUTION, Tables
 
@@ -232,6 +232,14 @@ class Rights:
         """Find what is wrong with a grant that somebody is about to give."""
         tables = self._tables
         return grant_mistakes(grant, tables.rulebook, tables.fleet, tables.convert)
+
+    def rule_mistakes(self, rulebook: Rulebook) -> list[Mistake]:
+        """Find what is wrong with other rules, for these robots."""
+        return rulebook_mistakes(rulebook, self._tables.fleet, self._tables.convert)
+
+    def given_by(self, rulebook: Rulebook, role: str) -> dict[RobotId, frozenset[str]]:
+        """Return what a role would give by other rules, without limits."""
+        return given_by(rulebook, role, self._tables.fleet)
 
     @property
     def rulebook(self) -> Rulebook:

@@ -85,6 +85,11 @@ def grant_mistakes(
     return found + list(_limits(grant.limits, given, fleet, convert))
 
 
+def given_by(rulebook: Rulebook, role: str, fleet: Fleet) -> dict[RobotId, frozenset[str]]:
+    """Return what a role gives with everything it includes, without limits."""
+    return dict(_given(_scopes_of(role, (), rulebook.roles), fleet))
+
+
 def _role(
     name: str, role: Role, roles: Mapping[str, Role], fleet: Fleet, convert: Convert
 ) -> Iterator[Mistake]:

@@ -13,6 +13,7 @@ from rosic.pipeline.people.granting import Granting
 from rosic.pipeline.people.inviting import Inviting
 from rosic.pipeline.people.petitioning import Petitioning
 from rosic.pipeline.people.proving import Proving
+from rosic.pipeline.people.rolemaking import Rolemaking
 
 if TYPE_CHECKING:
     from rosic.pipeline.consent import Consent
@@ -30,6 +31,7 @@ class Clerks(msgspec.Struct, frozen=True):
     proving: Proving
     granting: Granting | None = None
     petitioning: Petitioning | None = None
+    rolemaking: Rolemaking | None = None
 
 
 class Answers:
@@ -81,3 +83,5 @@ def hire(office: Office, clerks: Clerks, consent: Consent | None = None) -> None
         office.employ("grant", clerks.granting.grant)
     if clerks.petitioning is not None:
         office.employ("ask", clerks.petitioning.ask)
+    if clerks.rolemaking is not None:
+        office.employ("role", clerks.rolemaking.role)

@@ -7,16 +7,18 @@ from typing import TYPE_CHECKING
 from rosic.authoriser import words_keys
 from rosic.authoriser.invitation import Given
 from rosic.core.reach import FLEET, GRANT
+from rosic.core.roles import priority_of
 from rosic.core.tables import NEVER_NS
 from rosic.errors import NotPermitted
 from rosic.pipeline.people import words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from rosic.core.identity import PrincipalId
     from rosic.core.rights import Rights
-    from rosic.core.roles import Grant
+    from rosic.core.robot import RobotId
+    from rosic.core.roles import Grant, Rulebook
     from rosic.pipeline.people.registry import Registry
 
 INVITE, LOCK, PEOPLE = "invite", "lock", "people"
@@ -120,6 +122,31 @@ class Powers:
         return any(
             not way.limits and now_ns < holding.until_ns
             for way, holding in rights.ways(principal, robot, skill)
+        )
+
+    def may_make(
+        self,
+        principal: PrincipalId,
+        given: Mapping[RobotId, frozenset[str]],
+        rules: Rulebook,
+        role: str,
+    ) -> bool:
+        """Whether somebody may give all that a role would give, skill by skill.
+
+        Args:
+            principal: Who makes it.
+            given: What it gives without its limits.
+            rules: The rules with the role in them.
+            role: Its name.
+        """
+        rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
+        if rights.holds(principal, FLEET, GRANT, now_ns):
+            return True
+        priority = priority_of(rules.roles, role)
+        return all(
+            priority <= rights.priority(principal, robot, now_ns)
+            and all(self._may_give_scope(principal, f"{robot}:{word}", now_ns) for word in skills)
+            for robot, skills in given.items()
         )
 
     def gives(self, principal: PrincipalId) -> bool:

@@ -1,0 +1,75 @@
+"""``guest may omni:move omni:wave with omni:move speed <= 0.2 m/s``: what a role shall be.
+
+Scopes, limits and the names of included roles are written as in the file. Total and linear.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.language import clean
+from rosic.core.language.cleaning import fold_word
+from rosic.core.reach import FLEET
+from rosic.core.roles import Role
+from rosic.errors import NotUnderstood
+from rosic.pipeline.people import words, words_roles
+from rosic.pipeline.people.names import CONFIRMED
+
+if TYPE_CHECKING:
+    from rosic.core.reach import Fleet
+
+LONGEST_LINE: Final = 300
+MAY, WITH, OFF = "may", "with", "off"
+_NAME = re.compile(r"[a-z][a-z0-9_-]{0,31}\Z")
+_LIMITS = re.compile(r"\s*,\s*|\s+(?:and|with)\s+", re.IGNORECASE)
+_SIGN = re.compile(r"[<>=≤≥]")
+_FILLERS = frozenset({"and", ",", "&"})
+# Words that mean something else where roles are named: in /grant, /invite and here.
+_TAKEN = frozenset(
+    {
+        "a", "an", "and", "as", "at", "back", "code", "confirm", CONFIRMED, "everywhere", FLEET,
+        "for", "limit", MAY, OFF, "on", "the", WITH,
+    }
+)  # fmt: skip
+
+
+def said_line(text: str) -> str:
+    """Return a line as it is read.
+
+    Raises:
+        NotUnderstood: It is too long.
+    """
+    said = " ".join(clean(text).split())
+    if len(said) > LONGEST_LINE:
+        raise NotUnderstood(words.LINE_TOO_LONG)
+    return said
+
+
+def check_name(name: str, fleet: Fleet) -> None:
+    """See that a role can be called so.
+
+    Raises:
+        NotUnderstood: It cannot: it would be read as something else.
+    """
+    if not _NAME.match(name) or name in _TAKEN or name in fleet.skills or name in fleet.groups:
+        raise NotUnderstood(words_roles.no_name(name))
+
+
+def read_role(text: str) -> Role:
+    """Read what stands after ``may``. Whether it makes sense, the check of the rulebook says."""
+    said, _, limits = text.partition(f" {WITH} ")
+    named = [fold_word(word).casefold() for word in said.replace(",", " , ").split()]
+    given = [word for word in dict.fromkeys(named) if word not in _FILLERS]
+    return Role(
+        scopes=tuple(word for word in given if ":" in word),
+        includes=tuple(word for word in given if ":" not in word),
+        limits=tuple(dict.fromkeys(_limit(each) for each in _LIMITS.split(limits) if each.strip())),
+    )
+
+
+def _limit(text: str) -> str:
+    """Write names small; a unit keeps its letters."""
+    sign = _SIGN.search(text)
+    end = len(text) if sign is None else sign.start()
+    return f"{text[:end].casefold()}{text[end:]}".strip()

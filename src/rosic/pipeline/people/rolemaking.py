@@ -1,0 +1,203 @@
+"""``/role guest may omni:move``: roles of the place's own, made and taken back in a chat."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language.cleaning import fold_word
+from rosic.core.message import Button
+from rosic.core.reach import FLEET
+from rosic.core.roles import chains
+from rosic.errors import NotPermitted, NotUnderstood
+from rosic.organiser.rolebook import MOST_ROLES
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.office import check_private
+from rosic.pipeline.people import words, words_asking, words_roles
+from rosic.pipeline.people.names import CONFIRMED, confirmed
+from rosic.pipeline.people.role_line import MAY, OFF, check_name, read_role, said_line
+from rosic.pipeline.replies import LEAVE
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.roles import Role, Rulebook
+    from rosic.organiser.rolebook import Rolebook
+    from rosic.pipeline.office import Asked
+    from rosic.pipeline.people.powers import Powers
+    from rosic.pipeline.people.registry import Registry
+
+
+class Rolemaking:
+    """Lists roles; makes, replaces and takes back those that are not the file's.
+
+    Args:
+        registry: Who knows people.
+        powers: Who may give what.
+        rolebook: The roles there are.
+    """
+
+    def __init__(self, registry: Registry, powers: Powers, rolebook: Rolebook) -> None:
+        self._registry = registry
+        self._powers = powers
+        self._book = rolebook
+
+    async def role(self, asked: Asked) -> Reply:
+        """List roles, make one or take one back.
+
+        Raises:
+            Refusal: Not theirs, not understood, or others read along; nothing changed.
+        """
+        check_private(asked)
+        by = asked.caller.principal
+        self._check_gives(by)
+        said, sure = confirmed(said_line(asked.rest))
+        if not said:
+            return Reply(words_roles.listing(self._line(n) for n in self._book.rulebook.roles))
+        name, _, rest = said.partition(" ")
+        name = fold_word(name).casefold()
+        verb, _, what = rest.partition(" ")
+        if not rest:
+            self._check_known(name)
+            return Reply(self._line(name))
+        if verb.casefold() == OFF and not what:
+            return await self._take(by, name)
+        if verb.casefold() != MAY:
+            raise NotUnderstood(words_roles.HOW)
+        return await self._make(by, name, what, sure=sure)
+
+    def _line(self, name: str) -> str:
+        own = name in self._book.own
+        return words_roles.line(name, self._book.rulebook.roles[name], own=own)
+
+    # ---- making ----
+
+    async def _make(self, by: PrincipalId, name: str, what: str, *, sure: bool) -> Reply:
+        role = read_role(what)
+        if not sure:
+            before, affected = self._book.own.get(name), self._check(by, name, role)
+            yes = Button(words_roles.MAKE_IT, f"/role {name} {MAY} {what} {CONFIRMED}")
+            question = words_roles.question(name, role, before, self._names(affected))
+            return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+        async with self._registry.changes.turn() as turn:
+            affected = self._check(by, name, role)
+            now_ns = self._registry.clock.wall_ns()
+            await turn.write(self._book.make(name, role, by, now_ns))
+        others = {*affected, *self._powers.holders("grant")} - {by}
+        told = words_roles.was_made(self._registry.name(by), name, role)
+        self._registry.reach.tell(tuple(sorted(others)), told)
+        return Reply(words_roles.made(name, role))
+
+    def _check(self, by: PrincipalId, name: str, role: Role) -> tuple[PrincipalId, ...]:
+        """See that somebody may make a role so; return whose rights it changes.
+
+        Raises:
+            Refusal: Why not.
+        """
+        self._check_gives(by)
+        self._check_not_of_the_file(name)
+        check_name(name, self._registry.rights().fleet)
+        own = self._book.own
+        if name not in own and len(own) >= MOST_ROLES:
+            raise NotUnderstood(words_roles.TOO_MANY)
+        rules = self._book.made(name, role)
+        self._check_sense(name, rules)
+        self._check_theirs(by, name, rules)
+        if name in own:
+            self._check_theirs(by, name, self._book.rulebook)
+        affected = self._holders(name, rules)
+        if by in affected:
+            raise NotPermitted(words_roles.YOUR_OWN)
+        return affected
+
+    def _check_sense(self, name: str, rules: Rulebook) -> None:
+        """See that nothing is wrong with it, in the words in which the file's check says so.
+
+        Raises:
+            NotUnderstood: Something is. What was wrong elsewhere before is not their concern.
+        """
+        rights = self._registry.rights()
+        before = rights.rule_mistakes(self._book.rulebook)
+        for mistake in rights.rule_mistakes(rules):
+            if mistake.place[:2] == ("role", name) or mistake not in before:
+                said = " ".join(filter(None, (mistake.sentence, mistake.hint)))
+                raise NotUnderstood(words_asking.nothing_done(said))
+
+    def _check_theirs(self, by: PrincipalId, name: str, rules: Rulebook) -> None:
+        """See that a role gives no more than somebody may give.
+
+        Raises:
+            NotPermitted: It does.
+        """
+        given = self._registry.rights().given_by(rules, name)
+        if FLEET in given:
+            raise NotPermitted(words_roles.NO_FLEET)
+        if not self._powers.may_make(by, given, rules, name):
+            what = words_roles.gives(rules.roles[name])
+            raise NotPermitted(words.too_much(what, self._powers.helpers(by)))
+
+    def _check_gives(self, by: PrincipalId) -> None:
+        self._powers.check_not_locked(by)
+        if not self._powers.gives(by):
+            raise NotPermitted(words_asking.not_yours(self._powers.helpers(by)))
+
+    def _check_not_of_the_file(self, name: str) -> None:
+        if name in self._book.file.roles:
+            raise NotPermitted(words_roles.of_the_file(name))
+
+    def _check_known(self, name: str) -> None:
+        if name not in self._book.rulebook.roles:
+            raise NotUnderstood(words_roles.unknown(name))
+
+    # ---- taking back ----
+
+    async def _take(self, by: PrincipalId, name: str) -> Reply:
+        async with self._registry.changes.turn() as turn:
+            self._check_gives(by)
+            self._check_not_of_the_file(name)
+            self._check_known(name)
+            self._check_theirs(by, name, self._book.rulebook)
+            self._check_free(name)
+            await turn.write(self._book.take(name, by, self._registry.clock.wall_ns()))
+        return Reply(words_roles.taken(name))
+
+    def _check_free(self, name: str) -> None:
+        """See that nothing rests on a role.
+
+        Raises:
+            NotUnderstood: Something does; says what.
+        """
+        including = [n for n, r in self._book.rulebook.roles.items() if name in r.includes]
+        if including:
+            raise NotUnderstood(words_roles.still_included(name, including))
+        if held := self._holders(name, self._book.rulebook):
+            raise NotUnderstood(words_roles.still_held(name, self._names(held)))
+        enrolment = self._registry.enrolment
+        inviting = [
+            made.issuer for made in enrolment.invitations.open() if name in made.given.roles
+        ]
+        inviting += [
+            waiting.pending.issuer
+            for waiting in enrolment.applicants.all()
+            if name in waiting.pending.given.roles
+        ]
+        if inviting:
+            raise NotUnderstood(words_roles.still_invited(name, self._names(inviting)))
+
+    def _holders(self, name: str, rules: Rulebook) -> tuple[PrincipalId, ...]:
+        """Return everybody who holds a role, or one that includes it; walks everybody."""
+        through = {
+            outer
+            for outer in rules.roles
+            if any(name in chain.via for chain in chains(rules.roles, outer))
+        }
+        now_ns = self._registry.clock.wall_ns()
+        return tuple(
+            who
+            for who, grants in self._registry.rights().people().items()
+            if any(
+                grant.role in through and (grant.expires_ns is None or now_ns < grant.expires_ns)
+                for grant in grants
+            )
+        )
+
+    def _names(self, people: tuple[PrincipalId, ...] | list[PrincipalId]) -> list[str]:
+        return [self._registry.name(who) for who in dict.fromkeys(people)]
