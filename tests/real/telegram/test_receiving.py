@@ -61,9 +61,9 @@ async def test_a_caption_counts(server: FakeTelegram, gateway: Gateway, ada: int
     async with gateway.listening():
         server.send_file(ada, ada, "a.txt", b"x")
         server.say(ada, ada, "status")
-        await gateway.hear(1)
-    assert gateway.texts == ["status"]
-    assert gateway.messenger.counts["passed-over"] == 1
+        await gateway.hear(2)
+    assert gateway.texts == ["", "status"], "a file is told of, and says nothing by itself"
+    assert gateway.messenger.counts["passed-over"] == 0
 
 
 async def test_only_what_is_read_is_asked_for(gateway: Gateway) -> None:
