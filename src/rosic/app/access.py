@@ -21,6 +21,7 @@ from rosic.organiser.rates import KIND as RATE
 from rosic.organiser.rolebook import ROLE
 from rosic.organiser.roster import GRANT
 from rosic.organiser.waiting import WAITING, WaitingList
+from rosic.organiser.wishes import WISH, Wishes
 from rosic.pipeline.changes import Changes
 from rosic.pipeline.livecards.livecard import KIND as CARD
 
@@ -66,6 +67,7 @@ class Access:
             authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
         )
         self.waiting = WaitingList(time)
+        self.wishes = Wishes(time.wall_ns)
         authoriser.count = self.tally.count
         self.petitions = Petitions(self.time.wall_ns, entropy)
         self._authoriser = authoriser
@@ -85,6 +87,7 @@ class Access:
             "pending": self.enrolment.apply,
             "totp": self.stepup.apply,
             WAITING: self.waiting.apply,
+            WISH: self.wishes.apply,
             PETITION: self.petitions.apply,
         }
         for kind, apply in keepers.items():

@@ -261,9 +261,9 @@ class Furnishing:
             may_stay=lambda who, slot: self.handover.outranks(who, slot.principal, slot.robot),
         )
         times = Times(
-            calendar=organiser.calendar, waiting=access.waiting, vocabulary=rooms.vocabulary,
-            changes=access.changes, reach=self.reach, clock=clock, sides=sides,
-            lease_idle_s=organiser.lease_idle_s,
+            calendar=organiser.calendar, waiting=access.waiting, wishes=access.wishes,
+            vocabulary=rooms.vocabulary, changes=access.changes, reach=self.reach,
+            clock=clock, sides=sides, lease_idle_s=organiser.lease_idle_s,
         )  # fmt: skip
         self._naming = Naming(times)
         self.keeper = Keeper(times)

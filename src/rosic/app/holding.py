@@ -201,6 +201,7 @@ class Holding:
                 *authority.roster.take(principal, by),
                 *rooms.organiser.calendar.end_all(principal),
                 *access.waiting.leave_all(principal),
+                *access.wishes.end_all(principal),
                 *cards.end_all(principal),
                 *(r for key in good for r in access.keys.revoke(key.id, by).records),
             )

@@ -233,12 +233,18 @@ def _priority(row: Mapping[str, object]) -> int:
     return int(text)
 
 
-def _length_s(text: str) -> int:
+def length_of(text: str) -> int | None:
+    """Return a length in seconds: ``90``, ``1h``, ``1 h 30 min``; None if it is none."""
     found = _LENGTH.fullmatch(text)
     minutes = int(found[1] or 0) * 60 + int(found[2] or 0) if found else 0
-    if not 0 < minutes <= LONGEST_MIN:
+    return minutes * 60 if 0 < minutes <= LONGEST_MIN else None
+
+
+def _length_s(text: str) -> int:
+    length_s = length_of(text)
+    if length_s is None:
         raise _Wrong(f'"{text}" is not a length: write 90 or 1 h 30 min, up to 7 days.')
-    return minutes * 60
+    return length_s
 
 
 def _moment(text: str, zone: Zone, *, to_end_of_day: bool) -> int:

@@ -11,8 +11,8 @@ ERRANDS = frozenset(
         "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "cancel",
         "card", "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
         "information", "invite", "language", "lock", "map", "me", "mute", "mydata", "people",
-        "picture", "revoke", "role", "security", "seen", "settings", "share", "shelf", "slots",
-        "take", "topic", "trajectory", "unlock", "unmute", "wait",
+        "picture", "plan", "revoke", "role", "security", "seen", "settings", "share", "shelf",
+        "slots", "take", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
     }
 )  # fmt: skip
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.office import Asked
 
 MOST_WORDS = 64
+ANY = "any"
+"""Said before the name of a group, of which one robot is enough."""
 
 
 class Sides(Protocol):
@@ -91,6 +93,23 @@ class Naming:
             wrong = trouble.no_such_robot(begin + 1)
             raise NotUnderstood(wrong.sentence, offers=wrong.offers)
         return self._unnamed(asked, verb, visible, text), text
+
+    def robots(self, asked: Asked, verb: str, text: str) -> tuple[tuple[RobotId, ...], str]:
+        """Return the robots of which any one is meant, and what was said after the name.
+
+        Raises:
+            NotUnderstood, NotPermitted: As `robot`.
+        """
+        raw = text.split()[:MOST_WORDS]
+        begin = 1 if raw and fold(raw[0]) == ANY else 0
+        if begin and len(raw) > 1 and fold(raw[1]) in FILLERS:
+            begin += 1
+        low = [fold(word) for word in raw]
+        _, robots, end = self._named(low, begin, self._sides.visible(asked.caller.principal))
+        if robots:
+            return robots, " ".join(raw[end:])
+        robot, rest = self.robot(asked, verb, " ".join(raw[begin:]))
+        return (robot,), rest
 
     def calls(self, asked: Asked, text: str) -> bool:
         """Whether a text is the name of a robot that the person sees, and nothing else."""

@@ -17,6 +17,7 @@ from rosic.core.slot import Slot
 from rosic.errors import Refusal
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.waiting import WaitingList
+from rosic.organiser.wishes import Wishes
 from rosic.organiser.zones import Zone
 from rosic.pipeline.changes import Changes
 from rosic.pipeline.reach import Reach
@@ -68,6 +69,7 @@ class Times(msgspec.Struct, frozen=True, kw_only=True):
 
     calendar: Calendar
     waiting: WaitingList
+    wishes: Wishes
     vocabulary: Vocabulary
     changes: Changes
     reach: Reach

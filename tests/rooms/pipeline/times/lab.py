@@ -21,6 +21,7 @@ from rosic.errors import NotPermitted, Refusal, RobotUnreachable, StoreFault
 from rosic.messengers.memory import MemoryMessenger
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.waiting import WAITING, WaitingList
+from rosic.organiser.wishes import WISH, Wishes
 from rosic.pipeline.changes import Changes
 from rosic.pipeline.office import Asked, Office
 from rosic.pipeline.reach import Reach
@@ -60,9 +61,9 @@ def profile(name: str, title: str = "", *, slots: Slots, groups: tuple[str, ...]
 
 
 FLEET = (
-    profile("kuka1", "KUKA iiwa", slots=Slots.RESPECTED),
+    profile("kuka1", "KUKA iiwa", slots=Slots.RESPECTED, groups=("desks",)),
     profile("omni", slots=Slots.REQUIRED),
-    profile("arm", "The Arm", slots=Slots.RESPECTED),
+    profile("arm", "The Arm", slots=Slots.RESPECTED, groups=("desks",)),
     profile("cf1", slots=Slots.NONE, groups=("swarm",)),
     profile("cf2", slots=Slots.NONE, groups=("swarm",)),
 )
@@ -136,10 +137,13 @@ class Lab:
         self.waiting.shown_of = self.calendar.shown_of
         self.changes.keep(SLOT, self.calendar.apply)
         self.changes.keep(SERIES, self.calendar.apply)
+        self.wishes = Wishes(clock.wall_ns)
         self.changes.keep(WAITING, self.waiting.apply)
+        self.changes.keep(WISH, self.wishes.apply)
         self.times = Times(
             calendar=self.calendar,
             waiting=self.waiting,
+            wishes=self.wishes,
             vocabulary=vocabulary,
             changes=self.changes,
             reach=Reach(self.authoriser, teller, (self.chat,)),
@@ -292,6 +296,7 @@ class Lab:
         memory = await self.store.open()
         self.calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
         self.waiting.restore(memory.facts.get(WAITING, ()))
+        self.wishes.restore(memory.facts.get(WISH, ()))
         running = asyncio.create_task(self.keeper.run())
         await settle()
         try:
