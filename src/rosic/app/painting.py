@@ -67,5 +67,6 @@ def furnish_seeing(
     )
     employ_clerks(pipeline.reception.office, seeing)
     pipeline.reception.sights = lambda robot: sights(seeing, robot)
-    pipeline.lives.watch = seeing.sampler
+    if any(profile.pose is not None for profile in profiles.values()):
+        pipeline.lives.watch = seeing.sampler
     return seeing

@@ -60,11 +60,14 @@ class HighWater:
 
     def wall_ns(self) -> int:
         """Return Unix time in nanoseconds; never less than before."""
-        now_ns = self._clock.monotonic_ns()
-        passed_ns = max(0, now_ns - self._seen_ns)
-        self._highest_ns = max(self._highest_ns + passed_ns, self._clock.wall_ns())
-        self._seen_ns = now_ns
-        return self._highest_ns
+        now_ns, wall_ns = self.monotonic_ns(), self._clock.wall_ns()
+        highest_ns = self._highest_ns
+        if now_ns > self._seen_ns:
+            highest_ns += now_ns - self._seen_ns
+        if wall_ns > highest_ns:  # noqa: PLR1730 - asked a dozen times for each order
+            highest_ns = wall_ns
+        self._highest_ns, self._seen_ns = highest_ns, now_ns
+        return highest_ns
 
     def behind_s(self) -> float:
         """Return by how many seconds the machine's clock is behind the highest time seen."""

@@ -58,10 +58,12 @@ class Habits:
             habits = self._people[principal] = {}
             if len(self._people) > PEOPLE_AT_MOST:
                 self._kept.pop(self._people.popitem(last=False)[0], None)
-        habits[said] = habits.get(said, 0) + 1
+        habits[said] = times = habits.get(said, 0) + 1
+        if times == OFTEN:
+            self._changed[principal] = None
         if len(habits) > COMMANDS_AT_MOST:
             self._people[principal] = {what: n // 2 for what, n in habits.items() if n > 1}
-        self._changed[principal] = None
+            self._changed[principal] = None
 
     def last(self, principal: PrincipalId, chat: Chat) -> tuple[str, str] | None:
         """Return whom somebody commanded last in a chat, and how."""
@@ -80,12 +82,13 @@ class Habits:
 
         What is counted between two such moments is lost with a crash.
         """
-        changed, self._changed = self._changed, {}
         facts: list[Fact] = []
-        for principal in changed:
+        for principal in tuple(self._changed):
             habits = self._people.get(principal, {})
             often = frozenset(said for said, n in habits.items() if n >= OFTEN)
-            if often != self._kept.get(principal, frozenset()):
+            if often == self._kept.get(principal, frozenset()):
+                del self._changed[principal]
+            else:
                 content = _encode([(*said, habits[said]) for said in sorted(often)])
                 letter = Letter(container=principal, content=content)
                 facts.append(Fact(kind=KIND, key=principal, body=b"1", letter=letter))

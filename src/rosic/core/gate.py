@@ -56,7 +56,8 @@ class Gate:
         if order.robot != self.robot:
             raise OrderVoid(said("This order is for {robot}. Nothing was done.", robot=order.robot))
         permit = order.permit
-        self.fence = max(self.fence, permit.fence)
+        if permit.fence != self.fence:
+            self.fence = max(self.fence, permit.fence)
         if order.skill.actuates:
             if self.latched or permit.stop_generation < self.generation:
                 raise OrderVoid(

@@ -17,6 +17,9 @@ BETWEEN = " · "
 
 K = TypeVar("K")
 
+# To look a member up in its class costs as much as three calls, and lives ask for every order.
+RUNNING, UNKNOWN, REFUSED = Stage.RUNNING, Ending.UNKNOWN, Ending.REFUSED
+
 _STEP = {
     Stage.ACCEPTED: said("accepted"),
     Stage.QUEUED: said("waiting its turn"),
@@ -95,7 +98,7 @@ class Life:
     def step(self, report: Report, at_ns: int) -> bool:
         """Take a report in. Return whether a person would want to see it now."""
         stage = report.stage
-        if stage is not Stage.RUNNING:
+        if stage is not RUNNING:
             word = f"{self.words.step[stage]} {self._face(at_ns)}"
             self._steps = f"{self._steps}{BETWEEN}{word}" if self._steps else word
             return True
@@ -139,8 +142,9 @@ class Life:
     def text(self, *, ending: bool = True) -> str:
         """Return the whole life as one message, with or without how it ended."""
         # That it was accepted says nothing more once it was sent.
-        accepted = self.words.step[Stage.ACCEPTED]
-        steps = self._steps or f"{accepted} {self._face(self._accepted_ns)}"
+        steps = self._steps
+        if not steps:
+            steps = f"{self.words.step[Stage.ACCEPTED]} {self._face(self._accepted_ns)}"
         begun = f"{self.title}\n{steps}"
         if self._ending:
             return f"{begun}\n{self._ending}" if ending else begun
@@ -160,9 +164,9 @@ def ended(outcome: Outcome, time_of_day: str, words: Wording = ENGLISH) -> str:
     """Return how an order ended, plain: ``done 14:02:13: object held``."""
     word = words.ended[outcome.ending]
     note = in_language(outcome.note, words.catalogue) if outcome.note else ""
-    if outcome.ending is Ending.UNKNOWN:
+    if outcome.ending is UNKNOWN:
         return f"{word} ({time_of_day}). {note or words.look}"
-    if outcome.ending is Ending.REFUSED:
+    if outcome.ending is REFUSED:
         return note or word
     return f"{word} {time_of_day}: {note}" if note else f"{word} {time_of_day}"
 

@@ -36,9 +36,10 @@ class Rights:
 
     Attributes:
         epoch: Grows with every replacement; the caller counts.
+        rates: Those of roles; mostly there are none.
     """
 
-    __slots__ = ("_givers", "_people", "_tables", "epoch")
+    __slots__ = ("_givers", "_people", "_tables", "epoch", "rates")
 
     def __init__(
         self,
@@ -48,6 +49,7 @@ class Rights:
         givers: dict[RobotId, tuple[PrincipalId, ...]],
     ) -> None:
         self.epoch = epoch
+        self.rates: Mapping[str, RateLimit] = tables.rates
         self._tables = tables
         self._people = people
         self._givers = givers
@@ -162,11 +164,6 @@ class Rights:
     def caution(self, robot: RobotId, skill: str) -> Caution:
         """Return what a skill wants besides the right to it."""
         return self._tables.care.get(robot, {}).get(skill, NO_CAUTION)
-
-    @property
-    def rates(self) -> Mapping[str, RateLimit]:
-        """Return the rates of roles; mostly there are none."""
-        return self._tables.rates
 
     def rated(
         self, principal: PrincipalId, robot: RobotId, skill: str, now_ns: int

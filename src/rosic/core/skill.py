@@ -24,6 +24,10 @@ class SkillClass(enum.Enum):
     STOP = "stop"
 
 
+# To look a member up in its class costs as much as three calls, and orders ask several times each.
+MOTION = SkillClass.MOTION
+ACTUATING = frozenset((MOTION, SkillClass.TASK, SkillClass.CONFIG))
+
 # How long an order of a class may wait between being sent by the person and reaching the robot.
 # docs/safety.md gives the reasons; a skill may set its own.
 MOTION_LIFETIME_S = 5.0
@@ -164,10 +168,9 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         """Nanoseconds from the person's sending to the robot's receiving."""
         if self.lifetime_s is not None:
             return int(self.lifetime_s * 1e9)
-        return MOTION_LIFETIME_NS if self.kind is SkillClass.MOTION else LIFETIME_NS
+        return MOTION_LIFETIME_NS if self.kind is MOTION else LIFETIME_NS
 
     @property
     def actuates(self) -> bool:
         """Whether it can change the world, so that it needs the robot for oneself."""
-        kind = self.kind
-        return kind is SkillClass.MOTION or kind is SkillClass.TASK or kind is SkillClass.CONFIG
+        return self.kind in ACTUATING

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 CLEARED_WITHIN_S = 0.5
+REPLACE = Busy.REPLACE
 
 
 class PolicyMoved(RosicError):
@@ -102,7 +103,7 @@ class Linker:
         if order.permit.epoch != self.epoch:
             raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
-        if robot.profile.busy is not Busy.REPLACE:
+        if robot.profile.busy is not REPLACE:
             return await robot.execute(order, tell)
         mailbox = self._mailboxes[order.robot]
         mailbox.running = task = asyncio.create_task(robot.execute(order, tell))

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot
 
 QUEUED = Report(Stage.QUEUED)
+QUEUE, REFUSE, REPLACE = Busy.QUEUE, Busy.REFUSE, Busy.REPLACE
 REPLACED = said("A later command took its place. This was not done.")
 
 
@@ -69,8 +70,8 @@ class Mailbox:
             self.current = entry
             return True
         profile = self._robot.profile
-        busy = Busy.QUEUE if entry.order.sequel else profile.busy
-        if busy is Busy.REFUSE:
+        busy = QUEUE if entry.order.sequel else profile.busy
+        if busy is REFUSE:
             self.check_free()
         if len(self._waiting) >= profile.queue_length:
             raise RobotBusy(
@@ -80,7 +81,7 @@ class Mailbox:
                     waiting=len(self._waiting),
                 )
             )
-        if busy is Busy.REPLACE:
+        if busy is REPLACE:
             self.void(REPLACED)
             self.replace()
         self._waiting.append(entry)

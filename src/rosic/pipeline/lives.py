@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 AT_MOST = 20_000
 NOTE_AT_MOST = 400
 
+REFUSED = Ending.REFUSED
 FULL = Outcome(Ending.REFUSED, said("I have too much to do. This was not done."), code="full")
 WENT_WRONG = said("Something went wrong here. Please look.")
 SHUT_DOWN = said("ROSIC was shut down")
@@ -189,7 +190,7 @@ class Lives:
             if server.rested is not None:
                 server.rested.set()
             self.ended(life, outcome)
-            if outcome.ending is Ending.REFUSED:
+            if outcome.ending is REFUSED:
                 await asyncio.sleep(0)  # a row of refusals, after a stop, holds nobody else up
             waiting = linker.next(robot)
             if waiting is None:

@@ -59,7 +59,7 @@ class Reception:
         self.sights: Sights = _unseen
 
     def take_in(self, said: Said, charge: Callable[[Caller], object]) -> None:
-        """Take in what came that is no words, a file or a place, if there is any.
+        """Take in what came that is no words: a file or a place.
 
         Only in private: in a group, nobody meant it for ROSIC.
 
@@ -67,8 +67,6 @@ class Reception:
             Refusal: It is not taken; what was written beneath is not followed either.
         """
         inbound = said.inbound
-        if not inbound.brings:
-            return
         if inbound.chat.kind is not ChatKind.PRIVATE:
             return
         charge(said.caller)

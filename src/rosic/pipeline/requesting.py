@@ -31,11 +31,13 @@ class Requesting:
         """Return what the line asks of each robot, as long as it is fresh."""
         inbound = said.inbound
         received_ns = inbound.received_ns
-        sent_ns = min(inbound.sent_ns, received_ns)
+        sent_ns, arrived_ns = inbound.sent_ns, said.arrived_ns
         age_ns = received_ns - sent_ns
-        waited_ns = max(0, self._clock.wall_ns() - received_ns)
+        if age_ns < 0:
+            sent_ns, age_ns = received_ns, 0
+        waited_ns = self._clock.wall_ns() - received_ns
         # Whichever clock says that it is older: the wall clock may have been set back meanwhile.
-        asked_ns = min(said.arrived_ns, now_ns - waited_ns) - age_ns
+        asked_ns = (now_ns - waited_ns if waited_ns > now_ns - arrived_ns else arrived_ns) - age_ns
         requests: list[Request] = []
         for robot, skill in zip(line.robots, line.skills, strict=True):
             request = Request(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -13,29 +12,31 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
     from rosic.pipeline.said import Said
 
-REMEMBERED = 8_192
+# Messages, at least; at most twice as many.
+REMEMBERED = 4_096
 
 
 class Subjects:
     """Bounded, in memory: of what is forgotten, a robot has to be named again."""
 
     def __init__(self) -> None:
-        self._about: OrderedDict[tuple[str, str, str], str] = OrderedDict()
+        # Two generations: the older one is dropped whole, so that no message costs a search.
+        self._about: dict[tuple[str, str, str], str] = {}
+        self._older: dict[tuple[str, str, str], str] = {}
 
     def note(self, messenger: str, chat: Chat, message: str, about: str) -> None:
         """Remember of whom a message speaks; empty: of nobody."""
         if not about:
             return
-        where = (messenger, chat.id, message)
-        self._about[where] = about
-        self._about.move_to_end(where)
-        if len(self._about) > REMEMBERED:
-            self._about.popitem(last=False)
+        if len(self._about) >= REMEMBERED:
+            self._older, self._about = self._about, {}
+        self._about[messenger, chat.id, message] = about
 
     def of(self, said: Said) -> str:
         """Return whom the message speaks of that somebody replies to; empty: nobody known."""
         inbound = said.inbound
-        return self._about.get((said.messenger.name, inbound.chat.id, inbound.answers), "")
+        where = (said.messenger.name, inbound.chat.id, inbound.answers)
+        return self._about.get(where) or self._older.get(where, "")
 
 
 def meant(
@@ -45,11 +46,11 @@ def meant(
     visible: frozenset[RobotId],
     members: Callable[[str], tuple[RobotId, ...]],
 ) -> str:
-    """Return who is meant where a line names nobody: whom it replies to, else whoever was chosen.
+    """Return who is meant where a reply names nobody: whom it replies to, else whoever was chosen.
 
     Nobody learns by it of a robot that they may not see.
     """
-    about = subjects.of(said) if said.inbound.answers else ""
+    about = subjects.of(said)
     if about and visible.intersection(members(about)):
         return about
     return container.selected(said.caller.principal, said.inbound.chat)

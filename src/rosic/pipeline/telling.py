@@ -106,7 +106,7 @@ class Teller:
         voice = self._voices.get(where)
         if voice is None:
             self._retire()
-            voice = self._voices[where] = Voice()
+            voice = self._voices[where] = Voice(turn_of(place_of(item)[0]))
         items = voice.items
         if items:
             if items[-1] is item:
@@ -132,17 +132,19 @@ class Teller:
                 del self._voices[where]
 
     async def _run(self, voice: Voice) -> None:
-        loop = asyncio.get_running_loop()
+        loop, turn = asyncio.get_running_loop(), voice.turn
         while True:
             while voice.items:
-                turn = turn_of(place_of(voice.items[0])[0])
                 if turn is None:
                     item = voice.items.popleft()
                 else:
                     await self._wait_for_turn(voice, turn)
                     item = voice.take()
                 try:
-                    await self._speak_once(item, voice if turn is not None else None)
+                    if turn is None and isinstance(item, Card) and item.in_place:
+                        await self._show_in_place(item, None)
+                    else:
+                        await self._speak_once(item, voice if turn is not None else None)
                 except ChatGone:
                     self._let_go(item)
                 except MessengerFault as fault:
@@ -324,7 +326,10 @@ class Teller:
     async def _place(self, card: Card) -> None:
         """Show a life for the first time, and write down which message shows it."""
         card.dirty = bool(card.untold)
-        await self._begin_in_place(card)
+        if card.adopted:
+            await self._adopt(card)
+        else:
+            card.message = await card.messenger.send(outbound_of(card, endings=False))
         self.subjects.note(card.messenger.name, card.chat, card.message, card.about)
         if card.ending:
             await self._containers.place(card.cids, card.principal, card.message)
@@ -332,17 +337,14 @@ class Teller:
             # Nobody waits for it: an ending is written later, and so after it.
             self._containers.note_place(card.cids, card.principal, card.message)
 
-    async def _begin_in_place(self, card: Card) -> None:
-        """Show a card for the first time: in a message of its own, or where it was asked for."""
+    async def _adopt(self, card: Card) -> None:
+        """Show a card for the first time where it was asked for."""
         outbound = outbound_of(card, endings=False)
-        if card.adopted:
-            adopted, card.adopted = card.message, False
-            card.message = ""  # should this fail, it is said in a message of its own
-            self.on_buttons(Note(card.messenger, outbound), adopted)
-            await card.messenger.edit(adopted, outbound)
-            card.message = adopted
-        else:
-            card.message = await card.messenger.send(outbound)
+        adopted, card.adopted = card.message, False
+        card.message = ""  # should this fail, it is said in a message of its own
+        self.on_buttons(Note(card.messenger, outbound), adopted)
+        await card.messenger.edit(adopted, outbound)
+        card.message = adopted
 
     async def flush(self, seconds: float) -> None:
         """Wait until everything is said, or the time is over; then fall silent."""

@@ -16,6 +16,8 @@ from rosic.pipeline.cards import Card
 if TYPE_CHECKING:
     import asyncio
 
+    from rosic.contracts.messenger import Turn
+
 
 class Note(msgspec.Struct):
     """A message that stands for itself. ``cid`` and ``also`` are noted as told once it was sent.
@@ -44,18 +46,21 @@ class Note(msgspec.Struct):
 
 
 Item: TypeAlias = Card | Note
+OUTCOME, QUESTION, FEEDBACK = Weight.OUTCOME, Weight.QUESTION, Weight.FEEDBACK
 
 
 class Voice:
     """What is to be said in one chat.
 
     Attributes:
+        turn: What its messenger asks for a turn; None: there is always room.
         asking: While it waits for a turn, and with which weight.
     """
 
-    __slots__ = ("asking", "items", "task", "wake", "weight")
+    __slots__ = ("asking", "items", "task", "turn", "wake", "weight")
 
-    def __init__(self) -> None:
+    def __init__(self, turn: Turn | None) -> None:
+        self.turn = turn
         self.items: deque[Item] = deque()
         self.task: asyncio.Task[None] | None = None
         self.wake: asyncio.Future[None] | None = None
@@ -95,8 +100,8 @@ def weight_of(item: Item) -> Weight:
     if not isinstance(item, Card):
         return item.outbound.weight
     if item.untold:
-        return Weight.OUTCOME
-    return Weight.FEEDBACK if item.message and not item.adopted else Weight.QUESTION
+        return OUTCOME
+    return FEEDBACK if item.message and not item.adopted else QUESTION
 
 
 def outbound_of(card: Card, *, endings: bool) -> Outbound:

@@ -63,6 +63,7 @@ if TYPE_CHECKING:
 # Robots commanded together start together: far enough ahead for all of them to have heard.
 TOGETHER_NS = 500_000_000
 FOLLOWED_KEPT = 10_000
+FRESH = Standing.FRESH
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
 NOTHING_DONE = said("Nothing was done.")
 
@@ -123,7 +124,7 @@ class Pipeline:
                 messenger, inbound, stop or self._replied(messenger, inbound)
             )
         only_stop = stop is not None and "\n" not in heard.strip()
-        if only_stop or inbound.standing is not Standing.FRESH:
+        if only_stop or inbound.standing is not FRESH:
             return
         try:
             if not self._turns.try_take(inbound.chat):
@@ -152,11 +153,10 @@ class Pipeline:
                 self._languages.hear(caller.principal, inbound.locale)
             said = Said(messenger, inbound, caller, arrived_ns, self.reception.stepped_up)
             self._rooms.organiser.check_unlocked(caller)
-            self.reception.take_in(said, self._rooms.organiser.charge)
-            if inbound.nonce is None:
-                await self._lines(said, inbound.text)
-            else:
-                await self._tapped(said)
+            if inbound.brings:
+                self.reception.take_in(said, self._rooms.organiser.charge)
+            typed = inbound.nonce is None
+            await (self._lines(said, inbound.text) if typed else self._tapped(said))
         except Unrecognised as stranger:
             await self._stranger(messenger, inbound, stranger)
         except Refusal as refusal:
@@ -202,7 +202,11 @@ class Pipeline:
         caller, inbound = said.caller, said.inbound
         visible = self._rooms.organiser.visible(caller.principal)
         container, members = self._rooms.container, self._desk.members
-        selected = meant(said, self._teller.subjects, container, visible, members)
+        selected = (
+            meant(said, self._teller.subjects, container, visible, members)
+            if inbound.answers
+            else container.selected(caller.principal, inbound.chat)
+        )
         for number, line in enumerate(self._reader.lines(text, selected, visible)):
             cid = line_id(inbound, number)
             try:

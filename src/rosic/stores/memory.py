@@ -278,7 +278,9 @@ class MemoryStore:
         self._lives[cid] = record
         robot = record.robot
         n, fence = self._numbers.get(robot, NO_NUMBERS)
-        if record.n > n or record.fence > fence:
+        if record.n > n and record.fence >= fence:
+            self._numbers[robot] = (record.n, record.fence)
+        elif record.n > n or record.fence > fence:
             self._numbers[robot] = (max(n, record.n), max(fence, record.fence))
         if record.stop_generation > self._generations.get(robot, 0):
             self._generations[robot] = record.stop_generation
