@@ -198,13 +198,14 @@ async def _drive(
     people = cycle(range(load.people))
     ids = count(1)
     skills = max(1, load.skills // ROBOTS)
+    turns = asyncio.get_running_loop()
 
     async def slot(robot: int, person: int) -> None:
         for _ in range(TURN_MESSAGES):
             number = next(ids)
-            distance = 0.01 + number % 4_990 / 1_000 if load.new_texts else 0.5
-            inbound = _inbound(robot, person, number, f"skill{number % skills} {distance:g}")
-            ended = asyncio.get_running_loop().create_future()
+            distance = f"{0.01 + number % 4_990 / 1_000:g}" if load.new_texts else "0.5"
+            inbound = _inbound(robot, person, number, f"skill{number % skills} {distance}")
+            ended = turns.create_future()
             messenger.ended[inbound.message] = ended
             began_ns = perf_counter_ns()
             await gateway.pipeline.receive(messenger, inbound)

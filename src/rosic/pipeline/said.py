@@ -53,7 +53,7 @@ class Said:
         self.inbound = inbound
         self.caller = caller
         self.arrived_ns = arrived_ns
-        self.asked: set[RobotId] = set()
+        self.asked: tuple[RobotId, ...] = ()
 
     def grounds(self) -> Grounds:
         """Return what counts besides who they are; asked only where it matters."""

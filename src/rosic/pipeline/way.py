@@ -344,7 +344,7 @@ class Pipeline:
         except BaseException:
             organiser.abandon(permits)
             raise
-        said.asked.update(line.robots)
+        said.asked += line.robots
         name = line.group or line.robots[0]
         self.habits.note(said.caller.principal, inbound.chat, name, line.text)
         self._begin(said, line, orders)
