@@ -79,7 +79,7 @@ GUARDS = (
     Fault(
         name="I17 edited and forwarded messages are accepted",
         file="pipeline/way.py",
-        guard="if only_stop or inbound.standing is not Standing.FRESH:",
+        guard="if only_stop or inbound.standing is not FRESH:",
         without="if only_stop:",
         caught_by=(f"{JOURNEYS}/test_inert.py",),
     ),

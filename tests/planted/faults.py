@@ -203,7 +203,7 @@ FAULTS = (
     Fault(
         name="I17 edited and forwarded messages are accepted",
         file="pipeline/way.py",
-        guard="if only_stop or inbound.standing is not Standing.FRESH:",
+        guard="if only_stop or inbound.standing is not FRESH:",
         without="if only_stop:",
         caught_by=(f"{WAY}::test_what_is_not_fresh_changes_nothing",),
     ),
