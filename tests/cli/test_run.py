@@ -48,7 +48,7 @@ def one_sentence(err: str) -> str:
 
 def test_it_says_when_it_is_ready_and_ends_in_time(tmp_path: Path) -> None:
     with gateway(write_config(tmp_path)) as running:
-        running.say("omni move 3 m")
+        running.say("omni move 5 m speed 0.05 m/s")
         running.wait_for("driving")
         begun_s = time.monotonic()
         assert running.end() == 0
@@ -77,7 +77,7 @@ def test_commands_reach_it(tmp_path: Path) -> None:
             1, "", "There is no robot called kuka2. There are: omni, kuka1.\n"
         )  # fmt: skip
 
-        running.say("omni move 3 m")
+        running.say("omni move 5 m speed 0.05 m/s")
         running.wait_for("driving")
         stop = rosic("stop", "omni", "-c", config)
         assert stop.status == 0

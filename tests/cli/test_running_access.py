@@ -90,7 +90,7 @@ def test_a_plan_is_booked_and_shown_to_the_next_one(config: Path) -> None:
 
 
 def test_whoever_is_locked_comes_to_rest_within_a_second(running: Gateway, config: Path) -> None:
-    running.say("omni move 3 m")
+    running.say("omni move 5 m speed 0.05 m/s")
     running.wait_for("driving")
     assert "Bob may not." in good("explain", "Bob", "omni arm home", config=config)  # it is taken
 

@@ -73,9 +73,19 @@ def speed_m_s(odometry: Latest) -> float:
 
 
 async def stands(odometry: Latest) -> bool:
-    """Tell whether the next that somebody else hears is rest: they hear it a moment later."""
-    await odometry.newer(odometry.received, timeout_s=30)
+    """Tell whether the robot is at rest now, by the next that it says to somebody else.
+
+    They may hear it late, so what it said before now does not count.
+    """
+    now_s = time.time()
+    await until(lambda: said_at_s(odometry) >= now_s)
     return speed_m_s(odometry) <= AT_REST_M_S
+
+
+def said_at_s(odometry: Latest) -> float:
+    message = odometry.message()
+    assert message is not None
+    return float(message.header.stamp.sec + message.header.stamp.nanosec / 1e9)
 
 
 async def moving(robot: TriedRobot) -> asyncio.Task[Outcome]:

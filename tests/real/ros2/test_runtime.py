@@ -80,7 +80,7 @@ async def test_when_ros_shuts_down_underneath_it_is_said(
 ) -> None:
     runtime.thread._context.shutdown()
     await wait_until(lambda: not runtime.alive, "the end", 30)
-    assert "its robots are out of reach" in caplog.text
+    await wait_until(lambda: "its robots are out of reach" in caplog.text, "the log", 30)
     with pytest.raises(NotSent):
         await runtime.thread.run(lambda: 1)
 

@@ -38,7 +38,7 @@ async def test_silence_is_told_from_refusal(runtime: RosRuntime, peer: RosProces
         await slow.call({"data": True}, timeout_s=0.3, found_within_s=30)
     await asyncio.to_thread(peer.expect, "slow done")  # it was carried out all the same
     assert (await slow.call({"data": False}, timeout_s=30)).success is True
-    assert not slow._handle._pending_requests
+    await wait_until(lambda: not slow._handle._pending_requests, "nothing left", 30)
 
 
 async def test_what_does_not_fit_is_not_asked(runtime: RosRuntime, peer: RosProcess) -> None:
@@ -91,7 +91,7 @@ async def test_a_call_that_is_cancelled_leaves_nothing_behind(runtime: RosRuntim
     with pytest.raises(asyncio.CancelledError):
         await call
     await runtime.thread.run(lambda: None)
-    assert not slow._handle._pending_requests
+    await wait_until(lambda: not slow._handle._pending_requests, "nothing left", 30)
     assert not slow._ordinary.locked()
 
 

@@ -17,6 +17,7 @@ from rosic.pictures.draw import draw
 from rosic.robots.ros2 import sights
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
+from tests.pace import slowness
 from tests.real.ros2.simulated import opened, shipped
 
 if TYPE_CHECKING:
@@ -27,6 +28,12 @@ if TYPE_CHECKING:
 EYES = Path(__file__).with_name("eyes.py")
 JPEG = Camera(topic="/omni/jpeg")
 RAW = Camera(topic="/omni/raw", type="sensor_msgs/msg/Image")
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Until both sides have found each other, nothing comes; a person would look once more."""
+    monkeypatch.setattr(sights, "FIRST_WITHIN_S", 60.0)
 
 
 @pytest.fixture
@@ -70,7 +77,7 @@ async def test_a_compressed_frame_comes_as_it_was_sent() -> None:
         assert isinstance(view.content, Encoded)
         assert view.content.data == b"\xff\xd8\xff frame"
         assert not view.foreign
-        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9
+        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * slowness()
 
 
 @pytest.mark.usefixtures("eyes")
@@ -98,7 +105,7 @@ async def test_a_stamp_of_another_clock_is_said_to_be_one(eyes: RosProcess) -> N
     async with robot() as made:
         view = await first(made, Sight.PICTURE)
         assert view.foreign
-        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9
+        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * slowness()
 
 
 async def test_what_is_no_picture_is_refused_when_it_is_drawn(eyes: RosProcess) -> None:
@@ -166,7 +173,9 @@ async def test_a_simulated_robot_films_itself_and_knows_its_room(graph: RosGraph
         view = await first(made, Sight.PICTURE)
         assert isinstance(view.content, Encoded)
         assert draw(view.content).width == 360
-        grid = (await first(made, Sight.MAP)).content
-        assert isinstance(grid, Grid)
-        assert grid.pose is not None
-        assert grid.note == ""
+        async with asyncio.timeout(60):
+            while True:  # the pose comes on a topic of its own
+                grid = (await first(made, Sight.MAP)).content
+                assert isinstance(grid, Grid)
+                if grid.pose is not None and not grid.note:
+                    break

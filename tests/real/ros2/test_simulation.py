@@ -238,7 +238,7 @@ async def test_a_drone_whose_gateway_is_killed_lands(
     odometry = await heard(onlooker, "/cf1/odom", ODOMETRY)
     driver = robots.graph.start(DRIVER, "cf1", "takeoff", "height=0.5", python_path=[ROOT])
     await asyncio.to_thread(driver.expect, "ended done")
-    assert z_m(odometry) == pytest.approx(0.5, abs=0.05)
+    await until(lambda: z_m(odometry) == pytest.approx(0.5, abs=0.05))
     driver.kill()
     await until(lambda: z_m(odometry) < 0.02)
 
