@@ -11,14 +11,14 @@
 #
 #   PYTHON=/path/to/python     choose the interpreter
 #   TESTS=tests/core           run a part;  PYTEST_ARGS='-x -k stop'  passes anything else on
-#   WORKERS=0                  run tests one after another; else the files are shared out
+#   WORKERS=0                  run tests one after another; else the files are shared out, the longest first
 #   TEST_SECONDS=1800          the run of tests is over by then, whatever happens
 
 VENV := .venv
 BIN := $(VENV)/bin
 PYTHON ?=
 TESTS ?= tests
-WORKERS ?= 2
+WORKERS ?= 4
 PYTEST_ARGS ?=
 TEST_SECONDS ?= 1800
 CAMPAIGN_SECONDS ?= 21600
@@ -39,7 +39,7 @@ demo: $(VENV)/.core
 	@$(BIN)/rosic demo
 
 test: check
-	$(call bounded,$(TEST_SECONDS)) $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile $(PYTEST_ARGS) $(TESTS)
+	$(call bounded,$(TEST_SECONDS)) $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS) $(TESTS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -1,25 +1,97 @@
-"""For every test: no skip in silence, no hang, no hours unasked."""
+"""For every test: no skip in silence, no hang, no hours unasked, and the longest files first."""
 
 from __future__ import annotations
 
 import os
 import signal
+import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator
     from types import FrameType
 
 REQUIRE_ALL = "ROSIC_REQUIRE_ALL"
-USUAL_LIMIT_S = 60.0
+# It ends what hangs, and is no measure of how fast a test should be: a machine may be slow.
+USUAL_LIMIT_S = 180.0
 RING_AGAIN_S = 5.0
+
+# Hundreds of processes import the same source. Where nothing may be compiled for keeps, most of
+# their time goes into compiling it over and over.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
+# A slow example is no fault of what is tested; a test that means a time limit measures it itself.
+settings.register_profile("rosic", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("rosic")
+
+
+# Where several workers share the files, the longest come first, or one would be left with them at
+# the end while the others wait. About how long each takes; what is not named takes less.
+SECONDS = {
+    "tests/planted/test_faults.py": 150,
+    "tests/journeys/test_kills.py": 150,
+    "tests/journeys/test_people.py": 125,
+    "tests/journeys/test_backlog.py": 90,
+    "tests/journeys/test_bad_network.py": 80,
+    "tests/rooms/pipeline/test_histories.py": 65,
+    "tests/cli/test_run.py": 60,
+    "tests/cli/test_bench.py": 60,
+    "tests/real/ros2/test_interfaces.py": 55,
+    "tests/real/ros2/test_simulation.py": 55,
+    "tests/real/ros2/test_robot_stopping.py": 50,
+    "tests/real/stores/test_kills.py": 45,
+    "tests/journeys/test_buttons.py": 45,
+    "tests/cli/test_doctor.py": 40,
+    "tests/real/ros2/test_doctor_try.py": 40,
+    "tests/real/ros2/test_actions.py": 40,
+    "tests/journeys/test_asking.py": 40,
+    "tests/journeys/test_account.py": 40,
+    "tests/real/ros2/test_services.py": 35,
+    "tests/real/changes/test_half_applied.py": 35,
+    "tests/core/rights/test_planted.py": 35,
+    "tests/journeys/test_first_time.py": 35,
+    "tests/shape/test_texts.py": 35,
+    "tests/cli/test_running_access.py": 30,
+    "tests/cli/test_demo.py": 30,
+    "tests/rooms/stores/test_sifting.py": 30,
+    "tests/real/ros2/test_sights.py": 30,
+    "tests/real/ros2/test_simulation_swarm.py": 30,
+    "tests/journeys/test_single_ros2.py": 30,
+    "tests/journeys/test_kills_ros2.py": 30,
+    "tests/cli/test_containers.py": 25,
+    "tests/journeys/test_stepping.py": 25,
+    "tests/journeys/test_card.py": 20,
+    "tests/journeys/test_given_again.py": 20,
+    "tests/journeys/test_groups.py": 20,
+    "tests/journeys/test_inert.py": 20,
+    "tests/journeys/test_stops.py": 20,
+    "tests/core/language/test_total.py": 20,
+    "tests/core/test_alert.py": 20,
+    "tests/real/ros2/test_robot_bindings.py": 20,
+    "tests/real/ros2/test_robot_conformance.py": 20,
+    "tests/real/ros2/test_robot_dialogue.py": 20,
+    "tests/real/ros2/test_topics.py": 20,
+    "tests/robots/machines/test_yumi.py": 20,
+    "tests/rooms/organiser/test_allocation.py": 20,
+    "tests/rooms/pipeline/test_alerts.py": 15,
+    "tests/shape/test_conduct.py": 15,
+    "tests/cli/test_init.py": 15,
+}
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave campaigns out, unless the mark expression speaks of them."""
+    """Leave campaigns out, unless the mark expression speaks of them. Put the longest first."""
+    _leave_campaigns_out(config, items)
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: -SECONDS.get(item.nodeid.partition("::")[0], 0))
+
+
+def _leave_campaigns_out(config: pytest.Config, items: list[pytest.Item]) -> None:
     if "campaign" in config.getoption("markexpr"):
         return
     long = [item for item in items if item.get_closest_marker("campaign")]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import io
 import sys
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,6 +31,7 @@ class NotLiteral(Exception):
     """A sentence whose template is not written out, so that nobody can collect it."""
 
 
+@cache
 def templates() -> dict[Template, list[str]]:
     """Return every template in the code, and the files it is in; in the order of the files."""
     found: dict[Template, list[str]] = {}

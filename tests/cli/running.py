@@ -36,7 +36,7 @@ def rosic(
     *arguments: str | Path,
     stdin: str = "",
     cwd: Path | None = None,
-    within_s: float = 50,
+    within_s: float = 150,
     env: Mapping[str, str] | None = None,
 ) -> Ran:
     """Run a command to its end."""
@@ -76,14 +76,14 @@ class Gateway:
         self.process.stdin.write(f"{line}\n")
         self.process.stdin.flush()
 
-    def wait_for(self, text: str, *, within_s: float = 20, log: bool = False) -> None:
+    def wait_for(self, text: str, *, within_s: float = 60, log: bool = False) -> None:
         end_s = time.monotonic() + within_s
         while text not in (self.err() if log else self.out()):
             assert self.process.poll() is None, f"it ended: {self.err()}"
             assert time.monotonic() < end_s, f"no {text!r} in: {self.err()}{self.out()}"
             time.sleep(0.02)
 
-    def end(self, number: signal.Signals = signal.SIGTERM, *, within_s: float = 5) -> int:
+    def end(self, number: signal.Signals = signal.SIGTERM, *, within_s: float = 60) -> int:
         self.process.send_signal(number)
         return self.process.wait(within_s)
 
@@ -106,7 +106,7 @@ def gateway(
         running = Gateway(process, log, out)
         try:
             if ready:
-                running.wait_for("ready in", log=True, within_s=30)
+                running.wait_for("ready in", log=True, within_s=120)
             yield running
         finally:
             process.kill()

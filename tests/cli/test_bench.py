@@ -17,9 +17,9 @@ STOPS = [
 ]
 
 
-@pytest.mark.limit(120)
+@pytest.mark.limit(410)
 def test_the_bench_of_stops_prints_one_object() -> None:
-    ran = rosic("bench", "stop", "--quick", "--json", within_s=100)
+    ran = rosic("bench", "stop", "--quick", "--json", within_s=400)
 
     assert (ran.status, ran.err) == (0, "")
     report = json.loads(ran.out)
@@ -32,9 +32,9 @@ def test_the_bench_of_stops_prints_one_object() -> None:
         assert case["rate_per_s"] > 0
 
 
-@pytest.mark.limit(120)
+@pytest.mark.limit(410)
 def test_the_bench_of_telegram_keeps_to_the_limits_and_uses_them() -> None:
-    ran = rosic("bench", "telegram", "--quick", "--json", within_s=100)
+    ran = rosic("bench", "telegram", "--quick", "--json", within_s=400)
 
     assert (ran.status, ran.err) == (0, "")
     report = json.loads(ran.out)
@@ -55,9 +55,9 @@ def test_the_bench_of_telegram_keeps_to_the_limits_and_uses_them() -> None:
         assert 0 < case["p50_us"] <= case["p99_us"]
 
 
-@pytest.mark.limit(180)
+@pytest.mark.limit(410)
 def test_the_bench_of_the_pipeline_covers_a_large_place() -> None:
-    ran = rosic("bench", "pipeline", "--quick", "--json", within_s=160)
+    ran = rosic("bench", "pipeline", "--quick", "--json", within_s=400)
 
     assert (ran.status, ran.err) == (0, "")
     report = json.loads(ran.out)

@@ -39,7 +39,7 @@ def test_help_costs_next_to_nothing() -> None:
 def test_help_imports_nothing_heavy() -> None:
     done = subprocess.run(  # noqa: S603 - our own command
         [sys.executable, "-X", "importtime", *ROSIC[1:], "--help"],
-        capture_output=True, text=True, check=True, timeout=30, env=environment(),
+        capture_output=True, text=True, check=True, timeout=120, env=environment(),
     )  # fmt: skip
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
 
@@ -85,7 +85,7 @@ def test_a_reader_who_goes_away_causes_no_trace() -> None:
     with os.fdopen(writing, "w") as gone:
         done = subprocess.run(  # noqa: S603 - our own command
             [*ROSIC, "--help"], stdout=gone, stderr=subprocess.PIPE, text=True, check=False,
-            timeout=30, env=environment(),
+            timeout=120, env=environment(),
         )  # fmt: skip
 
     assert "Traceback" not in done.stderr

@@ -20,6 +20,7 @@ from rosic.app.asked import Ask, Verb
 from rosic.cli.asking import answers
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import ROSIC, environment, gateway, rosic, write_config
+from tests.pace import slowness
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -89,14 +90,14 @@ def test_a_plan_is_booked_and_shown_to_the_next_one(config: Path) -> None:
 
 
 def test_whoever_is_locked_comes_to_rest_within_a_second(running: Gateway, config: Path) -> None:
-    running.say("omni move 3 m")
+    running.say("omni move 5 m speed 0.05 m/s")
     running.wait_for("driving")
     assert "Bob may not." in good("explain", "Bob", "omni arm home", config=config)  # it is taken
 
     begun_s = time.monotonic()
     [said] = answers(config.parent / "rosic-data", Ask(Verb.LOCK, ("Ada",)))
     running.wait_for("omni: stopped before it ended")
-    assert time.monotonic() - begun_s < 1
+    assert time.monotonic() - begun_s < 1 * slowness()
     assert said.startswith("Ada is locked")
     assert "stopped" in good("status", "omni", config=config)
 
@@ -123,7 +124,7 @@ class AtTerminal:
         os.close(theirs)
         self.shown = ""
 
-    def wait_for(self, text: str, within_s: float = 30) -> None:
+    def wait_for(self, text: str, within_s: float = 60) -> None:
         end_s = time.monotonic() + within_s
         while text not in self.shown:
             assert time.monotonic() < end_s, f"no {text!r}: {self.shown}{self.log()}"
@@ -141,7 +142,7 @@ class AtTerminal:
     def end(self) -> None:
         self.process.terminate()
         try:
-            self.process.wait(10)
+            self.process.wait(60)
         finally:
             self.process.kill()
             os.close(self._ours)
@@ -154,12 +155,12 @@ def everything(folder: Path) -> bytes:
 async def joins(server: FakeTelegram, config: Path, who: int, code: str, as_what: str) -> None:
     """Let somebody hand a code in, and wait until they are listed."""
     server.say(who, who, f"/start {code}")
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while not (told := server.messages(who, by_bot=True)):
             await server.wait(server.seq, 1.0)
     server.tap(who, who, told[-1]["message_id"], "Join")
     listed = re.compile(rf"{as_what}.*telegram:{who} ")
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while not listed.search((await asyncio.to_thread(rosic, "people", "-c", config)).out):
             await server.wait(server.seq, 0.5)
 
@@ -182,7 +183,7 @@ async def invited(config: Path, *arguments: str) -> str:
     return link[1]
 
 
-@pytest.mark.limit(90)
+@pytest.mark.limit(300)
 async def test_the_first_start_shows_a_code_and_whoever_sends_it_is_the_admin(
     tmp_path: Path,
 ) -> None:
@@ -206,7 +207,7 @@ async def test_the_first_start_shows_a_code_and_whoever_sends_it_is_the_admin(
             await joins(server, config, student, code, "as operator on omni, until ")
 
         async with at_terminal(config, server.token) as again:
-            async with asyncio.timeout(30):
+            async with asyncio.timeout(60):
                 while "listening" not in again.log():  # noqa: ASYNC110
                     await asyncio.sleep(0.05)
             again.look()

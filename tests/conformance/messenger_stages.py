@@ -30,11 +30,11 @@ class MemoryStage:
     """People who are method calls."""
 
     people: tuple[str, ...] = ("ada", "bob")
-    patience_s = 0.5
     keeps = True
     taps = True
 
-    def __init__(self) -> None:
+    def __init__(self, patience_s: float = 30.0) -> None:
+        self.patience_s = patience_s
         self.memory = MemoryMessenger(clock=SystemClock())
         self.messenger: Messenger = self.memory
 
@@ -82,7 +82,7 @@ class MemoryStage:
 class TelegramStage:
     """People in the strict stand-in for Telegram, with its flood limits."""
 
-    patience_s = 8.0
+    patience_s = 60.0
     keeps = True
     taps = True
 

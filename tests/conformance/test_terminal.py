@@ -53,7 +53,7 @@ class Noted(TerminalMessenger):
 
 class TerminalStage:
     people: tuple[str, ...] = ("me",)
-    patience_s = 0.5
+    patience_s = 30.0
     keeps = False  # a terminal does not say a line twice
     taps = True
 

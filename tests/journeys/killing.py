@@ -51,7 +51,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     twice: float = 0.08
     cold_every: int = 0
     moments: tuple[str, ...] = MOMENTS
-    settled_within_s: float = 60.0
+    settled_within_s: float = 180.0
 
 
 class Journey:
@@ -155,7 +155,7 @@ class Journey:
                 if not verdict.untold or time.monotonic() > end_s:
                     break
                 await self.control.wait(seq, 2.0, ["sent", "edited"])
-            await gateway.ends(6.0, signal.SIGTERM)
+            await gateway.ends(60.0, signal.SIGTERM)
         finally:
             if not gateway.is_gone():
                 gateway.kill()

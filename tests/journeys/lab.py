@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from rosic.testing.telegram import Control
 
-WITHIN_S = 20.0
+WITHIN_S = 60.0
 SHOWN = 10
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from difflib import unified_diff
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -51,7 +52,8 @@ def check_picture(name: str, shown: Transcript) -> None:
     if os.environ.get(ASKED_TO_DRAW):
         FOLDER.mkdir(exist_ok=True)
         file.write_text(draw(shown))
-    assert lines_of(in_picture(file.read_text())) == lines_of(shown), STALE.format(name=name)
+    drawn, now = lines_of(in_picture(file.read_text())), lines_of(shown)
+    assert drawn == now, "\n".join([STALE.format(name=name), *unified_diff(drawn, now, n=1)])
 
 
 def row(name: str, shown: Transcript) -> str:

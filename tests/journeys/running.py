@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 ROOT = Path(__file__).parents[2]
-STARTING_S = 60.0
+STARTING_S = 120.0
 LOOK_EVERY_S = 0.01
 LISTENING = "lab: listening"
 
@@ -103,7 +103,7 @@ class Gateway:
             file.seek(self._from)
             return file.read().decode(errors="replace")
 
-    async def says(self, text: str, within_s: float = 20.0, *, times: int = 1) -> bool:
+    async def says(self, text: str, within_s: float = 60.0, *, times: int = 1) -> bool:
         """Wait until its log has a text so many times. Return whether it has, in time."""
         end_s = time.monotonic() + within_s
         while self.log().count(text) < times:
@@ -112,7 +112,7 @@ class Gateway:
             await asyncio.sleep(LOOK_EVERY_S)
         return True
 
-    async def listens(self, within_s: float = 20.0) -> float:
+    async def listens(self, within_s: float = 60.0) -> float:
         """Wait until it listens; return how long that took since it was started, in seconds."""
         assert await self.says(LISTENING, within_s), f"it does not listen: {self.log()}"
         return time.monotonic() - self.began_s

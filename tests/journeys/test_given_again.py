@@ -26,10 +26,10 @@ async def test_it_is_not_done_again_and_not_said_to_be_refused(
         place.counter.work_s = 60.0
         # The poll that has just begun brings the command; the next one, which would confirm it,
         # is never answered.
-        await place.control.wait(await place.control.seq(), 10, ["call"])
+        await place.control.wait(await place.control.seq(), 60, ["call"])
         await place.control.fail("hang", "getUpdates", seconds=10.0)
         message = await place.say(place.bo, text)
-        assert await place.counter.wait_for(robots, 10)
+        assert await place.counter.wait_for(robots, 60)
         gateway.kill()
         assert await place.control.pending() == 1
 

@@ -18,7 +18,7 @@ SEED = int(os.environ.get("ROSIC_SEED", "20261121"))
 KILLS = int(os.environ.get("ROSIC_KILLS", "60"))
 
 
-@pytest.mark.limit(240)
+@pytest.mark.limit(600)
 async def test_nothing_is_done_twice_and_everything_is_told_over_60_kills(
     tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -52,7 +52,7 @@ async def test_nothing_is_done_twice_and_everything_is_told_over_980_kills(
         ("unfinished-forgotten", "acting", ("L1: ",)),
     ],
 )
-@pytest.mark.limit(120)
+@pytest.mark.limit(400)
 async def test_a_planted_fault_is_seen(
     fault: str, moment: str, caught: tuple[str, ...], tmp_path: Path, launcher: Launcher
 ) -> None:

@@ -20,6 +20,7 @@ from tests.journeys.reading import Reply, read_reply
 from tests.journeys.report import percentile
 from tests.journeys.ros import Onlooker, onlooker
 from tests.journeys.verdict import Said, judge
+from tests.pace import slowness
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -34,7 +35,7 @@ REST_WITHIN_S = 2.5
 pytestmark = pytest.mark.skipif(why_missing() is not None, reason=why_missing() or "")
 
 
-@pytest.mark.limit(240)
+@pytest.mark.limit(480)
 async def test_robots_come_to_rest_by_themselves_over_3_kills(
     tmp_path: Path, launcher: Launcher, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -84,7 +85,7 @@ async def kill_in_motion(
             print(f"  at rest by itself after {', '.join(shown)}")  # noqa: T201
         assert verdict.wrong == []
         assert len(looking.robots.actuations("omni")) == kills
-        assert max(rests_s) < REST_WITHIN_S
+        assert max(rests_s) < REST_WITHIN_S * slowness()
 
 
 async def set_moving(place: Lab, looking: Onlooker, way: str) -> Said:
@@ -94,7 +95,7 @@ async def set_moving(place: Lab, looking: Onlooker, way: str) -> Said:
         told = await place.ask(place.ada, "status omni", "omni: ")
         return "not there" not in told["text"] and "link not known" not in told["text"]
 
-    assert await place.until(heard, 30)
+    assert await place.until(heard)
     await place.say(place.ada, "resume omni")
     await place.drained()
     text = f"omni move {way} 4 m speed 0.5 m/s"
@@ -105,7 +106,7 @@ async def set_moving(place: Lab, looking: Onlooker, way: str) -> Said:
 
 async def seconds_to_rest(place: Lab, looking: Onlooker) -> float:
     killed_s = time.monotonic()
-    assert await place.until(lambda: not looking.moves, 10), "it moves on without a gateway"
+    assert await place.until(lambda: not looking.moves), "it moves on without a gateway"
     return time.monotonic() - killed_s
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from tests.journeys.fleet import Person
 from tests.journeys.lab import Lab, lab
+from tests.pace import slowness
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -42,7 +43,7 @@ async def button(place: Lab, chat: int, label: str, expected: str) -> None:
     await place.reads(chat, expected)
 
 
-@pytest.mark.limit(240)
+@pytest.mark.limit(500)
 async def test_a_lab_with_six_people(tmp_path: Path, launcher: Launcher) -> None:
     async with lab(tmp_path, launcher, robots=ROBOTS) as place:
         student = await place.control.create_user("Stu")
@@ -74,7 +75,7 @@ async def only_the_owner_of_the_time_drives(place: Lab, student: int) -> None:
     refused = await place.ask(place.bo, "omni move 0.2 m", "Stu")
     assert re.search(r"\d\d:\d\d", refused["text"]), "it says when it is free"
     await place.ask(student, "omni move 0.2 m", "done")
-    await place.reads(student, "Your time with omni ends in", within_s=90)
+    await place.reads(student, "Your time with omni ends in", within_s=180)
 
 
 async def a_senior_takes_over(place: Lab, student: int, senior: int) -> None:
@@ -94,7 +95,7 @@ async def a_thief_is_locked_in_mid_motion(place: Lab) -> None:
     begun_s = time.monotonic()
     await place.say(place.ada, "/lock Bo")
     await place.reads(place.bo, "stopped before it ended", to=moving)
-    assert time.monotonic() - begun_s < BUSY_S
+    assert time.monotonic() - begun_s < BUSY_S * slowness()
     await place.ask(place.bo, "kuka1 home", "locked")
 
 
@@ -110,7 +111,7 @@ async def enrol(place: Lab, people: tuple[Person, ...]) -> None:
     place.config.write_text(f"{text}\n\n{tables}\n")
 
 
-@pytest.mark.limit(200)
+@pytest.mark.limit(500)
 async def test_a_time_ends_while_the_robot_moves_and_the_next_one_takes_their_turn(
     tmp_path: Path, launcher: Launcher
 ) -> None:
@@ -119,17 +120,18 @@ async def test_a_time_ends_while_the_robot_moves_and_the_next_one_takes_their_tu
         student = await place.control.create_user("Stu")
         await enrol(place, (Person(student, "Stu"),))
         await place.start()
-        # It counts from the full minute, so half a minute of it is left at least.
-        await place.ask(student, "/book omni now 90 s", "omni is yours")
+        # It counts from the full minute, so what of that is gone is added.
+        gone_s = int(time.time()) % 60
+        await place.ask(student, f"/book omni now {gone_s + 66} s", "omni is yours")
         moving = await place.say(student, "omni move 5 m speed 0.05 m/s")
         await place.reads(student, "received", to=moving)
         await place.ask(place.bo, "/wait omni", "You are number 1 in the queue for omni")
         refused = await place.ask(place.bo, "omni move 0.2 m", "Stu")
         assert re.search(r"\d\d:\d\d", refused["text"]), "it says when it is free"
-        await place.reads(student, "Your time with omni ends in", within_s=60)
+        await place.reads(student, "Your time with omni ends in", within_s=120)
         assert not await offered(place), "it is somebody's, and moves"
 
-        await place.reads(student, "your time is over", to=moving, within_s=90)
+        await place.reads(student, "your time is over", to=moving, within_s=180)
         ended = await place.reads(student, "Your time with omni is over. It is at rest.")
         offer = await place.reads(place.bo, "omni is free and it is your turn.")
         assert offer["received_s"] >= ended["received_s"] - 1.0

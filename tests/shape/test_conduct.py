@@ -61,7 +61,7 @@ def run_pytest(folder: Path, *arguments: str, require_all: bool = False) -> dict
         env=own | {"ROSIC_REQUIRE_ALL": "1" if require_all else ""},
         capture_output=True,
         text=True,
-        timeout=50,
+        timeout=150,
         check=False,
     )
     outcomes = re.findall(

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-from rosic.core.language.units import Unit
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
 from rosic.core.saying import Measured
+
+if TYPE_CHECKING:
+    from rosic.core.language.units import Unit  # it reads quantities, and so comes later
 
 # The unit as it is shown, to what it is read in: imperial = value * factor + offset.
 _IMPERIAL = {
@@ -45,4 +51,4 @@ def imperial_unit(unit: Unit) -> Unit | None:
         return None
     name, factor, offset = other
     per = unit.factor / factor
-    return Unit(name, unit.dimension, per, unit.offset - offset * per)
+    return replace(unit, symbol=name, factor=per, offset=unit.offset - offset * per)

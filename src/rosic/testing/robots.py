@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     MakeRobot: TypeAlias = Callable[[], AbstractAsyncContextManager[Robot]]
 
-BOUND_S = 30.0
-
 
 class RobotConformance:
     """Subclass, set the class attributes, and provide the fixtures ``make_robot`` and ``clock``.
@@ -41,12 +39,14 @@ class RobotConformance:
     Attributes:
         short, short_arguments: A skill that ends by itself within seconds.
         long, long_arguments: One that lasts at least a second unless it is stopped.
+        bound_s: How long each wait may take before the rule counts as broken.
     """
 
     short: ClassVar[str]
     short_arguments: ClassVar[dict[str, Argument]] = {}
     long: ClassVar[str]
     long_arguments: ClassVar[dict[str, Argument]] = {}
+    bound_s: ClassVar[float] = 30.0
 
     def acted(self, robot: Robot) -> int:
         """Return how often the robot's side began to act. To be overridden."""
@@ -80,7 +80,7 @@ class RobotConformance:
                     seen.append(report.fraction)
 
             order = book.order(self.short, self.short_arguments)
-            await asyncio.wait_for(robot.execute(order, tell), BOUND_S)
+            await asyncio.wait_for(robot.execute(order, tell), self.bound_s)
             assert seen == sorted(seen)
             assert all(0.0 <= fraction <= 1.0 for fraction in seen)
 
@@ -89,7 +89,7 @@ class RobotConformance:
     ) -> None:
         async with make_robot() as robot:
             order = OrderBook(robot.profile, clock).order(self.short, self.short_arguments)
-            await asyncio.wait_for(robot.execute(order, _ignore), BOUND_S)
+            await asyncio.wait_for(robot.execute(order, _ignore), self.bound_s)
             await self._is_void(robot, order)
 
     async def test_an_order_overtaken_by_a_later_one_does_nothing(
@@ -98,7 +98,7 @@ class RobotConformance:
         async with make_robot() as robot:
             book = OrderBook(robot.profile, clock)
             later = book.order(self.short, self.short_arguments, n=7)
-            await asyncio.wait_for(robot.execute(later, _ignore), BOUND_S)
+            await asyncio.wait_for(robot.execute(later, _ignore), self.bound_s)
             await self._is_void(robot, book.order(self.short, self.short_arguments, n=6))
 
     async def test_an_order_under_an_old_lease_does_nothing(
@@ -107,7 +107,7 @@ class RobotConformance:
         async with make_robot() as robot:
             book = OrderBook(robot.profile, clock)
             newer = book.order(self.short, self.short_arguments, fence=7)
-            await asyncio.wait_for(robot.execute(newer, _ignore), BOUND_S)
+            await asyncio.wait_for(robot.execute(newer, _ignore), self.bound_s)
             await self._is_void(robot, book.order(self.short, self.short_arguments, fence=6))
 
     async def test_an_order_that_is_too_late_does_nothing(
@@ -122,9 +122,9 @@ class RobotConformance:
     async def test_a_stop_ends_what_is_under_way(self, make_robot: MakeRobot, clock: Clock) -> None:
         async with make_robot() as robot:
             running, received = self._begin_long(robot, clock)
-            await asyncio.wait_for(received.wait(), BOUND_S)
-            rest = await asyncio.wait_for(robot.stop(Stop(robot.profile.id, 1)), BOUND_S)
-            outcome = await asyncio.wait_for(running, BOUND_S)
+            await asyncio.wait_for(received.wait(), self.bound_s)
+            rest = await asyncio.wait_for(robot.stop(Stop(robot.profile.id, 1)), self.bound_s)
+            outcome = await asyncio.wait_for(running, self.bound_s)
             assert outcome.ending is Ending.CANCELLED, outcome
             assert rest.robot == robot.profile.id
             assert rest.confirmed
@@ -136,7 +136,7 @@ class RobotConformance:
             task = asyncio.ensure_future(stopping)
             await asyncio.sleep(0)
             latched = robot.gate.latched
-            await asyncio.wait_for(task, BOUND_S)
+            await asyncio.wait_for(task, self.bound_s)
             assert latched
             order = OrderBook(robot.profile, clock).order(
                 self.short, self.short_arguments, stop_generation=1
@@ -147,7 +147,7 @@ class RobotConformance:
         self, make_robot: MakeRobot, clock: Clock
     ) -> None:
         async with make_robot() as robot:
-            await asyncio.wait_for(robot.stop(Stop(robot.profile.id, 2)), BOUND_S)
+            await asyncio.wait_for(robot.stop(Stop(robot.profile.id, 2)), self.bound_s)
             await robot.resume(1)
             book = OrderBook(robot.profile, clock)
             early = book.order(self.short, self.short_arguments, stop_generation=2)
@@ -162,7 +162,7 @@ class RobotConformance:
     ) -> None:
         async with make_robot() as robot:
             order = OrderBook(robot.profile, clock).order(self.short, self.short_arguments)
-            await asyncio.wait_for(robot.stop(Stop(robot.profile.id, 1)), BOUND_S)
+            await asyncio.wait_for(robot.stop(Stop(robot.profile.id, 1)), self.bound_s)
             await robot.resume(1)
             await self._is_void(robot, order)
 
@@ -171,10 +171,10 @@ class RobotConformance:
     ) -> None:
         async with make_robot() as robot:
             running, received = self._begin_long(robot, clock)
-            await asyncio.wait_for(received.wait(), BOUND_S)
+            await asyncio.wait_for(received.wait(), self.bound_s)
             running.cancel()
             with pytest.raises(asyncio.CancelledError):
-                await asyncio.wait_for(running, BOUND_S)
+                await asyncio.wait_for(running, self.bound_s)
             assert robot.presence().at_rest is not False
             assert not robot.presence().doing
 
@@ -185,7 +185,7 @@ class RobotConformance:
             for sight in Sight:
                 async with aclosing(robot.look(sight)) as views:
                     try:
-                        view = await asyncio.wait_for(anext(views), BOUND_S)
+                        view = await asyncio.wait_for(anext(views), self.bound_s)
                     except NothingToSee:
                         continue
                     assert robot.profile.offers(sight)
@@ -203,7 +203,7 @@ class RobotConformance:
             if stages is not None:
                 stages.append(report.stage)
 
-        return await asyncio.wait_for(robot.execute(order, tell), BOUND_S)
+        return await asyncio.wait_for(robot.execute(order, tell), self.bound_s)
 
     def _begin_long(
         self, robot: Robot, clock: Clock

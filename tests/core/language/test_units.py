@@ -141,7 +141,7 @@ def test_factors_that_cannot_be_read_do_not_count(content: bytes | None, tmp_pat
 def test_with_what_ships_pint_is_not_imported() -> None:
     code = "import sys; from rosic.app.units import compile_units as c; c(); print(*sys.modules)"
     done = subprocess.run(  # noqa: S603 - our own interpreter
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=30
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120
     )
 
     assert {"rosic.app.units", "msgspec"} <= set(done.stdout.split())

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from tests.planted.faults import Fault
 
 
+pytestmark = pytest.mark.limit(test_faults.WITHIN_S + 10)
+
+
 @pytest.mark.parametrize("fault", FAULTS, ids=[fault.name for fault in FAULTS])
 def test_the_oracle_notices(fault: Fault, tmp_path: Path) -> None:
     test_faults.test_the_fault_is_caught(fault, tmp_path)

@@ -100,7 +100,7 @@ class Peer:
         """Wait until so many listen: each side of a topic discovers the other in its own time."""
         name, number = rest.split()
         publisher = {"count": self.counter, "voice": self.voice}[name]
-        end = time.monotonic() + 5
+        end = time.monotonic() + 60
         while publisher.get_subscription_count() < int(number) and time.monotonic() < end:
             time.sleep(0.005)
 

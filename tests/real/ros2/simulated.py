@@ -44,7 +44,7 @@ class Simulated:
         self.graph = graph
         self._file = folder / f"actuations-{'-'.join(robots)}"
         self.process: RosProcess = graph.start(
-            "-m", SIMULATION, "--actuations", self._file, *robots, timeout_s=60.0
+            "-m", SIMULATION, "--actuations", self._file, *robots, timeout_s=120.0
         )
 
     def actuations(self, robot: str) -> list[str]:
@@ -123,7 +123,7 @@ async def opened(
         await robot.close()
 
 
-async def until(condition: Callable[[], bool], *, timeout_s: float = 10.0) -> None:
+async def until(condition: Callable[[], bool], *, timeout_s: float = 60.0) -> None:
     """Wait for a condition.
 
     Raises:
@@ -137,6 +137,6 @@ async def until(condition: Callable[[], bool], *, timeout_s: float = 10.0) -> No
 async def set_fault(onlooker: RosRuntime, robot: str, name: str, value: bool | float) -> None:
     """Break something, or mend it."""
     link = await onlooker.service(service_of(f"/{robot}/machine"), SET_PARAMETERS)
-    answer = await link.call(request({name: value}), timeout_s=5, found_within_s=5)
+    answer = await link.call(request({name: value}), timeout_s=30, found_within_s=30)
     assert answer.results[0].successful, answer.results[0].reason
     await link.close()

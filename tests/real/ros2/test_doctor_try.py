@@ -17,6 +17,7 @@ from rosic.robots.ros2.runtime import RosRuntime
 from rosic.system import SystemClock, SystemEntropy
 from rosic.testing.ros2.graph import RosGraph
 from tests.cli.running import rosic, write_config
+from tests.pace import slowness
 from tests.real.ros2.simulated import Simulated, set_fault, simulated, until
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ BARKED = re.compile(
     r"watchdog: (at rest|still moving) (\d+\.\d\d) s after the last message; the profile says 0.5 s"
 )
 
-pytestmark = [pytest.mark.usefixtures("omni"), pytest.mark.limit(120)]
+pytestmark = [pytest.mark.usefixtures("omni"), pytest.mark.limit(240)]
 
 
 @pytest.fixture(scope="module")
@@ -84,10 +85,10 @@ async def test_its_stop_and_its_watchdog_are_measured(tmp_path: Path, omni: Simu
     assert (stop.verdict, watchdog.verdict) == (Verdict.GOOD, Verdict.GOOD)
     measured = STOPPED.fullmatch(stop.text)
     assert measured is not None, stop.text
-    assert 0.02 < float(measured[1]) < 1.0
+    assert 0.02 < float(measured[1]) < 1.0 * slowness()
     how, seconds = watched(watchdog)
     assert how == "at rest"
-    assert 0.4 < seconds < 1.0
+    assert 0.4 < seconds < 1.0 * slowness()
     assert len(omni.actuations("omni")) == before + 2
 
 
@@ -116,7 +117,7 @@ async def test_a_watchdog_slower_than_its_profile_says_is_looked_at(
     assert watchdog.verdict is Verdict.LOOK
     how, seconds = watched(watchdog)
     assert how == "at rest"
-    assert 1.8 < seconds < 3.0
+    assert 1.8 < seconds < 3.0 * slowness()
 
 
 async def test_a_robot_that_does_not_move_has_no_watchdog_measured(
@@ -143,8 +144,8 @@ async def test_the_command_says_so_line_by_line(tmp_path: Path, omni: Simulated)
 
     assert ran.err == ""
     *_, stop, watchdog = ran.out.splitlines()
-    assert re.fullmatch(r"omni +stop: at rest after \d\.\d\d s \(from a slow drive\)", stop)
-    assert re.fullmatch(r"omni +watchdog: at rest \d\.\d\d s after the last message; .*", watchdog)
+    assert re.fullmatch(r"omni +stop: at rest after \d+\.\d\d s \(from a slow drive\)", stop)
+    assert re.fullmatch(r"omni +watchdog: at rest \d+\.\d\d s after the last message; .*", watchdog)
 
 
 def speed_m_s(message: object) -> float | None:

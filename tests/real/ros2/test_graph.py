@@ -21,7 +21,7 @@ async def test_a_robot_is_seen_with_all_it_offers(runtime: RosRuntime) -> None:
         runtime,
         lambda now: len(now.services) >= 2 and bool(now.actions and now.nodes),
         namespace="/omni",
-        timeout_s=10,
+        timeout_s=60,
     )
     assert seen.complete
     assert seen.nodes == ("/omni/robot",)
@@ -47,9 +47,9 @@ async def test_a_robot_that_is_gone_is_gone_from_the_graph(
     runtime: RosRuntime, peer: RosProcess
 ) -> None:
     await runtime.latest("/omni/count", "std_msgs/msg/Int32")
-    await wait_for(runtime, lambda now: bool(now.topics), namespace="/omni", timeout_s=10)
+    await wait_for(runtime, lambda now: bool(now.topics), namespace="/omni", timeout_s=60)
     assert peer.stop() == 0
-    await wait_for(runtime, lambda now: now.empty, namespace="/omni", timeout_s=10)
+    await wait_for(runtime, lambda now: now.empty, namespace="/omni", timeout_s=60)
 
 
 async def test_waiting_is_bounded(runtime: RosRuntime) -> None:

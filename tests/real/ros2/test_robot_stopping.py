@@ -16,6 +16,7 @@ from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
+from tests.pace import slowness
 from tests.real.ros2.simulated import Simulated, opened, shipped, simulated, until
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ async def odometry(omni: Simulated) -> AsyncIterator[Latest]:
     domain = omni.graph.domain_id
     async with await RosRuntime.open(types, node_name="onlooker", domain_id=domain) as runtime:
         latest = await runtime.latest("/omni/odom", ODOMETRY)
-        await latest.newer(0, timeout_s=10)
+        await latest.newer(0, timeout_s=60)
         yield latest
 
 
@@ -72,9 +73,19 @@ def speed_m_s(odometry: Latest) -> float:
 
 
 async def stands(odometry: Latest) -> bool:
-    """Tell whether the next that somebody else hears is rest: they hear it a moment later."""
-    await odometry.newer(odometry.received, timeout_s=2)
+    """Tell whether the robot is at rest now, by the next that it says to somebody else.
+
+    They may hear it late, so what it said before now does not count.
+    """
+    now_s = time.time()
+    await until(lambda: said_at_s(odometry) >= now_s)
     return speed_m_s(odometry) <= AT_REST_M_S
+
+
+def said_at_s(odometry: Latest) -> float:
+    message = odometry.message()
+    assert message is not None
+    return float(message.header.stamp.sec + message.header.stamp.nanosec / 1e9)
 
 
 async def moving(robot: TriedRobot) -> asyncio.Task[Outcome]:
@@ -124,7 +135,7 @@ async def test_a_robot_that_falls_silent_is_stopped_by_its_own_watchdog(clock: S
         )
         rest = await robot.fall_silent(order, lambda _report: None)
         assert rest.confirmed
-        assert 0.3 < rest.seconds < 1.5, "the watchdog of this robot takes 0.5 s"
+        assert 0.3 < rest.seconds < 1.5 * slowness(), "the watchdog of this robot takes 0.5 s"
 
 
 async def test_a_stop_is_confirmed_only_at_rest(clock: SystemClock, odometry: Latest) -> None:
@@ -134,13 +145,13 @@ async def test_a_stop_is_confirmed_only_at_rest(clock: SystemClock, odometry: La
         rest = await robot.stop(Stop("omni", 1))
         standing = await stands(odometry)
         at = x_m(odometry)
-        outcome = await asyncio.wait_for(running, 2.0)
+        outcome = await asyncio.wait_for(running, 60.0)
         assert rest.confirmed
         assert rest.seconds > 0.1, "from this speed it takes longer to brake"
         assert standing
         assert outcome.ending is Ending.CANCELLED
         assert 0 < outcome.facts["distance_m"] < 4.0
-        await odometry.newer(odometry.received + 5, timeout_s=5)
+        await odometry.newer(odometry.received + 5, timeout_s=30)
         assert x_m(odometry) == pytest.approx(at, abs=0.002), "it stands where it was said to stand"
         again = await robot.stop(Stop("omni", 2))
         assert again.confirmed
@@ -160,7 +171,7 @@ async def test_a_stop_reaches_goals_of_another_gateway(
         rest = await robot.stop(Stop("omni", 1))
         assert rest.confirmed
         assert await stands(odometry)
-        assert (await asyncio.wait_for(running, 2.0)).ending is Ending.CANCELLED
+        assert (await asyncio.wait_for(running, 60.0)).ending is Ending.CANCELLED
 
 
 async def test_the_same_command_through_another_gateway_acts_once(
@@ -190,7 +201,7 @@ async def test_a_goal_that_takes_too_long_is_called_off(
     async with opened(replace(profile, skills={"move": short}), clock) as robot:
         with pytest.raises(RobotUnreachable, match=r"omni was not done within 1 s and was told"):
             await robot.do("move", FAR)
-        await until(lambda: speed_m_s(odometry) <= AT_REST_M_S, timeout_s=2.0)
+        await until(lambda: speed_m_s(odometry) <= AT_REST_M_S)
 
 
 async def test_closing_brings_what_is_under_way_to_rest(
@@ -200,7 +211,7 @@ async def test_closing_brings_what_is_under_way_to_rest(
         running = await moving(robot)
         await robot.close()
         assert await stands(odometry)
-        assert (await asyncio.wait_for(running, 2.0)).ending is Ending.CANCELLED
+        assert (await asyncio.wait_for(running, 60.0)).ending is Ending.CANCELLED
 
 
 async def test_a_refusal_carries_the_robots_reason(omni: Simulated, clock: SystemClock) -> None:
@@ -231,13 +242,13 @@ async def test_a_robot_that_disappears_at_work_leaves_doubt_and_cannot_confirm_a
             running = await moving(robot)
             simulation.process.kill()
             begun = time.monotonic()
-            with pytest.raises(RobotUnreachable, match=r"omni has not answered for [12]\.\d s"):
-                await asyncio.wait_for(running, 10.0)
-            assert time.monotonic() - begun < 6.0
+            with pytest.raises(RobotUnreachable, match=r"omni has not answered for \d+\.\d s"):
+                await asyncio.wait_for(running, 60.0)
+            assert time.monotonic() - begun < 6.0 * slowness()
             assert robot.presence().online is False
             rest = await robot.stop(Stop("omni", 1))
             assert not rest.confirmed
-            assert 0.9 < rest.seconds < 2.5
+            assert 0.9 < rest.seconds < 2.5 * slowness()
             assert robot.gate.latched
 
 
@@ -252,7 +263,7 @@ async def test_a_robot_that_hangs_does_not_confirm(
                 rest = await robot.stop(Stop("omni", 1))
                 assert not rest.confirmed
                 with pytest.raises(RobotUnreachable):
-                    await asyncio.wait_for(running, 10.0)
+                    await asyncio.wait_for(running, 60.0)
             finally:
                 simulation.process.process.send_signal(signal.SIGCONT)
             rest = await robot.stop(Stop("omni", 2))

@@ -17,6 +17,7 @@ from rosic.pictures.draw import draw
 from rosic.robots.ros2 import sights
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
+from tests.pace import slowness
 from tests.real.ros2.simulated import opened, shipped
 
 if TYPE_CHECKING:
@@ -27,6 +28,12 @@ if TYPE_CHECKING:
 EYES = Path(__file__).with_name("eyes.py")
 JPEG = Camera(topic="/omni/jpeg")
 RAW = Camera(topic="/omni/raw", type="sensor_msgs/msg/Image")
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Until both sides have found each other, nothing comes; a person would look once more."""
+    monkeypatch.setattr(sights, "FIRST_WITHIN_S", 60.0)
 
 
 @pytest.fixture
@@ -70,7 +77,7 @@ async def test_a_compressed_frame_comes_as_it_was_sent() -> None:
         assert isinstance(view.content, Encoded)
         assert view.content.data == b"\xff\xd8\xff frame"
         assert not view.foreign
-        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9
+        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * slowness()
 
 
 @pytest.mark.usefixtures("eyes")
@@ -98,7 +105,7 @@ async def test_a_stamp_of_another_clock_is_said_to_be_one(eyes: RosProcess) -> N
     async with robot() as made:
         view = await first(made, Sight.PICTURE)
         assert view.foreign
-        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9
+        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * slowness()
 
 
 async def test_what_is_no_picture_is_refused_when_it_is_drawn(eyes: RosProcess) -> None:
@@ -116,7 +123,7 @@ async def test_a_camera_that_is_silent_is_not_waited_for(
     monkeypatch.setattr(sights, "FIRST_WITHIN_S", 0.3)
     async with robot() as made:
         for sight, what in ((Sight.PICTURE, "picture"), (Sight.MAP, "map")):
-            async with asyncio.timeout(10):
+            async with asyncio.timeout(60):
                 with pytest.raises(NothingToSee, match=f"^Omni has sent no {what} for"):
                     await first(made, sight)
 
@@ -125,7 +132,7 @@ async def test_a_map_that_was_sent_once_is_seen_with_pose_and_path(eyes: RosProc
     await ask(eyes, "room map")
     await ask(eyes, "goes map")
     async with robot() as made:
-        grid = await placed(made, eyes, "map")
+        grid = await placed(made, eyes, "map", goes=True)
         assert (grid.width, grid.height, grid.resolution_m) == (3, 2, 0.5)
         assert grid.cells == bytes([0, 100, 255, 50, 0, 0])
         assert grid.origin.x_m == -1.0
@@ -145,15 +152,17 @@ async def test_a_pose_in_another_frame_is_not_put_on_the_map(eyes: RosProcess) -
         assert grid.note == "robot not shown: its pose is in odom, the map in map"
 
 
-async def placed(made: Ros2Robot, eyes: RosProcess, frame: str) -> Grid:
-    """Return the map once the pose was heard: each side finds the other in its own time."""
-    async with asyncio.timeout(15):
+async def placed(made: Ros2Robot, eyes: RosProcess, frame: str, *, goes: bool = False) -> Grid:
+    """Return the map once the pose was heard, and the path if it goes: each comes in its time."""
+    async with asyncio.timeout(60):
         while made.presence().pose is None:
             await ask(eyes, f"stands {frame}")
             await asyncio.sleep(0.05)
-    view = await first(made, Sight.MAP)
-    assert isinstance(view.content, Grid)
-    return view.content
+        while True:
+            view = await first(made, Sight.MAP)
+            assert isinstance(view.content, Grid)
+            if view.content.path or not goes:
+                return view.content
 
 
 @pytest.mark.usefixtures("interfaces")
@@ -164,7 +173,9 @@ async def test_a_simulated_robot_films_itself_and_knows_its_room(graph: RosGraph
         view = await first(made, Sight.PICTURE)
         assert isinstance(view.content, Encoded)
         assert draw(view.content).width == 360
-        grid = (await first(made, Sight.MAP)).content
-        assert isinstance(grid, Grid)
-        assert grid.pose is not None
-        assert grid.note == ""
+        async with asyncio.timeout(60):
+            while True:  # the pose comes on a topic of its own
+                grid = (await first(made, Sight.MAP)).content
+                assert isinstance(grid, Grid)
+                if grid.pose is not None and not grid.note:
+                    break

@@ -23,6 +23,7 @@ from rosic.robots.ros2.runtime import RosRuntime
 from rosic.robots.ros2.simulation import main
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
+from tests.pace import slowness
 from tests.real.ros2.simulated import (
     SIMULATION,
     Simulated,
@@ -92,7 +93,7 @@ async def test_everything_the_shipped_profiles_bind_is_on_the_graph(
 ) -> None:
     assert "ready omni kuka1 yumi cf1 cf2 cf3" in robots.process.lines
     wanted = {name for profile in simulated_profiles() for name in bound_names(profile)}
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while wanted - await offered(onlooker):  # noqa: ASYNC110 - the graph tells nobody
             await asyncio.sleep(0.05)
 
@@ -120,9 +121,9 @@ async def offered(onlooker: RosRuntime) -> set[tuple[str, str]]:
 
 async def test_telemetry_comes_at_least_five_times_a_second_at_rest(onlooker: RosRuntime) -> None:
     odometry = await onlooker.latest("/cf1/odom", ODOMETRY)
-    await odometry.newer(0, timeout_s=5)
+    await odometry.newer(0, timeout_s=30)
     begun, before = time.monotonic(), odometry.received
-    await odometry.newer(before + 10, timeout_s=5)
+    await odometry.newer(before + 10, timeout_s=30)
     assert (odometry.received - before) / (time.monotonic() - begun) >= 5
 
 
@@ -132,8 +133,8 @@ def test_it_ends_when_it_is_told_to(graph: RosGraph, tmp_path: Path) -> None:
         assert "ready omni kuka1" in simulation.process.lines
         begun = time.monotonic()
         simulation.process.process.send_signal(number)
-        assert simulation.process.process.wait(10) == 0
-        assert time.monotonic() - begun < 2.0
+        assert simulation.process.process.wait(60) == 0
+        assert time.monotonic() - begun < 2.0 * slowness()
         simulation.process.stop()
 
 
@@ -146,7 +147,7 @@ def test_a_robot_that_does_not_exist_is_named() -> None:
         [sys.executable, "-m", SIMULATION, "omny"],
         capture_output=True,
         text=True,
-        timeout=30,
+        timeout=120,
         check=False,
     )
     assert done.returncode == 2
@@ -174,7 +175,7 @@ async def test_one_arm_that_fails_stops_both(onlooker: RosRuntime, clock: System
         running = asyncio.create_task(yumi.do("handover"))
         await until(lambda: yumi.presence().at_rest is False)
         await set_fault(onlooker, "yumi", "left_arm", value=False)
-        outcome = await asyncio.wait_for(running, 10)
+        outcome = await asyncio.wait_for(running, 60)
         assert outcome.ending is Ending.FAILED, outcome
         await until(lambda: yumi.presence().at_rest is True)
     message = joints.message()
@@ -205,7 +206,7 @@ async def test_an_empty_battery_is_a_reason(
 async def test_a_battery_has_no_more_than_it_can_hold(onlooker: RosRuntime) -> None:
     link = await onlooker.service(service_of("/omni/machine"), SET_PARAMETERS)
     for value in (1.5, -0.1):
-        answer = await link.call(request({"battery": value}), timeout_s=5, found_within_s=5)
+        answer = await link.call(request({"battery": value}), timeout_s=30, found_within_s=30)
         assert answer.results[0].reason == "a battery is a number from 0.0 to 1.0"
 
 
@@ -224,9 +225,9 @@ async def test_a_robot_whose_gateway_is_killed_comes_to_rest_by_itself(
     driver.kill()
     begun, at = time.monotonic(), x_m(odometry)
     await until(lambda: speed_m_s(odometry) <= 0.005, timeout_s=3.0)
-    assert time.monotonic() - begun < 2.5
+    assert time.monotonic() - begun < 2.5 * slowness()
     assert 0.2 < x_m(odometry) - at < 1.0, "a second at half a metre a second, and braking"
-    await odometry.newer(odometry.received + 10, timeout_s=5)
+    await odometry.newer(odometry.received + 10, timeout_s=30)
     assert speed_m_s(odometry) <= 0.005
     assert len(robots.actuations("omni")) == before + 1
 
@@ -237,9 +238,9 @@ async def test_a_drone_whose_gateway_is_killed_lands(
     odometry = await heard(onlooker, "/cf1/odom", ODOMETRY)
     driver = robots.graph.start(DRIVER, "cf1", "takeoff", "height=0.5", python_path=[ROOT])
     await asyncio.to_thread(driver.expect, "ended done")
-    assert z_m(odometry) == pytest.approx(0.5, abs=0.05)
+    await until(lambda: z_m(odometry) == pytest.approx(0.5, abs=0.05))
     driver.kill()
-    await until(lambda: z_m(odometry) < 0.02, timeout_s=8.0)
+    await until(lambda: z_m(odometry) < 0.02)
 
 
 async def test_a_cut_link_holds_and_is_found_again(
@@ -251,9 +252,9 @@ async def test_a_cut_link_holds_and_is_found_again(
         )
         await until(lambda: omni.presence().at_rest is False)
         await set_fault(onlooker, "omni", "link", value=False)
-        await until(lambda: omni.presence().online is False, timeout_s=5.0)
+        await until(lambda: omni.presence().online is False)
         await set_fault(onlooker, "omni", "link", value=True)
-        outcome = await asyncio.wait_for(running, 10)
+        outcome = await asyncio.wait_for(running, 60)
         assert outcome.ending is Ending.FAILED
         assert outcome.note == "link lost, holding"
         await until(lambda: omni.presence().online is True)
@@ -263,7 +264,7 @@ async def test_a_cut_link_holds_and_is_found_again(
 async def heard(onlooker: RosRuntime, topic: str, type_name: str) -> Latest:
     """Subscribe, and wait for the first: discovery can take seconds."""
     latest = await onlooker.latest(topic, type_name)
-    await latest.newer(0, timeout_s=10)
+    await latest.newer(0, timeout_s=60)
     return latest
 
 

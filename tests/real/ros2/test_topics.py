@@ -10,6 +10,7 @@ from rosic.robots.ros2.faults import BadName, BadValue, NotSent
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.services import wait_until
 from rosic.robots.ros2.topics import Latest, Quality
+from tests.pace import slowness
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.registry import TypeRegistry
@@ -36,14 +37,14 @@ async def listened_to(peer: RosProcess, name: str, number: int) -> None:
 
 async def test_a_velocity_arrives_as_it_was_meant(runtime: RosRuntime, peer: RosProcess) -> None:
     publisher = await runtime.publisher("/omni/cmd_vel", TWIST)
-    await wait_until(lambda: publisher.listeners == 1, "/omni/cmd_vel", 5)
+    await wait_until(lambda: publisher.listeners == 1, "/omni/cmd_vel", 30)
     publisher.publish({"linear.x": 1, "angular": {"z": -0.25}})
     assert await asyncio.to_thread(peer.expect, "twist") == "1.0 -0.25"
 
 
 async def test_what_does_not_fit_is_not_sent(runtime: RosRuntime, peer: RosProcess) -> None:
     publisher = await runtime.publisher("/omni/cmd_vel", TWIST)
-    await wait_until(lambda: publisher.listeners == 1, "/omni/cmd_vel", 5)
+    await wait_until(lambda: publisher.listeners == 1, "/omni/cmd_vel", 30)
     with pytest.raises(BadValue, match=r"linear\.x must be a finite number"):
         publisher.publish({"linear.x": float("nan")})
     publisher.publish({"linear.x": 0.5})
@@ -71,9 +72,9 @@ async def test_telemetry_keeps_the_newest_value(runtime: RosRuntime, peer: RosPr
 
 
 async def _value(latest: Latest, wanted: int) -> None:
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         while (message := latest.message()) is None or message.data != wanted:
-            await latest.newer(latest.received, timeout_s=5)
+            await latest.newer(latest.received, timeout_s=30)
 
 
 async def test_waiting_for_something_newer_is_bounded(runtime: RosRuntime) -> None:
@@ -89,22 +90,23 @@ async def test_a_flood_neither_grows_memory_nor_takes_the_loop(
     latest = await runtime.latest("/omni/count", INT32)
     stop = await runtime.service("/omni/stop", "std_srvs/srv/Trigger")
     await listened_to(peer, "count", 1)
-    await wait_until(stop.ready, "/omni/stop", 5)
+    await wait_until(stop.ready, "/omni/stop", 30)
     before, waits = resident_mib(), list[float]()
     peer.say("flood 4")
     flood = asyncio.create_task(asyncio.to_thread(peer.expect, "sent"))
     now = asyncio.get_running_loop().time
     while not flood.done():
         asked = now()
-        await stop.call({}, timeout_s=5, urgent=True)
+        await stop.call({}, timeout_s=30, urgent=True)
         waits.append(now() - asked)
         await asyncio.sleep(0.05)
     sent = int(await flood)
     await _value(latest, -1)
-    assert sent > 10_000
-    assert latest.received > 1_000
+    slow = slowness()
+    assert sent > 10_000 / slow
+    assert latest.received > 1_000 / slow
     assert resident_mib() - before < 10
-    assert sorted(waits)[len(waits) // 2] < 0.25
+    assert sorted(waits)[len(waits) // 2] < 0.25 * slow
 
 
 async def test_every_word_a_robot_says_is_heard(runtime: RosRuntime, peer: RosProcess) -> None:
@@ -114,10 +116,10 @@ async def test_every_word_a_robot_says_is_heard(runtime: RosRuntime, peer: RosPr
     )
     publisher = await runtime.publisher("/omni/to_robot_topic", STRING)
     await listened_to(peer, "voice", 1)
-    await wait_until(lambda: publisher.listeners == 1, "/omni/to_robot_topic", 5)
+    await wait_until(lambda: publisher.listeners == 1, "/omni/to_robot_topic", 30)
     for word in ("hello", "what do you see?", "größer 東"):
         publisher.publish({"data": word})
-    await wait_until(lambda: len(heard) == 3, "three answers", 5)
+    await wait_until(lambda: len(heard) == 3, "three answers", 30)
     assert heard == ["heard: hello", "heard: what do you see?", "heard: größer 東"]
     assert stream.dropped == 0
 
@@ -138,7 +140,7 @@ async def test_words_that_nobody_takes_are_dropped_and_counted(
         before = stream.dropped
         peer.say("texts 200")
         peer.expect("ok texts")  # on the loop, on purpose: nobody drains meanwhile
-        await wait_until(lambda: "200" in heard, "the last word", 5)
+        await wait_until(lambda: "200" in heard, "the last word", 30)
         assert len(heard) + stream.dropped - before <= 200
         assert heard == sorted(heard, key=int)
         if stream.dropped:
@@ -162,7 +164,7 @@ async def test_a_callback_that_raises_does_not_silence_the_others(
     await listened_to(peer, "count", 2)
     peer.say("burst 50")
     await _value(good, 50)
-    await wait_until(lambda: bool(complaints), "the complaint", 5)
+    await wait_until(lambda: bool(complaints), "the complaint", 30)
 
 
 async def test_a_latched_message_reaches_who_comes_later(runtime: RosRuntime) -> None:
@@ -170,7 +172,7 @@ async def test_a_latched_message_reaches_who_comes_later(runtime: RosRuntime) ->
     publisher = await runtime.publisher("/map_name", STRING, latched)
     publisher.publish({"data": "hall"})
     late = await runtime.latest("/map_name", STRING, latched)
-    await late.newer(0, timeout_s=5)
+    await late.newer(0, timeout_s=30)
     message = late.message()
     assert message is not None
     assert message.data == "hall"
@@ -179,9 +181,9 @@ async def test_a_latched_message_reaches_who_comes_later(runtime: RosRuntime) ->
 async def test_closing_an_endpoint_leaves_the_graph(runtime: RosRuntime) -> None:
     publisher = await runtime.publisher("/a", STRING)
     latest = await runtime.latest("/a", STRING)
-    await wait_until(lambda: publisher.listeners == 1, "/a", 5)
+    await wait_until(lambda: publisher.listeners == 1, "/a", 30)
     await latest.close()
-    await wait_until(lambda: publisher.listeners == 0, "an empty topic", 5)
+    await wait_until(lambda: publisher.listeners == 0, "an empty topic", 30)
     await publisher.close()
 
 
@@ -216,12 +218,12 @@ async def test_a_message_of_odometry_crosses_whole(
     seen: list[RosObject] = []
     stream = await runtime.stream("/odom", name, seen.append)
     publisher = await runtime.publisher("/odom", name)
-    await wait_until(lambda: publisher.listeners == 1, "/odom", 5)
+    await wait_until(lambda: publisher.listeners == 1, "/odom", 30)
     covariance = [index / 7 for index in range(36)]
     publisher.publish(
         {"pose.pose.position.x": 0.5, "pose.covariance": covariance, "child_frame_id": "base"}
     )
-    await wait_until(lambda: bool(seen), "odometry", 5)
+    await wait_until(lambda: bool(seen), "odometry", 30)
     cls = types.message(name)
     assert compile_path(cls, "pose.pose.position.x")(seen[0]) == 0.5
     assert compile_path(cls, "pose.covariance")(seen[0]) == covariance

@@ -216,7 +216,7 @@ def opened_by_another(folder: Path) -> str:
         capture_output=True,
         text=True,
         check=True,
-        timeout=50,
+        timeout=150,
     ).stdout
 
 

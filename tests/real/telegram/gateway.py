@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from rosic.errors import MessengerFault
     from rosic.testing.telegram import FakeTelegram
 
-PATIENCE_S = 10.0
+PATIENCE_S = 60.0
 
 
 class Hurried:

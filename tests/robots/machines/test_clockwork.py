@@ -207,11 +207,11 @@ def test_one_step_costs_less_than_50_microseconds() -> None:
         best = inf
         at_s = now_s
         for _ in range(5):
-            begun = time.perf_counter()
+            begun = time.process_time()
             for _ in range(40):
                 at_s += 0.01
                 machine.step(at_s)
-            best = min(best, (time.perf_counter() - begun) / 40)
+            best = min(best, (time.process_time() - begun) / 40)
         assert machine.moving
         assert best < 50e-6, f"{robot}: {best * 1e6:.0f} us"
 

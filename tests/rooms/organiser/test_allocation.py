@@ -18,6 +18,7 @@ from rosic.organiser.placing import first_come_first_served, grid_for
 from rosic.organiser.solving import propose
 from rosic.organiser.words_plan import plan_text
 from tests.cli.running import environment
+from tests.pace import slowness
 from tests.rooms.organiser.planning import (
     a_problem,
     a_wish,
@@ -51,7 +52,7 @@ def test_over_twenty_weeks_the_plan_is_lawful_and_never_worse_than_the_order_of_
     for seed in range(20):
         problem = generated_week(seed, wishes=90)
         arrival = first_come_first_served(problem, grid_s=900)
-        proposal = propose(problem, grid_s=900, limit_s=0.5)
+        proposal = propose(problem, grid_s=900, limit_s=0.5 * slowness())
         for plan in (arrival, proposal):
             assert clashes(problem, plan.allocations) == []
             assert broken_rules(problem, plan.allocations) == []
@@ -220,7 +221,7 @@ def test_without_scipy_the_order_of_arrival_and_the_name_of_the_extra() -> None:
 
     ran = subprocess.run(  # noqa: S603 - our own words
         [sys.executable, "-c", program], env=environment(), capture_output=True, text=True,
-        check=True, timeout=50,
+        check=True, timeout=150,
     )  # fmt: skip
 
     assert ran.stdout.splitlines()[-1] == (

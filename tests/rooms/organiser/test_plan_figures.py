@@ -70,7 +70,7 @@ def test_the_comparison_shows_both_ways_and_no_conflicts() -> None:
     assert "| conflicts | 0 | 0 | 0 | 0 |" in as_table([week])
 
 
-@pytest.mark.limit(60)
+@pytest.mark.limit(180)
 def test_the_bench_gives_the_figures_with_the_times() -> None:
     report = msgspec.json.decode(msgspec.json.encode(measure(quick=True)))
 

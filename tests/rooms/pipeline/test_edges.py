@@ -55,7 +55,7 @@ async def test_a_claim_under_way_when_the_gateway_closes_is_known_not_to_have_mo
 async def test_an_order_that_has_not_begun_when_the_gateway_closes_is_told() -> None:
     async with Place().open() as place:
         inbound = place.chat.say("omni wave")
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             # No turn of the event loop lies between the claim and the end.
             await place.gateway.pipeline.receive(place.chat, inbound)
             await place.gateway.pipeline.close()

@@ -295,6 +295,6 @@ async def test_looking_at_hundreds_of_cards_takes_milliseconds() -> None:
 
 
 def _timed(look: Callable[[], object]) -> float:
-    begun = time.perf_counter()
+    begun = time.process_time()
     look()
-    return time.perf_counter() - begun
+    return time.process_time() - begun

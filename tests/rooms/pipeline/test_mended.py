@@ -51,8 +51,9 @@ async def test_lines_of_one_message_to_a_group_wait_for_each_other() -> None:
         for name in ("cf1", "cf2"):
             place.robot(name).work_s = 0.05
         place.chat.say("swarm wave\nswarm move 1 m\nswarm wave")
-        for _ in range(60):
-            await asyncio.sleep(0.005)
+        async with asyncio.timeout(60):
+            while place.acted("cf1") + place.acted("cf2") < 6:  # noqa: ASYNC110 - a robot that works tells nobody
+                await asyncio.sleep(0.005)
         assert (place.acted("cf1"), place.acted("cf2")) == (3, 3)
 
 

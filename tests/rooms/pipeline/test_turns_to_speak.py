@@ -82,8 +82,10 @@ async def test_an_outcome_goes_before_an_answer_and_progress_goes_last() -> None
         assert "accepted" in await one(place, chat) or chat.told
         await place.say("status")
         assert chat.waiting == [Weight.QUESTION]
-        await asyncio.sleep(0.1)
-        await place.quiet()
+        async with asyncio.timeout(60):
+            while chat.waiting == [Weight.QUESTION]:
+                await asyncio.sleep(0.01)
+                await place.quiet()
         assert chat.waiting == [Weight.OUTCOME], "what has become important asks with its weight"
         assert "done" in await one(place, chat)
         assert "at rest" in await one(place, chat)

@@ -83,7 +83,7 @@ async def test_a_hang_outlasts_the_client_and_not_the_server() -> None:
             await asyncio.wait_for(asyncio.shield(hanging), 0.1)
         began_s = loop.time()
         await server.stop()
-        assert loop.time() - began_s < 1.0
+        assert loop.time() - began_s < 25
         with pytest.raises(aiohttp.ClientOSError):
             await hanging
 
@@ -104,14 +104,14 @@ async def test_latency_lies_half_before_and_half_after(
     server: FakeTelegram, api: Api, ada: int
 ) -> None:
     loop = asyncio.get_running_loop()
-    server.set_latency(0.2)
+    server.set_latency(1.0)
     began_s = loop.time()
     sending = asyncio.create_task(send(api, ada))
     await server.wait(server.seq, kinds=["sent"])
-    assert loop.time() - began_s > 0.09
+    assert loop.time() - began_s > 0.49
     assert not sending.done()
     await sending
-    assert loop.time() - began_s > 0.19
+    assert loop.time() - began_s > 0.99
 
 
 async def test_a_fault_that_there_is_not(server: FakeTelegram) -> None:

@@ -136,8 +136,8 @@ async def test_it_is_ready_works_and_ends() -> None:
             await control.wait(seen, kinds=["call"])
             began_s = loop.time()
             process.send_signal(signal.SIGTERM)
-            assert await asyncio.wait_for(process.wait(), 5) == 0
-            assert loop.time() - began_s < 1.0
+            assert await asyncio.wait_for(process.wait(), 60) == 0
+            assert loop.time() - began_s < 25
             assert await polling == {"ok": True, "result": []}
         assert process.stderr is not None
         said = (await process.stderr.read()).decode()

@@ -56,7 +56,7 @@ async def test_a_long_poll_ends_with_the_first_update(
 async def test_a_long_poll_ends_with_nothing_in_time(api: Api) -> None:
     began_s = asyncio.get_running_loop().time()
     assert await api.ok("getUpdates", timeout=1) == []
-    assert 0.9 < asyncio.get_running_loop().time() - began_s < 5
+    assert 0.9 < asyncio.get_running_loop().time() - began_s < 30
 
 
 async def test_the_poll_that_waited_is_thrown_out_by_the_next(
@@ -88,7 +88,7 @@ async def test_a_poll_whose_client_is_gone_is_no_conflict(
 
 
 async def test_further_conflicts_are_answered_late() -> None:
-    settings = Settings(conflict_pause_s=0.6)
+    settings = Settings(conflict_pause_s=2.0)
     async with FakeTelegram(limits=None, settings=settings) as server, Api(server) as api:
         loop = asyncio.get_running_loop()
         polls = []
@@ -98,9 +98,9 @@ async def test_further_conflicts_are_answered_late() -> None:
             await server.wait(seen, kinds=["call"])
         began_s = loop.time()
         assert (await polls[0])["error_code"] == 409
-        assert loop.time() - began_s < 0.5
+        assert loop.time() - began_s < 1.5
         assert (await polls[1])["error_code"] == 409
-        assert loop.time() - began_s > 0.5
+        assert loop.time() - began_s > 1.5
         assert (await polls[2])["ok"]
 
 
@@ -112,14 +112,14 @@ async def test_short_polls_do_not_conflict(server: FakeTelegram, api: Api) -> No
 
 
 async def test_a_hasty_poll_is_stretched_when_asked_for(wall: Wall) -> None:
-    settings = Settings(idle_poll_s=0.6)
+    settings = Settings(idle_poll_s=2.0)
     async with FakeTelegram(settings=settings, wall_s=wall) as server, Api(server) as api:
         loop = asyncio.get_running_loop()
         began_s = loop.time()
         await api.ok("getUpdates")
-        assert loop.time() - began_s < 0.5
+        assert loop.time() - began_s < 1.5
         await api.ok("getUpdates")
-        assert loop.time() - began_s > 0.5
+        assert loop.time() - began_s > 1.5
 
 
 async def test_allowed_updates_stick_and_do_not_reach_back(

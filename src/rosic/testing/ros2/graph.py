@@ -73,7 +73,7 @@ class RosProcess:
         self.process.stdin.write(f"{line}\n")
         self.process.stdin.flush()
 
-    def expect(self, beginning: str, *, timeout_s: float = 15.0) -> str:
+    def expect(self, beginning: str, *, timeout_s: float = 60.0) -> str:
         """Wait for a line, from the first not yet looked at, and return what follows ``beginning``.
 
         It blocks: on an event loop, call it through `asyncio.to_thread`.
@@ -177,7 +177,7 @@ class RosGraph:
         *command: str | Path,
         python_path: Sequence[Path] = (),
         ready: str | None = READY,
-        timeout_s: float = 20.0,
+        timeout_s: float = 60.0,
     ) -> RosProcess:
         """Run a Python program on this graph, and wait until it says that it is ready.
 

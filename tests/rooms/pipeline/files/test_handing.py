@@ -41,17 +41,23 @@ def held(folder: Path) -> set[str]:
 async def asked(ward: Ward, line: str, account: str = ADA) -> str:
     before = len(ward.chat.told)
     await ward.say(line, account=account, chat=account)
-    for _ in range(10):  # disks take real time
-        await asyncio.sleep(0.005)
-        await ward.quiet()
-        if len(ward.chat.told) > before:
-            break
+    await more_than(ward, before)
     return "\n".join(told.outbound.text for told in list(ward.chat.told)[before:])
+
+
+async def more_than(ward: Ward, told: int) -> None:
+    """Wait until more was told than before: disks take real time."""
+    async with asyncio.timeout(60):
+        while len(ward.chat.told) <= told:
+            await asyncio.sleep(0.005)
+            await ward.quiet()
 
 
 async def tapped(ward: Ward, label: str, account: str = ADA) -> str:
     button, under = ward.button(label)
+    before = len(ward.chat.told)
     said = await ward.tap(button, under, account)
+    await more_than(ward, before)
     for _ in range(20):  # disks take real time
         await asyncio.sleep(0.005)
         await ward.quiet()

@@ -40,7 +40,7 @@ class Sketcher:
 
     def __call__(self, subject: Subject, *, low: bool = False) -> Drawing:
         self.threads.add(threading.get_ident())
-        assert self.wait.wait(10)
+        assert self.wait.wait(60)
         self.drawn.append((subject, low))
         return Drawing("image/png", b"png", 1, 1)
 
@@ -85,7 +85,7 @@ class Booth(Place):
         """Say something, and return the next message, however long that is drawn."""
         before = len(self.chat.told)
         await self.say(text, **how)
-        for _ in range(2_000):
+        for _ in range(20_000):
             if len(self.chat.told) > before:
                 return self.chat.told[-1].outbound
             await self.clock.advance(0.01)
