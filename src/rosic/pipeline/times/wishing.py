@@ -1,4 +1,4 @@
-"""``/wish kuka1 1h tomorrow 9:00 to 17:00``, ``/wish any of air 1h mon 9-17 priority 3``, ``off 1``."""
+"""``/wish kuka1 1h tomorrow 9:00 to 17:00``, ``any of air 1h mon 9-17 priority 3``, ``off 1``."""
 
 from __future__ import annotations
 
