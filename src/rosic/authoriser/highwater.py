@@ -15,11 +15,15 @@ import msgspec
 from rosic.core.record import Fact
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.contracts.clock import Clock
 
 KIND: Final = "high-water"
 KEY: Final = "wall"
 EVERY_NS: Final = 60_000_000_000
+BEHIND_NS: Final = 2_000_000_000
+"""Less is how clocks are kept right."""
 
 _log = logging.getLogger(__name__)
 
@@ -48,11 +52,15 @@ class HighWater:
 
     Attributes:
         monotonic_ns, sleep: Those of the clock it is made from.
+        behind: The machine's clock was set back, by more than two seconds, and is not accepted.
+        when_behind: Called whenever that changes.
     """
 
     def __init__(self, clock: Clock) -> None:
         self.monotonic_ns = clock.monotonic_ns
         self.sleep = clock.sleep
+        self.behind = False
+        self.when_behind: Callable[[bool], object] = bool
         self._clock = clock
         self._highest_ns = clock.wall_ns()
         self._seen_ns = clock.monotonic_ns()
@@ -60,11 +68,14 @@ class HighWater:
 
     def wall_ns(self) -> int:
         """Return Unix time in nanoseconds; never less than before."""
-        now_ns = self._clock.monotonic_ns()
+        now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
         passed_ns = max(0, now_ns - self._seen_ns)
-        self._highest_ns = max(self._highest_ns + passed_ns, self._clock.wall_ns())
+        self._highest_ns = highest_ns = max(self._highest_ns + passed_ns, wall_ns)
         self._seen_ns = now_ns
-        return self._highest_ns
+        if (highest_ns - wall_ns > BEHIND_NS) is not self.behind:
+            self.behind = not self.behind
+            self.when_behind(self.behind)
+        return highest_ns
 
     def behind_s(self) -> float:
         """Return by how many seconds the machine's clock is behind the highest time seen."""
@@ -96,3 +107,4 @@ class HighWater:
         now_ns = self.wall_ns()
         self._highest_ns = mark.wall_ns if mark.accepted else max(now_ns, mark.wall_ns)
         self._written_ns = mark.wall_ns
+        self.wall_ns()
