@@ -13,6 +13,7 @@ RosicError
 |   |-- RobotBusy          linker: the robot is doing something else
 |   |-- RobotStopped       linker: stopped, until somebody who may resumes it
 |   |-- RobotOffline       linker: the robot is not there
+|   |-- TimeInDoubt        organiser: the computer's clock was set back; its owner has to look
 |   |-- NothingToSee       robot or painter: there is no picture of this, or not now
 |   |-- Expired            anywhere: too old to act on
 |   |-- Inert              pipeline: edited, forwarded or not from a person; nothing is said
@@ -170,6 +171,12 @@ class RobotOffline(Refusal):
     """The robot is not there; nothing was sent to it."""
 
     code = "robot-offline"
+
+
+class TimeInDoubt(Refusal):
+    """The clock of the computer was set back: nothing new moves until its owner has looked."""
+
+    code = "time-in-doubt"
 
 
 class NothingToSee(Refusal):

@@ -88,8 +88,11 @@ def test_a_chat_is_exported_in_each_form_and_nothing_is_written_over(config: Pat
     (folder / "link").symlink_to(folder / "elsewhere")
     rosic("container", "export", chat, "-o", "link", "-c", config, cwd=folder)
     assert not (folder / "elsewhere").exists()
-    wrong = rosic("container", "export", "Ada", "--as", "text", "-c", config, cwd=folder)
-    assert "Only a chat's messages are exported as text" in wrong.err
+    good("container export", "Ada", "--as", "text", "-o", "ada.txt", config=config)
+    assert "\nKind: command, ID: " in (folder / "ada.txt").read_text()
+    good("container export", "Ada", "--as", "xlsx", "-o", "ada.xlsx", config=config)
+    sheet = load_workbook(io.BytesIO((folder / "ada.xlsx").read_bytes())).worksheets[0]
+    assert [cell.value for cell in sheet[1]] == ["Kind", "ID", "Known", "Sealed"]
 
 
 @pytest.mark.usefixtures("running")

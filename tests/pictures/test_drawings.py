@@ -10,6 +10,7 @@ import pytest
 from msgspec.structs import replace
 from PIL import Image
 
+from rosic.core.saying import Sentence
 from rosic.core.view import (
     Ball,
     Box,
@@ -146,6 +147,29 @@ def test_the_line_that_should_not_be_crossed_is_shown_when_it_is_near() -> None:
     close = replace(CURVE, points=tuple((t, v - 55) for t, v in CURVE.points))
     assert not places(opened(draw(CURVE)), ALERT)
     assert places(opened(draw(close)), ALERT)
+
+
+def test_words_in_a_drawing_are_those_of_whoever_looks() -> None:
+    written: list[str] = []
+
+    def say(text: str) -> str:
+        """As a catalogue does that knows what was made of what."""
+        written.append(text)
+        return f"{text.template.upper()}" if isinstance(text, Sentence) else text
+
+    close = replace(CURVE, points=tuple((t, v - 55) for t, v in CURVE.points))
+    up = Way("cf1: takeoff", tuple(Pose(0, 0, i / 10) for i in range(10)), vertical=True)
+    path = replace(GRID, path=((0.0, 0.0), (0.5, 0.5)))
+    for subject, words in (
+        (close, ("now", "{count} s", "alert below {value}")),
+        (up, ("height, m",)),
+        (path, ("path", "robot")),
+    ):
+        written.clear()
+        english, other = draw(subject), draw(subject, say=say)
+        templates = {text.template for text in written if isinstance(text, Sentence)}
+        assert templates == set(words)
+        assert other.content != english.content, "they were drawn so"
 
 
 @pytest.mark.parametrize("points", [(), ((0.0, nan),), ((-1.0, inf),)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.app.people import person_of
@@ -78,6 +79,7 @@ class Access:
     def restore(self, memory: Memory, organiser: Organiser) -> None:
         """Take over what earlier runs wrote, and say who keeps what from now on."""
         authority, changes = self._authority, self.changes
+        self.time.when_behind = partial(self._set_back, organiser)
         keepers = {
             "high-water": self.time.apply,
             "tally": self.tally.apply,
@@ -113,6 +115,10 @@ class Access:
         organiser.locked_out = lambda _principal: self.tally.count("locked")
         organiser.narrow = self._authoriser.directory.narrowed
 
+    def _set_back(self, organiser: Organiser, behind: bool) -> None:
+        organiser.in_doubt = behind
+        self._authority.when_changed()
+
     def _locked(self, fact: Fact) -> None:
         self.locks.apply(fact)
         self.stepup.end(fact.key)
@@ -123,6 +129,7 @@ class Access:
         key = self._authoriser.directory.key(fact.key)
         if key is not None:
             self._authoriser.forget(key.principal)
+        self._authority.when_changed()
 
     def _enrolled(self, record: Enrolled) -> None:
         self._authoriser.directory.enrol(person_of(record))
@@ -133,6 +140,7 @@ class Access:
         self.keys.apply(record)
         self._authoriser.directory.add_key(record.key)
         self._authoriser.forget(record.key.principal)
+        self._authority.when_changed()
 
     def _revoked(self, record: KeyRevoked) -> None:
         self.keys.apply(record)

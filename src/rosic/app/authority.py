@@ -35,14 +35,14 @@ class Authority:
         roster: Everybody's roles and grants.
         rolebook: What the roles are.
         rights: The present snapshot.
-        when_granted: Called when a grant was given or has ended.
+        when_changed: Called when what ends by the clock has changed: grants, keys, the clock.
     """
 
     def __init__(
         self, rulebook: Rulebook, profiles: Iterable[Profile], units: UnitTable, clock: Clock
     ) -> None:
         self.roster = Roster(clock)
-        self.when_granted: Callable[[], object] = _nothing
+        self.when_changed: Callable[[], object] = _nothing
         self.rolebook = Rolebook(rulebook)
         self._fleet = fleet_of(profiles)
         self._convert = unit_converter(units)
@@ -79,7 +79,7 @@ class Authority:
         principal = self.roster.apply(fact)
         if principal is not None:
             self.renew(principal)
-        self.when_granted()
+        self.when_changed()
 
     def ruled(self, fact: Fact) -> None:
         """A role was made, replaced or taken back: every table is drawn up anew."""
@@ -116,6 +116,7 @@ class Authority:
         if self._rooms is None or self._stop_lane is None:
             return ()
         organiser, linker = self._rooms.organiser, self._rooms.linker
+        authoriser = self._rooms.authoriser
         ended: list[RobotId] = []
         for robot in self._rooms.profiles:
             holder = organiser.holder(robot)
@@ -123,7 +124,7 @@ class Authority:
                 continue
             order = linker.current(robot)
             skill = None if order is None else order.skill.id
-            locked = holder in organiser.locked
+            locked = holder in organiser.locked or not authoriser.has_access(holder)
             gone = robot not in organiser.visible(holder)
             lost = skill is not None and not organiser.allows(holder, robot, skill)
             if locked or gone or lost:

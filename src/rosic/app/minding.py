@@ -7,6 +7,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from rosic.errors import RosicError
+from rosic.organiser.refusing import CLOCK_SET_BACK
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -21,7 +22,6 @@ EVERY_S = 60.0
 DAY_NS = 86_400_000_000_000
 # A right that ends ends what moves under it within a second.
 SOONEST_S = 0.2
-BEHIND_S = 2.0
 
 log = logging.getLogger("rosic.minding")
 
@@ -47,7 +47,7 @@ class Minder:
         self._clock = clock
         self._behind = False
         self._woken = asyncio.Event()
-        authority.when_granted = self._woken.set
+        authority.when_changed = self._woken.set
 
     async def run(self) -> None:
         """Mind until cancelled. What fails is logged and tried again."""
@@ -63,7 +63,7 @@ class Minder:
             await self._sleep(self._pause_s())
 
     async def _sleep(self, seconds: float) -> None:
-        """Sleep, but not past a grant that was given meanwhile: it may end sooner."""
+        """Sleep, but not past a grant or a key that was given meanwhile: it may end sooner."""
         timer = asyncio.create_task(self._clock.sleep(seconds))
         woken = asyncio.create_task(self._woken.wait())
         try:
@@ -74,7 +74,8 @@ class Minder:
 
     def _pause_s(self) -> float:
         now_ns = self._clock.wall_ns()
-        next_ns = self._authority.roster.next_end_ns(now_ns)
+        ends = (self._authority.roster.next_end_ns(now_ns), self._access.keys.next_end_ns(now_ns))
+        next_ns = min((end for end in ends if end is not None), default=None)
         if next_ns is None:
             return EVERY_S
         return min(EVERY_S, max(SOONEST_S, (next_ns - now_ns) / 1e9))
@@ -109,11 +110,13 @@ class Minder:
 
     def _look_at_clock(self) -> None:
         """Say once that the machine's clock was set back; it does not count until accepted."""
-        behind_s = self._access.time.behind_s()
-        if behind_s > BEHIND_S and not self._behind:
+        behind_s, behind = self._access.time.behind_s(), self._access.time.behind
+        if behind and not self._behind:
             log.warning(
                 "the clock of this machine is %.0f s behind the latest time that was seen here; "
-                "what has ended stays ended. See: rosic clock",
+                "what has ended stays ended, and nothing new moves. See: rosic clock",
                 behind_s,
             )
-        self._behind = behind_s > BEHIND_S
+            furnishing = self._furnishing
+            furnishing.reach.tell(furnishing.admins(), CLOCK_SET_BACK, urgent=True)
+        self._behind = behind

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from rosic.core.record import Record
 
 ADMIN = ("admin",)
-BEHIND_S = 2.0  # less is how clocks are kept right
 
 
 class InviteAsk(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -266,7 +265,7 @@ class OperatingAccess:
         """
         time = self._access.time
         behind_s = time.behind_s()
-        if behind_s < BEHIND_S:
+        if not time.behind:
             return words_keys.CLOCK_GOOD
         if not accept:
             return words_keys.clock_behind(behind_s)

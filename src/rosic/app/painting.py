@@ -32,9 +32,9 @@ def painter() -> Painter | None:
     return None if find_spec("PIL") is None else _draw
 
 
-def _draw(subject: Subject, *, low: bool = False) -> Drawing:
+def _draw(subject: Subject, *, low: bool = False, say: Callable[[str], str] = str) -> Drawing:
     draw = cast("Painter", import_module("rosic.pictures.draw").draw)
-    return draw(subject, low=low)
+    return draw(subject, low=low, say=say)
 
 
 def jpeg_drawer() -> Callable[[Scene], bytes] | None:

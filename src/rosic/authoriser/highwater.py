@@ -15,11 +15,15 @@ import msgspec
 from rosic.core.record import Fact
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.contracts.clock import Clock
 
 KIND: Final = "high-water"
 KEY: Final = "wall"
 EVERY_NS: Final = 60_000_000_000
+BEHIND_NS: Final = 2_000_000_000
+"""Less is how clocks are kept right."""
 
 _log = logging.getLogger(__name__)
 
@@ -48,11 +52,15 @@ class HighWater:
 
     Attributes:
         monotonic_ns, sleep: Those of the clock it is made from.
+        behind: The machine's clock was set back, by more than two seconds, and is not accepted.
+        when_behind: Called whenever that changes.
     """
 
     def __init__(self, clock: Clock) -> None:
         self.monotonic_ns = clock.monotonic_ns
         self.sleep = clock.sleep
+        self.behind = False
+        self.when_behind: Callable[[bool], object] = bool
         self._clock = clock
         self._highest_ns = clock.wall_ns()
         self._seen_ns = clock.monotonic_ns()
@@ -67,6 +75,9 @@ class HighWater:
         if wall_ns > highest_ns:  # noqa: PLR1730 - asked a dozen times for each order
             highest_ns = wall_ns
         self._highest_ns, self._seen_ns = highest_ns, now_ns
+        if (highest_ns - wall_ns > BEHIND_NS) is not self.behind:
+            self.behind = not self.behind
+            self.when_behind(self.behind)
         return highest_ns
 
     def behind_s(self) -> float:
@@ -99,3 +110,4 @@ class HighWater:
         now_ns = self.wall_ns()
         self._highest_ns = mark.wall_ns if mark.accepted else max(now_ns, mark.wall_ns)
         self._written_ns = mark.wall_ns
+        self.wall_ns()

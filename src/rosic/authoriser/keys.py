@@ -132,6 +132,12 @@ class KeyRing:
         left = [(key, (ends - now_ns) / 1e9) for key, ends in ending if ends is not None]
         return tuple(sorted((e for e in left if e[1] <= within_s), key=lambda e: e[1]))
 
+    def next_end_ns(self, after_ns: int) -> int | None:
+        """Return when the next key ends by itself, wall clock; None if none does. Walks them."""
+        keys = self._keys.values()
+        ends = (self.ends_ns(key) for key in keys if key.revoked_ns is None)
+        return min((end for end in ends if end is not None and end > after_ns), default=None)
+
     def state(self, key: AuthorisationKey) -> str:
         """Return a key's state in words, for a list."""
         if key.revoked_ns is not None:

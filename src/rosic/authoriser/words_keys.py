@@ -60,8 +60,8 @@ def clock_behind(seconds: float) -> str:
     """Return what the operator reads when the machine's clock was set back."""
     return (
         f"The clock of this machine is {lasting(seconds)} behind the latest time that was seen "
-        "here. What has ended stays ended, and times are counted from the later one. If the clock "
-        "is right now and was wrong before: rosic clock --accept"
+        "here. What has ended stays ended, times are counted from the later one, and nothing new "
+        "moves. If the clock is right now and was wrong before: rosic clock --accept"
     )
 
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import gc
+from functools import partial
 from random import Random
 from statistics import median
 from time import perf_counter_ns
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.app import loop
 from rosic.bench.places import KINDS, LARGE, SMALL, Size, fill, gateway_over
 from rosic.bench.report import Case, quantile
-from rosic.core.asking import Allowed, Ask
+from rosic.core.asking import Ask, Denied
 from rosic.core.decision import decide
-from rosic.core.identity import Address, Caller
 from rosic.organiser.grounds import NOTHING
 from rosic.stores.memory import MemoryStore
 
@@ -21,17 +21,21 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.app.gateway import Gateway
+    from rosic.core.identity import Caller
+    from rosic.core.robot import RobotId
 
 ASKED = 60  # as many in either place: what differs is what lies around them
 SPREAD = 3_000
 RUNS, CALLS, QUICK_CALLS = 5, 20_000, 2_000
 TURN_CALLS = 500  # so that a slow moment of the machine hits all alike
 ARGUMENTS = {"speed": 0.1, "distance": 0.5}
+Call: TypeAlias = "Callable[[], object]"
 METHOD = (
-    "Deciding: calls of the rules alone, and of the organiser, who first looks up the key, the "
-    "slot, the lease and the stop; p50 and p99 of single calls, the clock's own time taken off; "
-    "the places take turns; {runs} runs, median; {asked} people and robots in turn, and once "
-    "{spread}, who no longer fit the processor's caches."
+    "Deciding: calls of the rules alone, over a state made for the very question, as each order "
+    "has one, and of the organiser, who first looks up the key, the slot, the lease and the stop; "
+    "p50 and p99 of single calls, the clock's own time taken off; the places take turns; {runs} "
+    "runs, median; {asked} people and robots in turn, and {spread}, who no longer fit the "
+    "processor's caches."
 )
 
 
@@ -43,40 +47,44 @@ class Place:
         # As many of each kind in either place.
         span = 2 * len(KINDS)
         people = [n % span + span * lot.randrange(size.people // span) for n in range(asked)]
-        self.asked = [
-            (
-                Caller(f"p{n}", f"person {n}", Address("bench", str(n)), f"k{n}", "s"),
-                f"robot{lot.randrange(size.robots)}",
-            )
-            for n in people
-        ]
+        robots = list(gateway.rooms.profiles)
+        self.asked = [(f"p{n}", lot.choice(robots)) for n in people]
+        self._authoriser = gateway.rooms.authoriser
         self._organiser = gateway.rooms.organiser
 
-    def rules(self) -> list[Callable[[], object]]:
-        """Return what asks the rules alone."""
+    def _next(self, number: int) -> tuple[Caller, RobotId]:
+        """Return who asks, as somebody who has just been recognised, and about which robot."""
+        principal, robot = self.asked[number % len(self.asked)]
+        return self._authoriser.stand_for(principal), robot
 
-        def one(caller: Caller, robot: str) -> Callable[[], object]:
-            state = self._organiser._state(caller, robot, NOTHING)  # noqa: SLF001 - what it would ask
-            ask = Ask(
-                principal=caller.principal, key=caller.key, robot=robot, skill="move",
-                arguments=ARGUMENTS,
-            )  # fmt: skip
-            decision = decide(state, ask)
-            if not isinstance(decision, Allowed):
-                raise AssertionError(  # noqa: TRY004 - no matter of types
-                    f"{caller.name} may not move {robot}: {decision.code.value}"
-                )
-            return lambda: decide(state, ask)
+    def rules(self, number: int) -> Call:
+        """Return what asks the rules alone; the state is of this moment, the looking up is over."""
+        caller, robot = self._next(number)
+        state = self._organiser._state(caller, robot, NOTHING)  # noqa: SLF001 - what it would ask
+        ask = Ask(
+            principal=caller.principal, key=caller.key, robot=robot, skill="move",
+            arguments=ARGUMENTS,
+        )  # fmt: skip
+        return partial(decide, state, ask)
 
-        return [one(*pair) for pair in self.asked]
-
-    def whole(self) -> list[Callable[[], object]]:
+    def whole(self, number: int) -> Call:
         """Return what asks the organiser, who looks everything up."""
+        return partial(self._organiser.decision, *self._next(number), "move", ARGUMENTS)
 
-        def one(caller: Caller, robot: str) -> Callable[[], object]:
-            return lambda: self._organiser.decision(caller, robot, "move", ARGUMENTS)
+    def check(self) -> None:
+        """See that all of them may: a refusal ends sooner, or later."""
+        for number, (who, robot) in enumerate(self.asked):
+            decision = self._organiser.decision(*self._next(number), "move", ARGUMENTS)
+            if isinstance(decision, Denied):
+                what = f"{who} may not move {robot}: {decision.code.value}"
+                raise AssertionError(what)  # noqa: TRY004 - no matter of types
 
-        return [one(*pair) for pair in self.asked]
+
+def _nothing(_number: int) -> Call:
+    return partial(bool)
+
+
+ASKING = {"decide": Place.rules, "decide, all looked up": Place.whole}
 
 
 async def _open(size: Size) -> Gateway:
@@ -87,10 +95,10 @@ async def _open(size: Size) -> Gateway:
     return gateway
 
 
-def _times_ns(calls: list[Callable[[], object]], first: int, count: int) -> list[int]:
+def _times_ns(prepare: Callable[[int], Call], first: int, count: int) -> list[int]:
     taken: list[int] = []
-    for n in range(first, first + count):
-        call = calls[n % len(calls)]
+    for number in range(first, first + count):
+        call = prepare(number)
         began_ns = perf_counter_ns()
         call()
         taken.append(perf_counter_ns() - began_ns)
@@ -105,26 +113,30 @@ def measure(*, quick: bool = False) -> tuple[str, tuple[Case, ...]]:
     """
     runs, calls = (1, QUICK_CALLS) if quick else (RUNS, CALLS)
     small, large = (loop.run(_open(size)) for size in (SMALL, LARGE))
-    places = {str(SMALL): Place(small, SMALL), str(LARGE): Place(large, LARGE)}
-    asking = {
-        f"{what}: {size}": make(place)
-        for what, make in (("decide", Place.rules), ("decide, all looked up", Place.whole))
-        for size, place in places.items()
+    places = {
+        str(SMALL): Place(small, SMALL),
+        str(LARGE): Place(large, LARGE),
+        f"{LARGE}, {SPREAD} of them in turn": Place(large, LARGE, SPREAD),
     }
-    asking[f"decide, {SPREAD} in turn: {LARGE}"] = Place(large, LARGE, SPREAD).rules()
-    empty: list[Callable[[], object]] = [lambda: None]
+    for place in places.values():
+        place.check()
+    asking = {
+        f"{what}: {where}": partial(ask, place)
+        for what, ask in ASKING.items()
+        for where, place in places.items()
+    }
     gc.collect()
     gc.freeze()
     found: dict[str, list[list[int]]] = {name: [] for name in asking}
     clock: list[float] = []
     try:
         for _ in range(runs):
-            clock.append(median(_times_ns(empty, 0, calls)))
+            clock.append(median(_times_ns(_nothing, 0, calls)))
             for times in found.values():
                 times.append([])
             for first in range(0, calls, TURN_CALLS):
-                for name, some in asking.items():
-                    found[name][-1] += _times_ns(some, first, TURN_CALLS)
+                for name, prepare in asking.items():
+                    found[name][-1] += _times_ns(prepare, first, TURN_CALLS)
     finally:
         gc.unfreeze()
     cases = tuple(_case(name, times, median(clock)) for name, times in found.items())

@@ -11,15 +11,15 @@ from rosic.app.asked import Ask, Verb
 from rosic.cli.asking import add_where
 from rosic.cli.desk import looked_up
 from rosic.container import export
-from rosic.errors import ConfigurationError, NotUnderstood
+from rosic.errors import ConfigurationError
 from rosic.pipeline.containers import words_inspecting as words
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 ABOUT = """Everything in a container, unsealed, as a file that only you can read. Nothing that
-exists is written over. A chat's messages also as the lines of the paper or as a spreadsheet. Works
-with and without a running gateway; without one it takes the root key in the data folder."""
+exists is written over. As JSON lines, as lines of text or as a spreadsheet. Works with and without
+a running gateway; without one it takes the root key in the data folder."""
 CHAT = "chat-"
 
 
@@ -51,9 +51,10 @@ def _made(container: str, lines: Sequence[str], form: str) -> bytes:
     """Return what goes into the file."""
     if form == "jsonl":
         return "".join(f"{line}\n" for line in lines).encode()
-    if not container.startswith(CHAT):
-        raise NotUnderstood(words.ONLY_CHATS)
-    made = export.archive_as(form, [export.read_row(line) for line in lines])
+    if container.startswith(CHAT):
+        made = export.archive_as(form, [export.read_row(line) for line in lines])
+    else:
+        made = export.container_as(form, map(export.read_thing, lines))
     return made if isinstance(made, bytes) else f"{made}\n".encode()
 
 

@@ -24,8 +24,12 @@ if TYPE_CHECKING:
 OWN_ID: Final = "rosic"
 OWN_NAME: Final = "ROSIC"
 UNKNOWN: Final = "None"  # as the paper's program writes a username that is not there
-COLUMNS: Final = ("Number", "Time", "Direction", "Sender ID", "Sender Username", "Message", "Note")
-WIDTHS: Final = (9, 24, 10, 20, 20, 80, 12)
+COLUMNS: Final[Mapping[str, int]] = {
+    "Number": 9, "Time": 24, "Direction": 10, "Sender ID": 20, "Sender Username": 20, "Message": 80,
+    "Note": 12,
+}  # fmt: skip
+THINGS: Final[Mapping[str, int]] = {"Kind": 16, "ID": 24, "Known": 60, "Sealed": 80}
+"""Headings of spreadsheets, and how wide their columns are."""
 LONGEST_CELL: Final = 32_767
 
 SECRET: Final = frozenset({"totp", "code-key"})
@@ -84,7 +88,7 @@ def _row(fact: Fact) -> Row:
 
 
 ENDINGS: Final[Mapping[str, str]] = {"text": "txt", "jsonl": "jsonl", "xlsx": "xlsx"}
-"""The forms of an archive, and how their files end."""
+"""The forms of an export, and how their files end."""
 
 
 def archive_as(form: str, found: Sequence[Row]) -> str | bytes:
@@ -131,11 +135,19 @@ def row_as_json(row: Row) -> str:
 
 
 def archive_as_xlsx(found: Iterable[Row]) -> bytes:
-    """Return a workbook. Every cell is a text: none is taken for a formula.
+    """Return a workbook of messages.
 
     Raises:
         ConfigurationError: openpyxl is not installed.
     """
+    cells = ((row.n, row.time, row.way, row.sender, row.name, row.text, row.note) for row in found)
+    return _workbook("Messages", COLUMNS, cells)
+
+
+def _workbook(
+    title: str, columns: Mapping[str, int], lines: Iterable[tuple[int | str, ...]]
+) -> bytes:
+    """Return a workbook. Every cell but a number is a text: none is taken for a formula."""
     try:
         from openpyxl import Workbook  # noqa: PLC0415 - an extra, and slow to load
         from openpyxl.utils import get_column_letter  # noqa: PLC0415 - the same
@@ -143,17 +155,17 @@ def archive_as_xlsx(found: Iterable[Row]) -> bytes:
         raise ConfigurationError(words.NO_SPREADSHEET) from missing
     book = Workbook()
     sheet = book.worksheets[0]
-    sheet.title = "Messages"
-    sheet.append(COLUMNS)
+    sheet.title = title
+    sheet.append(tuple(columns))
     sheet.freeze_panes = "A2"
-    for place, width in enumerate(WIDTHS, start=1):
+    for place, width in enumerate(columns.values(), start=1):
         sheet.column_dimensions[get_column_letter(place)].width = width
-    for line, row in enumerate(found, start=2):
-        cells = (row.time, row.way, row.sender, row.name, row.text, row.note)
-        sheet.cell(line, 1, row.n)
-        for place, value in enumerate(cells, start=2):
-            cell = sheet.cell(line, place, clean(value)[:LONGEST_CELL])
-            cell.data_type = "s"
+    for number, line in enumerate(lines, start=2):
+        for place, value in enumerate(line, start=1):
+            shown = value if isinstance(value, int) else clean(value)[:LONGEST_CELL]
+            cell = sheet.cell(number, place, shown)
+            if not isinstance(value, int):
+                cell.data_type = "s"
     file = io.BytesIO()
     book.save(file)
     return file.getvalue()
@@ -183,22 +195,64 @@ def summary(belongings: Iterable[Fact]) -> tuple[Sum, ...]:
     return tuple(Sum(kind, *found[kind]) for kind in sorted(found))
 
 
-def container_as_jsonl(belongings: Iterable[Fact]) -> str:
-    """Return one JSON object for each thing that a container holds. Secrets are not among it."""
-    return "\n".join(map(thing_as_json, belongings))
+class Thing(msgspec.Struct, frozen=True, omit_defaults=True):
+    """One thing that a container holds, as far as it can be shown.
+
+    Attributes:
+        known: What is written down in the open: ids and numbers.
+        sealed: What was sealed, if anything is.
+    """
+
+    kind: str
+    id: str
+    known: Any
+    sealed: Any = None
 
 
-def thing_as_json(fact: Fact) -> str:
-    """Return one thing as a line."""
-    return _as_json(_thing(fact)).decode()
+read_thing = msgspec.json.Decoder(Thing).decode
 
 
-def _thing(fact: Fact) -> dict[str, Any]:
-    thing: dict[str, Any] = {"kind": fact.kind, "id": fact.key, "known": _readable(fact.body)}
-    if fact.letter is not None:
-        secret = fact.kind in SECRET
-        thing["sealed"] = "(a secret)" if secret else _readable(fact.letter.content)
-    return thing
+def thing_of(fact: Fact) -> Thing:
+    """Return how one thing is shown; of a secret, only that there is one."""
+    known = _readable(fact.body)
+    if fact.letter is None:
+        return Thing(fact.kind, fact.key, known)
+    secret = fact.kind in SECRET
+    sealed = "(a secret)" if secret else _readable(fact.letter.content)
+    return Thing(fact.kind, fact.key, known, sealed)
+
+
+def container_as(form: str, things: Iterable[Thing]) -> str | bytes:
+    """Return what a container holds in one of the forms of an archive.
+
+    Raises:
+        ConfigurationError: No spreadsheet can be made on this computer.
+    """
+    if form == "xlsx":
+        return _workbook("Container", THINGS, map(_cells, things))
+    as_line = _thing_line if form == "text" else thing_as_json
+    return "\n".join(map(as_line, things))
+
+
+def thing_as_json(thing: Thing) -> str:
+    """Return one thing as a line; `read_thing` reads it."""
+    return _as_json(thing).decode()
+
+
+def _cells(thing: Thing) -> tuple[str, ...]:
+    return thing.kind, thing.id, _shown(thing.known), _shown(thing.sealed)
+
+
+def _thing_line(thing: Thing) -> str:
+    """Return one thing in the manner of the paper's line."""
+    cells = zip(THINGS, _cells(thing), strict=True)
+    return ", ".join(f"{heading}: {_one_line(cell)}" for heading, cell in cells if cell)
+
+
+def _shown(value: Any) -> str:  # noqa: ANN401 - whatever was written
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else _as_json(value).decode()
 
 
 def _readable(content: bytes) -> Any:  # noqa: ANN401 - whatever was written

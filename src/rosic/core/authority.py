@@ -6,6 +6,8 @@ import re
 
 import msgspec
 
+from rosic.core.saying import said
+
 READ = "read"
 RESUME = "resume"
 FILES = "files"
@@ -28,6 +30,8 @@ class Scope(msgspec.Struct, frozen=True):
             ValueError: Not of the form ``robot:skill``.
         """
         if not SCOPE.match(text):
-            raise ValueError(f"{text!r} is not a scope: write robot:skill, for example omni:move")
+            raise ValueError(
+                said("{text!r} is not a scope: write robot:skill, for example omni:move", text=text)
+            )
         robot, _, skill = text.partition(":")
         return cls(robot, skill)

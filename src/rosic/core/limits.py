@@ -14,6 +14,7 @@ import msgspec
 
 from rosic.core.authority import Scope
 from rosic.core.language.units import NONE
+from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -34,7 +35,7 @@ _LIMIT = re.compile(
 )
 _AT_LEAST = frozenset({">=", "≥"})
 _EXACT = "="
-_HOW = "write for example speed <= 0.2 m/s"
+_HOW = said("write for example speed <= 0.2 m/s")
 # 35 cm is 0.35000000000000003 m: whoever asks for exactly the bound gets it.
 _SLACK = 1e-9
 
@@ -80,23 +81,30 @@ def parse_limit(text: str) -> LimitRule:
     Raises:
         ValueError: It is none; one clear sentence.
     """
-    said = " ".join(text.split())
-    found = _LIMIT.match(said) if len(said) <= LONGEST_LIMIT else None
+    limit = " ".join(text.split())
+    found = _LIMIT.match(limit) if len(limit) <= LONGEST_LIMIT else None
     if found is None:
-        raise ValueError(f"{said[:LONGEST_LIMIT]!r} is not a limit: {_HOW}")
+        none = said("{limit!r} is not a limit: {how}", limit=limit[:LONGEST_LIMIT], how=_HOW)
+        raise ValueError(none)
     sign = found["sign"]
     if sign in {"<", ">"}:
-        raise ValueError(f"{said!r} leaves open whether the bound itself is allowed: {_HOW}")
+        raise ValueError(
+            said(
+                "{limit!r} leaves open whether the bound itself is allowed: {how}",
+                limit=limit,
+                how=_HOW,
+            )
+        )
     number = float(found["number"])
     if not isfinite(number):
-        raise ValueError(f"{said!r} has a number that is too large")
+        raise ValueError(said("{limit!r} has a number that is too large", limit=limit))
     return LimitRule(
         scope=Scope.parse(found["scope"]) if found["scope"] else None,
         parameter=found["parameter"],
         low=number if sign in _AT_LEAST or sign == _EXACT else None,
         high=number if sign not in _AT_LEAST else None,
         unit=found["unit"].strip(),
-        said=said,
+        said=limit,
     )
 
 
@@ -106,14 +114,17 @@ def unit_converter(units: UnitTable) -> Convert:
     def convert(number: float, unit: str, parameter: Parameter) -> float:
         own = units.find(parameter.unit) if parameter.unit else NONE
         if own is None:
-            raise ValueError(f"its unit {parameter.unit!r} is unknown")
-        said = units.find(unit) if unit else own
-        if said is None:
-            raise ValueError(f"{unit!r} is no unit that ROSIC knows")
-        if said.dimension != own.dimension:
-            wanted = f"it is given in {parameter.unit}" if parameter.unit else "it has no unit"
-            raise ValueError(f"{unit!r} does not fit, {wanted}")
-        return number * said.factor + said.offset
+            raise ValueError(said("its unit {unit!r} is unknown", unit=parameter.unit))
+        meant = units.find(unit) if unit else own
+        if meant is None:
+            raise ValueError(said("{unit!r} is no unit that ROSIC knows", unit=unit))
+        if meant.dimension != own.dimension:
+            raise ValueError(
+                said("{unit!r} does not fit, it is given in {own}", unit=unit, own=parameter.unit)
+                if parameter.unit
+                else said("{unit!r} does not fit, it has no unit", unit=unit)
+            )
+        return number * meant.factor + meant.offset
 
     return convert
 
@@ -143,10 +154,17 @@ def fit_limits(
 def _fit(
     skill: str, name: str, parameter: Parameter, rules: list[LimitRule], convert: Convert
 ) -> Limit:
-    said = " and ".join(rule.said for rule in rules)
+    limits = " and ".join(rule.said for rule in rules)
     own_min, own_max = parameter.min, parameter.max
     if own_min is None or own_max is None:
-        raise Unfit(f"{name} of {skill} is a word, so {said!r} cannot limit it")
+        raise Unfit(
+            said(
+                "{name} of {skill} is a word, so {limits!r} cannot limit it",
+                name=name,
+                skill=skill,
+                limits=limits,
+            )
+        )
     low, high = -inf, inf
     try:
         for rule in rules:
@@ -156,16 +174,31 @@ def _fit(
                 high = min(high, convert(rule.high, rule.unit, parameter))
         floor, ceiling = convert(own_min, "", parameter), convert(own_max, "", parameter)
     except ValueError as fault:
-        raise Unfit(f"{said!r} does not fit {name} of {skill}: {fault}") from None
+        why = fault.args[0]
+        raise Unfit(
+            said(
+                "{limits!r} does not fit {name} of {skill}: {why}",
+                limits=limits,
+                name=name,
+                skill=skill,
+                why=why,
+            )
+        ) from None
     if low == -inf and floor < 0 <= high:
         low = -high
     low, high = _with_slack(low, -1), _with_slack(high, 1)
     if max(low, floor) > min(high, ceiling):
         raise Unfit(
-            f"{said!r} leaves nothing of {name} of {skill}, which goes from "
-            f"{own_min:g} to {own_max:g} {parameter.unit}".rstrip()
+            said(
+                "{limits!r} leaves nothing of {name} of {skill}, which goes from {least} to {most}",
+                limits=limits,
+                name=name,
+                skill=skill,
+                least=f"{own_min:g}",
+                most=f"{own_max:g} {parameter.unit}".rstrip(),
+            )
         )
-    return Limit(name, low, high, said)
+    return Limit(name, low, high, limits)
 
 
 def _with_slack(bound: float, side: int) -> float:

@@ -7,11 +7,12 @@ from typing import Final
 
 import msgspec
 
+from rosic.core.saying import said
+
 _RATE = re.compile(
     r"(?P<count>\d{1,6}) ?/ ?(?P<unit>s|min|h|day)(?:,? +burst +(?P<burst>\d{1,6}))?\Z"
 )
 _UNITS: Final = {"s": 1.0, "min": 60.0, "h": 3_600.0, "day": 86_400.0}
-_HOW: Final = 'write for example "30/min" or "30/min burst 5"'
 
 
 class RateLimit(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -33,12 +34,20 @@ def parse_rate(text: str) -> RateLimit:
     """
     found = _RATE.match(" ".join(text.split()))
     if found is None or not int(found["count"]) or found["burst"] in {"0", "00"}:
-        raise ValueError(f"{text[:60]!r} is not a rate: {_HOW}")
+        raise _no_rate(text)
     count = int(found["count"])
     burst = int(found["burst"] or count)
     if burst < 1:
-        raise ValueError(f"{text[:60]!r} is not a rate: {_HOW}")
+        raise _no_rate(text)
     return RateLimit(burst=float(burst), per_s=count / _UNITS[found["unit"]])
+
+
+def _no_rate(text: str) -> ValueError:
+    return ValueError(
+        said(
+            '{text!r} is not a rate: write for example "30/min" or "30/min burst 5"', text=text[:60]
+        )
+    )
 
 
 class Bucket:

@@ -14,6 +14,7 @@ from rosic.core.limits import LimitRule, Unfit, fit_limits, parse_limit
 from rosic.core.rate import parse_rate
 from rosic.core.reach import FLEET, words_given, words_meant
 from rosic.core.roles import ASSURANCES, DEEPEST, chains, loops
+from rosic.core.saying import capital, joined, said
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -49,14 +50,18 @@ def rulebook_mistakes(rulebook: Rulebook, fleet: Fleet, convert: Convert) -> lis
         found.append(
             Mistake(
                 ("role", loop[0], "includes"),
-                f"The role {loop[0]} includes itself: {' includes '.join(loop)}.",
-                "Take one of these includes out.",
+                said(
+                    "The role {role} includes itself: {loop}.",
+                    role=loop[0],
+                    loop=joined(said(" includes "), loop),
+                ),
+                said("Take one of these includes out."),
             )
         )
     for index, care in enumerate(rulebook.care):
         found += _care(("care", index), care, fleet)
-    for index, said in enumerate(rulebook.preempt):
-        found += _robots(("preempt", index), said, fleet)
+    for index, whom in enumerate(rulebook.preempt):
+        found += _robots(("preempt", index), whom, fleet)
     return found
 
 
@@ -66,22 +71,25 @@ def grant_mistakes(
     """Return everything that is wrong with one grant."""
     found: list[Mistake] = []
     if not grant.role and not grant.scopes:
-        found.append(Mistake((), "This gives nothing.", "Name a role, or scopes."))
+        found.append(Mistake((), said("This gives nothing."), said("Name a role, or scopes.")))
     if grant.role and grant.role not in rulebook.roles:
         found.append(_unknown_role(("role",), grant.role, rulebook.roles))
     for index, text in enumerate(grant.scopes):
         found += _scope(("scopes", index), text, fleet)
-    for index, said in enumerate(grant.robots):
-        found += _robots(("robots", index), said, fleet)
+    for index, whom in enumerate(grant.robots):
+        found += _robots(("robots", index), whom, fleet)
     if found:
         return found
     given = dict(_given(_scopes_of(grant.role, grant.scopes, rulebook.roles), fleet))
     if grant.robots:
-        only = {robot for said in grant.robots for robot in fleet.robots(said)}
+        only = {robot for whom in grant.robots for robot in fleet.robots(whom)}
         given = {robot: words for robot, words in given.items() if robot in only}
         if not given:
             where = ", ".join(grant.robots)
-            found.append(Mistake(("robots",), f"The role {grant.role} gives nothing on {where}."))
+            nothing = said(
+                "The role {role} gives nothing on {where}.", role=grant.role, where=where
+            )
+            found.append(Mistake(("robots",), nothing))
     return found + list(_limits(grant.limits, given, fleet, convert))
 
 
@@ -100,13 +108,14 @@ def _role(
     if any(len(chain.via) >= DEEPEST and chain.last.includes for chain in chains(roles, name)):
         yield Mistake(
             (*here, "includes"),
-            f"The role {name} includes roles more than {DEEPEST} deep.",
-            "Include the inner ones directly.",
+            said("The role {name} includes roles more than {n} deep.", name=name, n=DEEPEST),
+            said("Include the inner ones directly."),
         )
     for index, text in enumerate(role.scopes):
         yield from _scope((*here, "scopes", index), text, fleet)
     if not role.scopes and not role.includes:
-        yield Mistake(here, f"The role {name} gives nothing.", "Give it scopes, or includes.")
+        nothing = said("The role {name} gives nothing.", name=name)
+        yield Mistake(here, nothing, said("Give it scopes, or includes."))
     yield from _assurance((*here, "assurance"), role.assurance)
     yield from _rate((*here, "rate"), role.rate)
     given = dict(_given(_scopes_of(name, (), roles), fleet))
@@ -116,7 +125,8 @@ def _role(
 
 def _care(here: Place, care: Care, fleet: Fleet) -> Iterator[Mistake]:
     if not care.needs and not care.assurance:
-        yield Mistake(here, "This asks for nothing.", "Set confirm, step_up or second_person.")
+        hint = said("Set confirm, step_up or second_person.")
+        yield Mistake(here, said("This asks for nothing."), hint)
     for index, text in enumerate(care.scopes):
         place = (*here, "scopes", index)
         mistakes = list(_scope(place, text, fleet))
@@ -126,55 +136,71 @@ def _care(here: Place, care: Care, fleet: Fleet) -> Iterator[Mistake]:
             if not any(words_meant(scope, r, fleet) for r in fleet.robots(scope.robot)):
                 yield Mistake(
                     place,
-                    f"{text!r} touches no skill.",
-                    "A wildcard stands for a robot's own skills; name read, resume or grant.",
+                    said("{text!r} touches no skill.", text=text),
+                    said("A wildcard stands for a robot's own skills; name read, resume or grant."),
                 )
     yield from _assurance((*here, "assurance"), care.assurance)
 
 
 def _unknown_role(place: Place, role: str, roles: Iterable[str]) -> Mistake:
-    return Mistake(place, f"No role is called {role!r}.", _nearest(role, roles))
+    unknown = said("No role is called {role!r}.", role=role)
+    return Mistake(place, unknown, _nearest(role, roles))
 
 
-def _assurance(place: Place, said: str) -> Iterator[Mistake]:
-    if said and said not in ASSURANCES:
+def _assurance(place: Place, named: str) -> Iterator[Mistake]:
+    if named and named not in ASSURANCES:
         yield Mistake(
-            place, f"{said!r} is no assurance of a channel.", f"Known: {', '.join(ASSURANCES)}."
+            place,
+            said("{named!r} is no assurance of a channel.", named=named),
+            said("Known: {names}.", names=", ".join(ASSURANCES)),
         )
 
 
-def _rate(place: Place, said: str) -> Iterator[Mistake]:
+def _rate(place: Place, text: str) -> Iterator[Mistake]:
     try:
-        if said:
-            parse_rate(said)
+        if text:
+            parse_rate(text)
     except ValueError as fault:
-        yield Mistake(place, f"{fault}.")
+        yield Mistake(place, _ended(fault))
 
 
-def _robots(place: Place, said: str, fleet: Fleet) -> Iterator[Mistake]:
-    if fleet.robots(said):
+def _ended(fault: ValueError) -> str:
+    """Return what is wrong as a sentence."""
+    return joined("", (fault.args[0], "."))
+
+
+def _robots(place: Place, whom: str, fleet: Fleet) -> Iterator[Mistake]:
+    if fleet.robots(whom):
         return
-    if "*" in said or "?" in said:
-        yield Mistake(place, f"No robot matches {said!r}.", _known(fleet.skills))
+    if "*" in whom or "?" in whom:
+        none = said("No robot matches {whom!r}.", whom=whom)
+        yield Mistake(place, none, _known(fleet.skills))
     else:
         known = (*fleet.skills, *fleet.groups)
-        yield Mistake(place, f"No robot or group is called {said!r}.", _nearest(said, known))
+        unknown = said("No robot or group is called {whom!r}.", whom=whom)
+        yield Mistake(place, unknown, _nearest(whom, known))
 
 
 def _scope(place: Place, text: str, fleet: Fleet) -> Iterator[Mistake]:
     try:
         scope = Scope.parse(text)
     except ValueError as fault:
-        yield Mistake(place, f"{fault}.")
+        yield Mistake(place, _ended(fault))
         return
     mistakes = list(_robots(place, scope.robot, fleet))
     yield from mistakes
     robots = fleet.robots(scope.robot)
     if not mistakes and not any(words_given(scope, robot, fleet) for robot in robots):
         words = sorted({word for robot in robots for word in fleet.words(robot)})
-        who = robots[0] if len(robots) == 1 else f"No robot of {scope.robot!r}"
-        says = f"{who} has no skill" if len(robots) == 1 else f"{who} has a skill"
-        yield Mistake(place, f"{says} {scope.skill!r}.", _nearest(scope.skill, words))
+        if len(robots) == 1:
+            none = said("{robot} has no skill {skill!r}.", robot=robots[0], skill=scope.skill)
+        else:
+            none = said(
+                "No robot of {robots!r} has a skill {skill!r}.",
+                robots=scope.robot,
+                skill=scope.skill,
+            )
+        yield Mistake(place, none, _nearest(scope.skill, words))
 
 
 def _scopes_of(role: str, bare: Iterable[str], roles: Mapping[str, Role]) -> Iterator[Scope]:
@@ -188,9 +214,9 @@ def _scopes_of(role: str, bare: Iterable[str], roles: Mapping[str, Role]) -> Ite
 
 def _given(scopes: Iterable[Scope], fleet: Fleet) -> Iterator[tuple[RobotId, frozenset[str]]]:
     """Return what scopes give together, without limits."""
-    said = list(scopes)
+    all_of_them = list(scopes)
     for robot in (*fleet.skills, FLEET):
-        words = frozenset[str]().union(*(words_given(scope, robot, fleet) for scope in said))
+        words = frozenset[str]().union(*(words_given(scope, robot, fleet) for scope in all_of_them))
         if words:
             yield robot, words
 
@@ -208,18 +234,17 @@ def _limits(
         try:
             rule = parse_limit(text)
         except ValueError as fault:
-            yield Mistake(place, f"{fault}.")
+            yield Mistake(place, _ended(fault))
             continue
         sentence = _misfit([rule], given, fleet, convert) or _idle(rule, given, fleet)
         if sentence:
-            yield Mistake(
-                place, f"{sentence[0].upper()}{sentence[1:]}.", _near_parameter(rule, given, fleet)
-            )
+            shown = capital(joined("", (sentence, ".")))
+            yield Mistake(place, shown, _near_parameter(rule, given, fleet))
         else:
             rules.append(rule)
     together = _misfit(rules, given, fleet, convert)
     if together:
-        yield Mistake(("limits",), f"{together[0].upper()}{together[1:]}.")
+        yield Mistake(("limits",), capital(joined("", (together, "."))))
 
 
 def _misfit(
@@ -235,7 +260,7 @@ def _misfit(
             try:
                 fit_limits(touching, word, fleet.skills[robot][word], convert)
             except Unfit as fault:
-                return f"on {robot}, {fault}"
+                return said("on {robot}, {fault}", robot=robot, fault=fault.args[0])
     return ""
 
 
@@ -246,8 +271,10 @@ def _idle(rule: LimitRule, given: Mapping[RobotId, frozenset[str]], fleet: Fleet
             skill = fleet.skills[robot][word]
             if rule.parameter in skill.parameters and _touches(rule, robot, word, fleet):
                 return ""
-    return (
-        f"no skill given here has a parameter {rule.parameter!r}, so {rule.said!r} limits nothing"
+    return said(
+        "no skill given here has a parameter {parameter!r}, so {limit!r} limits nothing",
+        parameter=rule.parameter,
+        limit=rule.said,
     )
 
 
@@ -268,9 +295,9 @@ def _near_parameter(rule: LimitRule, given: Mapping[RobotId, frozenset[str]], fl
 def _nearest(word: str, known: Iterable[str]) -> str:
     names = list(known)
     close = did_you_mean(word, names)
-    return f"Did you mean {close[0]}?" if close else _known(names)
+    return said("Did you mean {close}?", close=close[0]) if close else _known(names)
 
 
 def _known(names: Iterable[str]) -> str:
     listed = sorted(names)
-    return f"Known here: {', '.join(listed)}." if listed else ""
+    return said("Known here: {names}.", names=", ".join(listed)) if listed else ""

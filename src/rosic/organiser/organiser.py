@@ -20,11 +20,11 @@ from rosic.core.robot import Slots
 from rosic.core.roles import Need
 from rosic.core.saying import said
 from rosic.core.skill import Argument
-from rosic.errors import NotPermitted
+from rosic.errors import NotPermitted, TimeInDoubt
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.grounds import NOTHING, Grounds
 from rosic.organiser.rates import Rates
-from rosic.organiser.refusing import LOCKED, Refusing
+from rosic.organiser.refusing import CLOCK_SET_BACK, LOCKED, Refusing
 from rosic.organiser.words_rates import person_full
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ class Organiser:
     Attributes:
         rights: The present snapshot; replacing it is one assignment.
         locked: Who is locked; kept by the authoriser.
+        in_doubt: The computer's clock was set back: nothing new moves.
         locked_out: Hears of whoever was turned away because of it.
         narrow: Keys that reach less than their principal's rights; kept by the authoriser.
         calendar: Whose time it is.
@@ -71,6 +72,7 @@ class Organiser:
         self.rights = rights
         self.calendar = Calendar(clock)
         self.locked: Collection[PrincipalId] = frozenset()
+        self.in_doubt = False
         self.locked_out: Callable[[PrincipalId], object] = _unheard
         self.lease_idle_s = lease_idle_s
         self.name_of: NameOf = str
@@ -133,6 +135,7 @@ class Organiser:
             FirstNeeded: They may, once something else has happened.
             TakeOver: They may, and somebody else has to give way first.
             TooManyRequests: They may, but not so often; says whose limit it is.
+            TimeInDoubt: Not before the owner has looked at the computer's clock.
                 Nobody's lease has changed.
         """
         now_ns = self._clock.monotonic_ns()
@@ -145,6 +148,8 @@ class Organiser:
             lease = self._leases[robot] if skill.actuates else None
             if right is None or not right.plain or not self._open(caller, robot, lease, now_ns):
                 self._decide(caller, request, arguments_of(request), grounds_of())
+            if self.in_doubt and lease is not None:
+                raise TimeInDoubt(CLOCK_SET_BACK)
             acting.append(lease)
             cost += skill.cost
         if cost != len(requests) or rights.rates or self.rates.robots:

@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 
 LOCKED = said("Your access is locked. The admin of this place can unlock it. Stop still works.")
 ENDED = said("Your access here has ended. The admin of this place can renew it.")
+CLOCK_SET_BACK = said(
+    "The clock of this computer was set back, so nothing new moves until its owner has said that "
+    "it is right, or it has caught up. Stop still works."
+)
 ANY_CHANNEL = {
     Assurance.E2EE_VERIFIED: said("a chat that only the two of us can read, with keys compared"),
     Assurance.LOCAL: said("somebody at the machine itself"),

@@ -15,7 +15,7 @@ from rosic.core.record import Fact
 from rosic.core.robot import RobotId
 from rosic.errors import NotUnderstood, TooManyRequests
 from rosic.organiser import words_wishes as words
-from rosic.organiser.allocation import NS_PER_MIN, NS_PER_S, Wish
+from rosic.organiser.allocation import NS_PER_MIN, NS_PER_S, PRIORITIES, Wish
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -38,6 +38,7 @@ class Wished(msgspec.Struct, frozen=True, kw_only=True):
         robots: Any one of these will do.
         earliest_ns: Wall clock; the time begins then at the earliest.
         latest_ns: Wall clock; the time is over by then.
+        priority: 1 (ordinary) to 5, as its person says.
     """
 
     id: str
@@ -47,6 +48,7 @@ class Wished(msgspec.Struct, frozen=True, kw_only=True):
     length_s: int
     earliest_ns: int
     latest_ns: int
+    priority: int = PRIORITIES[0]
 
     def fact(self) -> Fact:
         """Return it as it is written down."""
@@ -65,6 +67,7 @@ class Wished(msgspec.Struct, frozen=True, kw_only=True):
         return Wish(
             id=self.id, principal=self.principal, robots=robots, length_s=self.length_s,
             earliest_ns=max(self.earliest_ns, _full_minute(now_ns)), latest_ns=self.latest_ns,
+            priority=self.priority,
         )  # fmt: skip
 
 
@@ -126,12 +129,17 @@ class Wishes:
     # ---- deciding ----
 
     def put(
-        self, principal: PrincipalId, robots: tuple[RobotId, ...], length_s: int, window: Span
+        self,
+        principal: PrincipalId,
+        robots: tuple[RobotId, ...],
+        length_s: int,
+        window: Span,
+        priority: int = PRIORITIES[0],
     ) -> tuple[Fact, ...]:
         """Decide on one more wish; the first fact is it, others forget what is over.
 
         Raises:
-            OutOfBounds: The window is over, or too short for it.
+            OutOfBounds: The window is over, or too short for it; or there is no such priority.
             TooManyRequests: The person has enough, or all together do.
         """
         now_ns = self._wall_ns()
@@ -140,8 +148,10 @@ class Wishes:
         digest = blake2b(ascii((principal, number, now_ns)).encode(), digest_size=_ID_BYTES)
         wished = Wished(
             id=digest.hexdigest(), number=number, principal=principal, robots=robots,
-            length_s=length_s, earliest_ns=earliest_ns, latest_ns=latest_ns,
+            length_s=length_s, earliest_ns=earliest_ns, latest_ns=latest_ns, priority=priority,
         )  # fmt: skip
+        if priority not in PRIORITIES:
+            raise words.no_such_priority(PRIORITIES[0], PRIORITIES[-1])
         if length_s * NS_PER_S > latest_ns - earliest_ns:
             raise words.window_too_short(length_s)
         if wished.over(now_ns):

@@ -17,6 +17,13 @@ def window_over() -> OutOfBounds:
     return OutOfBounds(said("That window is over."))
 
 
+def no_such_priority(least: int, most: int) -> OutOfBounds:
+    """Say which numbers there are."""
+    return OutOfBounds(
+        said("A priority is a number from {least} to {most}.", least=least, most=most)
+    )
+
+
 def enough(most: int) -> str:
     """Say that somebody has as many wishes as one person may."""
     return said_n(

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from PIL import Image
 
     from rosic.core.view import Curve
+    from rosic.pictures.style import Say
 
 SIZE, LOW_SIZE = (800, 420), (480, 270)
 MOST_POINTS = 2_000
@@ -40,13 +41,13 @@ class Frame(NamedTuple):
         return x, y
 
 
-def chart(curve: Curve, *, low: bool) -> Image.Image:
+def chart(curve: Curve, *, low: bool, say: Say = str) -> Image.Image:
     """Draw a curve with its axes, its unit, and its newest value."""
     points = [point for point in curve.points[-MOST_POINTS:] if isfinite(point[1])]
     if not points:
         raise NothingToSee(said("There is nothing to draw yet."))
     width, height = LOW_SIZE if low else SIZE
-    sheet = Sheet(width, height)
+    sheet = Sheet(width, height, say=say)
     frame = _frame(curve, points, width, height)
     _axes(sheet, frame, curve)
     for stretch in _stretches(points):
@@ -87,17 +88,20 @@ def _axes(sheet: Sheet, frame: Frame, curve: Curve) -> None:
     for value in ticks(past, 0.0, 6):
         x, _ = frame.at(value * unit_s, frame.low)
         sheet.line([(x, frame.bottom), (x, frame.bottom + 5)], FAINT)
-        words = "now" if abs(value) < step / 2 else f"{written(value, step)}"
-        if words != "now":
-            words += " min" if in_minutes else " s"
+        ago = _ago(written(value, step), in_minutes=in_minutes)
+        words = said("now") if abs(value) < step / 2 else ago
         sheet.text((x, frame.bottom + 10), words, size=13, colour=FAINT, anchor="ma")
     sheet.line([(frame.left, frame.bottom), (frame.right, frame.bottom)], FAINT, 1.2)
     alert = curve.alert_below
     if alert is not None and frame.low < alert < frame.high:
         _, y = frame.at(0, alert)
         sheet.dashed(y, frame.left, frame.right, ALERT)
-        words = f"alert below {_short(alert)}"
+        words = said("alert below {value}", value=_short(alert))
         sheet.text((frame.left + 4, y - 4), words, size=12, colour=ALERT, anchor="ld")
+
+
+def _ago(count: str, *, in_minutes: bool) -> str:
+    return said("{count} min", count=count) if in_minutes else said("{count} s", count=count)
 
 
 def _stretches(points: list[tuple[float, float]]) -> list[list[tuple[float, float]]]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from PIL import Image
 
     from rosic.core.view import Content, Drawing, Subject
+    from rosic.pictures.style import Say
 
 WITHIN, LOW_WITHIN = 1280, 360
 CLIP_WITHIN, LOW_CLIP_WITHIN = 480, 240
@@ -25,35 +26,35 @@ MOST_FRAMES = 24
 TALL = 0.625  # a scene's height for its width
 
 
-def draw(subject: Subject, *, low: bool = False) -> Drawing:
+def draw(subject: Subject, *, low: bool = False, say: Say = str) -> Drawing:
     """Draw; `rosic.contracts.painter.Painter` says what is promised."""
     if isinstance(subject, Curve):
-        return graphic(chart(subject, low=low), low=low)
+        return graphic(chart(subject, low=low, say=say), low=low)
     if isinstance(subject, Way):
-        return graphic(way(subject, low=low), low=low)
+        return graphic(way(subject, low=low, say=say), low=low)
     if isinstance(subject, Grid):
-        return graphic(grid_map(subject, low=low), low=low)
+        return graphic(grid_map(subject, low=low, say=say), low=low)
     if isinstance(subject, Clip):
-        return _clip(subject, low=low)
-    return photograph(_still(subject, LOW_WITHIN if low else WITHIN), low=low)
+        return _clip(subject, low=low, say=say)
+    return photograph(_still(subject, LOW_WITHIN if low else WITHIN, say), low=low)
 
 
-def _clip(clip: Clip, *, low: bool) -> Drawing:
+def _clip(clip: Clip, *, low: bool, say: Say) -> Drawing:
     if not clip.frames:
         raise NothingToSee(said("There is nothing to draw yet."))
     within = LOW_CLIP_WITHIN if low else CLIP_WITHIN
-    images = [_still(frame, within) for frame in clip.frames[:MOST_FRAMES]]
+    images = [_still(frame, within, say) for frame in clip.frames[:MOST_FRAMES]]
     return animation(images, clip.every_s, low=low)
 
 
-def _still(content: Content, within: int) -> Image.Image:
+def _still(content: Content, within: int, say: Say) -> Image.Image:
     if isinstance(content, Encoded):
         return shrunk(decoded(content, within), within)
     if isinstance(content, Raster):
         return shrunk(raster(content), within)
     if isinstance(content, Scene):
         return scene_image(content, within, round(within * TALL))
-    return grid_map(content, low=within <= LOW_CLIP_WITHIN)
+    return grid_map(content, low=within <= LOW_CLIP_WITHIN, say=say)
 
 
 def portrait(scene: Scene, width: int, height: int) -> Drawing:

@@ -15,6 +15,7 @@ from rosic.pictures.ways import nose
 
 if TYPE_CHECKING:
     from rosic.core.view import Grid
+    from rosic.pictures.style import Say
 
 LARGEST, LOW_LARGEST = 900, 420
 SMALLEST = 320
@@ -25,7 +26,7 @@ FULL = 100
 FOOT = 34
 
 
-def grid_map(grid: Grid, *, low: bool) -> Image.Image:
+def grid_map(grid: Grid, *, low: bool, say: Say = str) -> Image.Image:
     """Draw a map.
 
     Raises:
@@ -42,7 +43,7 @@ def grid_map(grid: Grid, *, low: bool) -> Image.Image:
         )
     width, height = (max(1, round(scale * n)) for n in (grid.width, grid.height))
     left, top = max(0, (SMALLEST - width) // 2), 0
-    sheet = Sheet(max(width, SMALLEST), height + FOOT)
+    sheet = Sheet(max(width, SMALLEST), height + FOOT, say=say)
     sheet.paste(image, (left, top, left + width, top + height))
     place = _Place(grid, scale, left, height)
     _path(sheet, grid, place)
@@ -133,5 +134,6 @@ def _foot(sheet: Sheet, grid: Grid, per_m: float) -> None:
     if grid.note:
         sheet.text((sheet.width - 10, y), grid.note, size=12, colour=FAINT, anchor="rm")
     elif grid.path:
-        sheet.text((sheet.width - 10, y), "path", size=13, colour=ALERT, anchor="rm")
-        sheet.text((sheet.width - 48, y), "robot", size=13, colour=ACCENT, anchor="rm")
+        right = sheet.width - 10.0
+        right -= sheet.text((right, y), said("path"), size=13, colour=ALERT, anchor="rm")
+        sheet.text((right - 10, y), said("robot"), size=13, colour=ACCENT, anchor="rm")

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from PIL import Image, ImageDraw, ImageFont
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.core.view import Colour
 
+Say: TypeAlias = "Callable[[str], str]"
+"""Returns a sentence as whoever will look reads it."""
 PAPER: Colour = (255, 255, 255)
 INK: Colour = (31, 41, 51)
 FAINT: Colour = (123, 135, 148)
@@ -35,9 +39,10 @@ class Sheet:
         width, height: Of the finished picture.
     """
 
-    def __init__(self, width: int, height: int, paper: Colour = PAPER) -> None:
+    def __init__(self, width: int, height: int, paper: Colour = PAPER, *, say: Say = str) -> None:
         self.width = width
         self.height = height
+        self._say = say
         self._image = Image.new("RGB", (width * FINER, height * FINER), paper)
         self._pen = ImageDraw.Draw(self._image)
 
@@ -74,13 +79,11 @@ class Sheet:
         size: float = 14,
         colour: Colour = INK,
         anchor: str = "la",
-    ) -> None:
-        """Write one line; ``anchor`` as Pillow has it."""
-        (x, y) = at
-        plain = readable(words)
-        self._pen.text(
-            (x * FINER, y * FINER), plain, fill=colour, font=font(size * FINER), anchor=anchor
-        )
+    ) -> float:
+        """Write one line; ``anchor`` as Pillow has it. Return how wide it is."""
+        (x, y), plain, face = at, readable(self._say(words)), font(size * FINER)
+        self._pen.text((x * FINER, y * FINER), plain, fill=colour, font=face, anchor=anchor)
+        return face.getlength(plain) / FINER
 
     def paste(self, image: Image.Image, box: tuple[int, int, int, int]) -> None:
         """Put a picture into a box, its pixels kept sharp."""

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from PIL import Image
 
     from rosic.core.view import Colour, Pose, Way
+    from rosic.pictures.style import Say
 
 SIZE, LOW_SIZE = (640, 640), (400, 400)
 LEAST_M = 0.2
@@ -73,13 +74,13 @@ class Plot:
         sheet.text((self.left, self.top - 7), up, size=12, colour=FAINT, anchor="ld")
 
 
-def way(ways: Way, *, low: bool) -> Image.Image:
+def way(ways: Way, *, low: bool, say: Say = str) -> Image.Image:
     """Draw a way with its beginning, its end, and where the robot looked then."""
     poses = [pose for pose in ways.points[-MOST_POINTS:] if _finite(pose)]
     if not poses:
         raise NothingToSee(said("There is nothing to draw yet."))
     width, height = LOW_SIZE if low else SIZE
-    sheet = Sheet(width, height)
+    sheet = Sheet(width, height, say=say)
     sheet.text((18, 14), ways.title, size=17)
     below = round(height * HEIGHT_SHARE) if ways.vertical else 0
     xs, ys = [p.x_m for p in poses], [p.y_m for p in poses]
@@ -126,7 +127,7 @@ def _height(sheet: Sheet, poses: list[Pose], area: tuple[float, float, float, fl
         sheet, area, (0.0, max(gone[-1], LEAST_M)),
         widened(min(0.0, *heights), max(heights), LEAST_M), equal=False,
     )  # fmt: skip
-    plot.rule("", "height, m", about=3)
+    plot.rule("", said("height, m"), about=3)
     _draw(plot, list(zip(gone, heights, strict=True)))
 
 

@@ -30,8 +30,10 @@ EVERYBODY: Final = (
     ("resume", said("Let a stopped robot move again")),
     ("again", said("Do the last thing once more")),
     ("book", said("Have a robot for a time of your own")),
+    ("wish", said("Say when you would like a robot")),
     ("ask", said("Ask for a right that you lack")),
     ("me", said("What you may do, and until when")),
+    ("role", said("What the roles here give")),
     ("help", said("What you can say")),
 )
 IN_GROUPS: Final = ("robots", "status", "use", "stop", "resume", "help")
@@ -42,6 +44,7 @@ ADMINS: Final = (
     ("grant", said("Give somebody a right for a while")),
     ("revoke", said("Take somebody's key back")),
     ("lock", said("Shut somebody out at once")),
+    ("plan", said("Weigh all wishes and book a plan")),
     ("security", said("What was turned away")),
 )
 

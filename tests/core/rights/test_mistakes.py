@@ -14,6 +14,7 @@ JUNIOR = Role(includes=("operator",), limits=("force <= 20 N", "omni:* speed <= 
 
 def said(book: Rulebook) -> list[tuple[str, str]]:
     found = rulebook_mistakes(book, FLEET_HERE, CONVERT)
+    assert all(type(text) is not str for m in found for text in m[1:] if text), "said, not written"
     return [(".".join(map(str, m.place)), f"{m.sentence} {m.hint}".strip()) for m in found]
 
 

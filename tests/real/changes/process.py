@@ -1,18 +1,15 @@
 """A gateway whose admins change things without a pause, until it is killed.
 
-``process.py FOLDER FIRST [piecemeal]``: people numbered from FIRST are let in with two rights each,
-get a series of times and another key, are locked, and every third is revoked again. What was
-acknowledged is said on standard output. With ``piecemeal`` records are written one by one: the
-fault that the test must find.
+People numbered from some number on are let in with two rights each, get a series of times and
+another key, are locked, and every third is revoked again. What was acknowledged is said through a
+pipe. Piecemeal, records are written one by one: the fault that the test must find.
 """
 
 from __future__ import annotations
 
 import asyncio
 import os
-import sys
 from itertools import count
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.app.face import face_of
@@ -33,6 +30,8 @@ from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from multiprocessing.connection import Connection
+    from pathlib import Path
 
     from rosic.core.record import Record
 
@@ -63,18 +62,25 @@ def a_gateway(store: DatabaseStore) -> Gateway:
     return Gateway(Settings(profiles=profiles, people=(ADA,)), parts)
 
 
-def say(*words: object) -> None:
-    """In one piece, at once: what is in the pipe outlives this process."""
-    os.write(1, (" ".join(map(str, words)) + "\n").encode())
+class Pipe:
+    """Where things are said: what is in it outlives this process."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._end = connection.fileno()
+
+    def say(self, *words: object) -> None:
+        """In one piece, at once."""
+        os.write(self._end, (" ".join(map(str, words)) + "\n").encode())
 
 
 class Admin:
     """Does to one person after another what admins do."""
 
-    def __init__(self, gateway: Gateway, numbers: Iterator[int]) -> None:
+    def __init__(self, gateway: Gateway, numbers: Iterator[int], pipe: Pipe) -> None:
         self._gateway = gateway
         self._access = gateway.access
         self._numbers = numbers
+        self._say = pipe.say
         self._ada = gateway.rooms.authoriser.directory.named("Ada")[0].id
 
     async def run(self) -> None:
@@ -84,13 +90,13 @@ class Admin:
             await self._book(number, who)
             async with self._access.changes.turn() as turn:
                 await turn.write(self._access.keys.rotate(who, self._ada).records)
-            say("rotated", number)
+            self._say("rotated", number)
             async with self._access.changes.turn() as turn:
                 await turn.act(self._access.locks.lock(who, self._ada))
-            say("locked", number)
+            self._say("locked", number)
             if number % 3 == 0:
                 await self._gateway.revoke(who, self._ada)
-                say("revoked", number)
+                self._say("revoked", number)
 
     async def _join(self, number: int) -> str:
         access, enrolment = self._access, self._access.enrolment
@@ -106,7 +112,7 @@ class Admin:
             )  # fmt: skip
             assert isinstance(answer, Redeemed)
             await turn.write(self._gateway.furnishing.admitting.records(answer, self._ada))
-        say("joined", number)
+        self._say("joined", number)
         return answer.person.id
 
     async def _book(self, number: int, who: str) -> None:
@@ -117,21 +123,22 @@ class Admin:
         pattern = Pattern(first, 60, f"FREQ=DAILY;COUNT={TIMES}", "UTC")
         async with self._access.changes.turn() as turn:
             await turn.write(calendar.book_series(who, ROBOTS[number % 2], pattern, who))
-        say("booked", number)
+        self._say("booked", number)
 
 
 def _today() -> int:
     return SystemClock().wall_ns() // 86_400_000_000_000
 
 
-async def main(folder: Path, first: int, *, piecemeal: bool) -> None:
+async def _main(folder: Path, first: int, pipe: Pipe, *, piecemeal: bool) -> None:
     kind = Piecemeal if piecemeal else DatabaseStore
     gateway = a_gateway(kind(folder, clock=SystemClock()))
     await gateway.open()
-    say("open")
+    pipe.say("open")
     numbers = count(first)
-    await asyncio.gather(*(Admin(gateway, numbers).run() for _ in range(AT_ONCE)))
+    await asyncio.gather(*(Admin(gateway, numbers, pipe).run() for _ in range(AT_ONCE)))
 
 
-if __name__ == "__main__":
-    asyncio.run(main(Path(sys.argv[1]), int(sys.argv[2]), piecemeal="piecemeal" in sys.argv))
+def main(folder: Path, first: int, connection: Connection, piecemeal: bool) -> None:
+    """Be the process."""
+    asyncio.run(_main(folder, first, Pipe(connection), piecemeal=piecemeal))

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import multiprocessing
 import time
 from collections import Counter, defaultdict
-from contextlib import closing
-from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -15,13 +12,16 @@ import pytest
 
 from rosic.stores.database import DatabaseStore
 from rosic.system import SystemClock
-from tests.cli.running import environment
-from tests.real.changes.process import TIMES, a_gateway
+from tests.real.changes.process import TIMES, a_gateway, main
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rosic.app.gateway import Gateway
 
-ROOT = Path(__file__).parents[3]
+# A process that has everything imported and nothing open is copied: a kill takes no second.
+FORKS = multiprocessing.get_context("forkserver")
+FORKS.set_forkserver_preload(["tests.real.changes.process"])
 SEED = 20261121
 LONGEST_S = 0.4
 RECORD_LASTS = 30  # kills; a calendar is bounded
@@ -40,22 +40,24 @@ class Found(NamedTuple):
     done: set[tuple[str, int]]
 
 
-def killed_after(seconds: float, folder: Path, first: int, *how: str) -> set[tuple[str, int]]:
+def killed_after(
+    seconds: float, folder: Path, first: int, *, piecemeal: bool = False
+) -> set[tuple[str, int]]:
     """Let a gateway run, kill it that long after it is open; return what it acknowledged."""
-    process = subprocess.Popen(  # noqa: S603 - the program stands beside the test
-        [sys.executable, "-m", "tests.real.changes.process", str(folder), str(first), *how],
-        stdout=subprocess.PIPE, text=True, cwd=ROOT, env=environment(),
-    )  # fmt: skip
-    assert process.stdout is not None
-    with closing(process.stdout) as out:
+    ours, theirs = FORKS.Pipe(duplex=False)
+    process = FORKS.Process(target=main, args=(folder, first, theirs, piecemeal), daemon=True)
+    process.start()
+    theirs.close()  # so that the pipe ends with the process
+    with open(ours.fileno(), encoding="ascii", closefd=False) as out, ours:
         try:
             assert out.readline() == "open\n"
             time.sleep(seconds)  # the moment that chance chose
         finally:
             process.kill()
-            process.wait()
+            process.join()
         said = [line.split() for line in out if line.endswith("\n")]
-    assert process.returncode == -9
+    assert process.exitcode == -9
+    process.close()
     return {(what, int(number)) for what, number in said}
 
 
@@ -110,7 +112,7 @@ def look(gateway: Gateway, acts: Counter[tuple[str, str]]) -> Found:
 @pytest.mark.parametrize(
     "kills",
     [
-        pytest.param(10, marks=pytest.mark.limit(300)),
+        pytest.param(20, marks=pytest.mark.limit(300)),
         pytest.param(1_000, marks=[pytest.mark.campaign, pytest.mark.limit(7_200)]),
     ],
 )
@@ -137,7 +139,7 @@ async def test_the_kills_find_a_gateway_that_writes_piecemeal(tmp_path: Path) ->
     wrong: dict[str, int] = defaultdict(int)
     for number in range(10):
         folder = tmp_path / str(number)
-        killed_after(0.1 + 0.02 * number, folder, 0, "piecemeal")
+        killed_after(0.1 + 0.02 * number, folder, 0, piecemeal=True)
         for sentence in (await what_is_there(folder)).wrong:
             wrong[sentence.partition(": ")[2]] += 1
         if sum(wrong.values()) >= 2:

@@ -78,10 +78,37 @@ def test_a_container_is_summed_up_and_shown_without_secrets() -> None:
         export.Sum("card", 1, len(card)), export.Sum("command", 1, 0), export.Sum("odd", 1, 3),
         export.Sum("outcome", 1, 11), export.Sum("totp", 1, 9),
     )  # fmt: skip
-    text = export.container_as_jsonl(held)
+    shown = [export.thing_of(fact) for fact in held]
+    text = export.container_as("jsonl", shown)
+    assert isinstance(text, str)
+    assert [export.read_thing(line) for line in text.splitlines()] == shown
     assert "SEED" not in text
     things = [json.loads(line) for line in text.splitlines()]
     assert things[0]["sealed"]["name"] == "Bo"
     assert things[1]["sealed"] == "(a secret)"
     assert things[2]["sealed"] == "moved 0.5 m"
     assert "sealed" not in things[4]
+
+
+def test_a_container_is_a_line_or_a_row_for_each_thing() -> None:
+    forged = b"moved\nKind: card, ID: p-ada"
+    held = [
+        Fact(kind="outcome", key="c1", body=b"\x80", letter=Letter("p-bo", forged)),
+        Fact(kind="card", key="p-bo", body=b'["operator"]', letter=Letter("p-bo", b"=1+1")),
+        Fact(kind="totp", key="p-bo", body=b"[1]", letter=Letter("p-bo", b"SEED-SEED")),
+    ]
+    things = [export.thing_of(fact) for fact in held]
+    assert export.container_as("text", things) == (
+        "Kind: outcome, ID: c1, Known: {}, Sealed: moved\\nKind: card, ID: p-ada\n"
+        'Kind: card, ID: p-bo, Known: ["operator"], Sealed: =1+1\n'
+        "Kind: totp, ID: p-bo, Known: [1], Sealed: (a secret)"
+    )
+    file = export.container_as("xlsx", things)
+    assert isinstance(file, bytes)
+    assert b"SEED" not in file
+    sheet = load_workbook(io.BytesIO(file)).worksheets[0]
+    rows = [[cell.value for cell in row] for row in sheet.iter_rows()]
+    assert rows[0] == ["Kind", "ID", "Known", "Sealed"]
+    assert rows[2] == ["card", "p-bo", '["operator"]', "=1+1"]
+    assert sheet["D3"].data_type == "s", "no formula"
+    assert len(rows) == 4

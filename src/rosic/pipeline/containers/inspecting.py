@@ -105,7 +105,8 @@ async def export_container(holdings: Holdings, container: str) -> Iterator[str]:
         await _found(holdings, container)
         rows = await rows_of(holdings.vault, container.removeprefix(_CHAT))
         return together(map(export.row_as_json, rows))
-    return together(map(export.thing_as_json, await _found(holdings, container)))
+    found = await _found(holdings, container)
+    return together(map(export.thing_as_json, map(export.thing_of, found)))
 
 
 def together(lines: Iterable[str]) -> Iterator[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.container import export
 from rosic.container.drawer import PART
 from rosic.core.message import Button
-from rosic.errors import NotUnderstood, RecordUnavailable, StoreFault
+from rosic.errors import ConfigurationError, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.pipeline.containers import words_containers as words
 from rosic.pipeline.containers.handing import handed_over
 from rosic.pipeline.desk import Reply
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 EXPORT = "export"
 ME = frozenset({"me", "myself", "my data", "mydata"})
 CONFIRMED = "me confirmed"
-FILE = "my-data.jsonl"
+FILE = "my-data"
 
 
 class Mine:
@@ -42,18 +42,29 @@ class Mine:
             Refusal: Others read along, or it cannot be read now.
         """
         check_private(asked)
-        said = asked.rest.strip().casefold()
-        if said not in {"", EXPORT}:
+        verb, *forms = asked.rest.casefold().split() or [""]
+        form = forms[0] if forms else "jsonl"
+        if verb not in {"", EXPORT} or len(forms) > 1 or form not in export.ENDINGS:
             raise NotUnderstood(words.HOW_TO_FORGET, offers=("/mydata", f"/mydata {EXPORT}"))
+        if verb == EXPORT:
+            return await self._export(asked, form)
         found = await self._belongings(asked.caller.principal)
-        if said == EXPORT:
-            made = await asyncio.to_thread(export.container_as_jsonl, found)
-            command = f"{words.TO_EXPORT} {asked.caller.principal}"
-            return handed_over(asked, FILE, made, command)
         row = (Button(words.EXPORT, f"/mydata {EXPORT}"), Button(words.FORGET, "/forget me"))
         count, size = self._holdings.files.used(asked.caller.principal)
         inside = (export.Sum(PART, count, size),) if count else ()
         return Reply(words.my_data((*export.summary(found), *inside)), (row,))
+
+    async def _export(self, asked: Asked, form: str) -> Reply:
+        command = f"{words.TO_EXPORT} {asked.caller.principal}"
+        if form == "xlsx" and not asked.messenger.file_bytes:
+            return Reply(words.spreadsheet_later(command))
+        found = await self._belongings(asked.caller.principal)
+        try:
+            things = map(export.thing_of, found)
+            made = await asyncio.to_thread(export.container_as, form, things)
+        except ConfigurationError as missing:
+            raise NotUnderstood(str(missing)) from missing
+        return handed_over(asked, f"{FILE}.{export.ENDINGS[form]}", made, command)
 
     async def _belongings(self, principal: PrincipalId) -> tuple[Fact, ...]:
         try:

@@ -16,9 +16,6 @@ NEGATIVE: Final = said("A limit cannot be less than nothing. Nothing was changed
 NO_SHELF: Final = said(
     "A chat keeps messages alone, for as many days as was said there with /archive on."
 )
-ONLY_CHATS: Final = said(
-    "Only a chat's messages are exported as text or as a spreadsheet. Leave out --as."
-)
 
 
 def limit_set(name: str, names: int, most_bytes: int) -> str:

@@ -15,6 +15,7 @@ from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.when_said import Said, Unclear
 from rosic.core.reach import FLEET
 from rosic.core.roles import Grant
+from rosic.core.saying import joined
 from rosic.errors import NotUnderstood
 from rosic.pipeline.people import words, words_asking
 
@@ -170,8 +171,8 @@ class _Reading:
         for role in given.roles:
             grant = Grant(role=role, robots=given.robots, limits=given.limits)
             for mistake in self._rights.mistakes(grant):
-                said = " ".join(filter(None, (mistake.sentence, mistake.hint)))
-                raise NotUnderstood(words_asking.nothing_done(said))
+                what = joined(" ", filter(None, (mistake.sentence, mistake.hint)))
+                raise NotUnderstood(words_asking.nothing_done(what))
 
     def _unknown(self, word: str) -> NotUnderstood:
         fleet = self._rights.fleet

@@ -8,6 +8,7 @@ from rosic.core.language.cleaning import fold_word
 from rosic.core.message import Button
 from rosic.core.reach import FLEET
 from rosic.core.roles import chains
+from rosic.core.saying import joined
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.organiser.rolebook import MOST_ROLES
 from rosic.pipeline.desk import Reply
@@ -118,8 +119,8 @@ class Rolemaking:
         before = rights.rule_mistakes(self._book.rulebook)
         for mistake in rights.rule_mistakes(rules):
             if mistake.place[:2] == ("role", name) or mistake not in before:
-                said = " ".join(filter(None, (mistake.sentence, mistake.hint)))
-                raise NotUnderstood(words_asking.nothing_done(said))
+                what = joined(" ", filter(None, (mistake.sentence, mistake.hint)))
+                raise NotUnderstood(words_asking.nothing_done(what))
 
     def _check_theirs(self, by: PrincipalId, name: str, rules: Rulebook) -> None:
         """See that a role gives no more than somebody may give.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
-from rosic.core.saying import said
+from rosic.core.saying import joined, said
 from rosic.core.view import Curve, Way
 from rosic.errors import NothingToSee, NotUnderstood
 from rosic.pipeline.desk import Reply, rows
@@ -123,7 +123,7 @@ class Recalling:
         again = Button(said("Again"), f"/trajectory {robot}")
         return _Take(
             Shot(
-                Way(f"{profile.shown}: {track.words}", tuple(track.points), track.rises),
+                Way(joined(": ", (profile.shown, track.words)), tuple(track.points), track.rises),
                 lambda: words.caption(
                     profile.shown, what, seeing.age_s(until_ns), foreign=False, low=low
                 ),

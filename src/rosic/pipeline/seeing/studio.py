@@ -8,12 +8,14 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import msgspec
 
 from rosic.core.message import Attachment, Button, Outbound
 from rosic.core.rate import Bucket, RateLimit
+from rosic.core.saying import in_language
 from rosic.core.view import Subject
 from rosic.errors import MessengerFault, NothingToSee, NotPermitted, Refusal, TooManyRequests
 from rosic.pipeline.languages import translated
@@ -144,7 +146,9 @@ class Studio:
         try:
             shot = await take()
             async with self._drawing:
-                drawing = await asyncio.to_thread(painter, shot.subject, low=shot.low)
+                reader = self._teller.languages.of(asked.caller.principal)
+                say = partial(in_language, catalogue=reader)
+                drawing = await asyncio.to_thread(painter, shot.subject, low=shot.low, say=say)
             await self._send(asked, robot, shot, drawing)
         except Refusal as refusal:
             self._say(asked, refusal.sentence)

@@ -1,7 +1,8 @@
-"""``/wish kuka1 1h tomorrow 9:00 to 17:00``, ``/wish any of air 1h mon 9-17``, ``/wish off 1``."""
+"""``/wish kuka1 1h tomorrow 9:00 to 17:00``, ``any of air 1h mon 9-17 priority 3``, ``off 1``."""
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from rosic.core.message import Button
 from rosic.core.robot import Slots
 from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
+from rosic.organiser.allocation import PRIORITIES
 from rosic.organiser.hindrance import SlotTaken
 from rosic.organiser.occasions import occasion
 from rosic.organiser.wishes import place_of
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
 OFF = "off"
 _MOST_WORDS_OF_LENGTH = 4
 _ENDS = ".,;:!?"
+_PRIORITY = re.compile(r"[\s,]+prio(?:rity|rität)?:? ?(\d{1,9})\Z", re.IGNORECASE)
 
 
 class Wishing:
@@ -55,13 +58,14 @@ class Wishing:
 
     async def _put(self, asked: Asked, text: str) -> Reply:
         times, principal = self._times, asked.caller.principal
+        text, priority = _priority(text)
         robots, rest = self._naming.robots(asked, "wish", text)
         length_s, when = self._read(principal, robots[0], rest)
         found = occasion(robots[0], when, times.sides.zone_of(principal))
         window = found.start_ns, found.start_ns + found.length_s * 1_000_000_000
         async with times.changes.turn() as turn:
             robots = self._useful(principal, robots)
-            facts = times.wishes.put(principal, robots, length_s, window)
+            facts = times.wishes.put(principal, robots, length_s, window, priority)
             start_ns = max(found.start_ns, times.clock.wall_ns())
             with suppress(SlotTaken):  # nothing is booked: only whether it could be, some time
                 times.calendar.book(principal, robots[0], start_ns, length_s, principal)
@@ -124,3 +128,9 @@ class Wishing:
             line = words_wishing.one(times, wished, principal)
             await turn.write(facts)
         return Reply(words_wishing.taken_back(line))
+
+
+def _priority(text: str) -> tuple[str, int]:
+    """Split off how much somebody would like it, if they say so at the end."""
+    found = _PRIORITY.search(text)
+    return (text, PRIORITIES[0]) if found is None else (text[: found.start()], int(found[1]))

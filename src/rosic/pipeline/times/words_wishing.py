@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.saying import joined, said, said_n
-from rosic.organiser.allocation import Why
+from rosic.organiser.allocation import PRIORITIES, Why
 from rosic.organiser.words_calendar import length, moment
 
 if TYPE_CHECKING:
@@ -43,12 +43,20 @@ def _from_to(start_ns: int, end_ns: int, now_ns: int, zone: Zone) -> str:
 def one(times: Times, wished: Wished, reader: PrincipalId) -> str:
     """Return ``KUKA iiwa for 1 h, tomorrow 09:00 to 17:00``."""
     zone, now_ns = times.sides.zone_of(reader), times.clock.wall_ns()
-    return said(
+    line = said(
         "{robots} for {length}, {window}",
         robots=_robots(times, wished.robots),
         length=length(wished.length_s),
         window=_from_to(wished.earliest_ns, wished.latest_ns, now_ns, zone),
     )
+    return _weighed(line, wished.priority)
+
+
+def _weighed(line: str, priority: int) -> str:
+    """Add a priority that is not the ordinary one: whoever decides on a plan sees who said it."""
+    if priority == PRIORITIES[0]:
+        return line
+    return said("{line}, priority {priority}", line=line, priority=priority)
 
 
 def noted(line: str) -> str:
@@ -119,12 +127,13 @@ def head(granted: int, wishes: int) -> str:
 def slot(times: Times, place: Allocation, reader: PrincipalId) -> str:
     """Return ``Ann: KUKA iiwa, tomorrow 09:00 to 10:00``."""
     zone, now_ns = times.sides.zone_of(reader), times.clock.wall_ns()
-    return said(
+    line = said(
         "{who}: {robot}, {when}",
         who=times.calendar.name_of(place.wish.principal),
         robot=times.shown(place.robot),
         when=_from_to(place.start_ns, place.end_ns, now_ns, zone),
     )
+    return _weighed(line, place.wish.priority)
 
 
 def left(times: Times, wished: Wished, why: Why | None, reader: PrincipalId) -> str:

@@ -167,12 +167,16 @@ class Sights:
         info, frame = message.info, _frame(message)
         pose, note = self.pose(), ""
         if pose is not None and not _same(pose.frame, frame):
-            note = f"robot not shown: its pose is in {pose.frame}, the map in {frame}"
+            note = said(
+                "robot not shown: its pose is in {pose}, the map in {map}",
+                pose=pose.frame,
+                map=frame,
+            )
             pose = None
         elif pose is not None and (age_s := self._pose_age_s()) > STALE_POSE_S:
-            note = f"robot as of {age_s:.0f} s ago"
+            note = said("robot as of {age_s:.0f} s ago", age_s=age_s)
         elif pose is None and self._profile.pose is not None:
-            note = "robot not shown: no pose heard"
+            note = said("robot not shown: no pose heard")
         return Grid(
             int(info.width),
             int(info.height),

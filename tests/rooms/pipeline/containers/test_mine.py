@@ -41,6 +41,11 @@ async def test_my_data_says_what_there_is_and_only_of_me(tmp_path: Path) -> None
         assert {"card", "command", "shelf", "archived", "preference"} <= {t["kind"] for t in things}
         assert "hello from the left" in text
         assert "hello from the right" not in text
+        lines = (await ward.file("mydata", "export text", account=BO)).splitlines()
+        assert all(line.startswith("Kind: ") for line in lines)
+        sheet = (await ward.ask("mydata", "export xlsx", account=BO)).attachment
+        assert sheet is not None
+        assert sheet.name == "my-data.xlsx"
         assert bo not in await ward.file("mydata", "export", account=VI)
         private = "Ask me that in a private chat with me, please."
         assert await ward.said("mydata", account=BO, kind=ChatKind.GROUP) == private

@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.core.robot import Camera, MapSource, PoseSource, Telemetry
+from rosic.core.saying import said
 from rosic.core.view import Drawing, Encoded, Grid, Pose, Sight
 from rosic.messengers.memory import MemoryMessenger
 from tests.rooms.pipeline.place import FLEET, Place, profile
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.core.message import Outbound
     from rosic.core.robot import Profile
     from rosic.core.view import Subject
@@ -28,20 +31,25 @@ class Sketcher:
 
     Attributes:
         drawn: Subjects, and whether they were to be coarse.
+        wrote: A word of each picture, as it was written.
         wait: Unset, it keeps everybody waiting.
         threads: On which it was called.
     """
 
     def __init__(self) -> None:
         self.drawn: list[tuple[Subject, bool]] = []
+        self.wrote: list[str] = []
         self.threads: set[int] = set()
         self.wait = threading.Event()
         self.wait.set()
 
-    def __call__(self, subject: Subject, *, low: bool = False) -> Drawing:
+    def __call__(
+        self, subject: Subject, *, low: bool = False, say: Callable[[str], str] = str
+    ) -> Drawing:
         self.threads.add(threading.get_ident())
         assert self.wait.wait(60)
         self.drawn.append((subject, low))
+        self.wrote.append(say(said("now")))
         return Drawing("image/png", b"png", 1, 1)
 
 

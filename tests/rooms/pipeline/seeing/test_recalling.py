@@ -75,6 +75,15 @@ async def test_a_chart_shows_what_was_reported(place: Booth) -> None:
     assert shown.attachment.name == "omni-battery.png"
 
 
+async def test_the_words_in_it_are_in_the_language_of_whoever_asked(place: Booth) -> None:
+    place.robot("omni").values = {"battery": 80.0}
+    await place.clock.advance(3.0)
+    await place.see("chart omni battery")
+    await place.say("/language de")
+    await place.see("chart omni battery")
+    assert place.painter.wrote == ["now", "jetzt"]
+
+
 async def test_which_value_is_asked_with_buttons(place: Booth) -> None:
     await place.clock.advance(2.0)
     assert await place.say("chart omni") == "Which value of The omni?"

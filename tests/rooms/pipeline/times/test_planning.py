@@ -61,6 +61,15 @@ async def test_who_gets_nothing_is_told_why() -> None:
         assert len(lab.wishes.everybodys()) == 3
 
 
+async def test_who_says_a_priority_goes_first_and_the_admin_sees_it() -> None:
+    async with Lab().open() as lab:
+        await lab.say(ANN, f"/wish {EARLY}")
+        await lab.say(BEN, f"/wish {EARLY} priority 4")
+        text = await lab.say(ADA, "/plan")
+        assert "\nBen: KUKA iiwa, tomorrow 09:00 to 10:00, priority 4\n" in text
+        assert "\nAnn gets nothing for" in text
+
+
 async def test_a_right_that_ended_meanwhile_gets_nothing() -> None:
     async with Lab().open() as lab:
         await lab.say(ANN, f"/wish {EARLY}")

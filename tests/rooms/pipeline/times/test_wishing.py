@@ -32,6 +32,19 @@ async def test_a_wish_is_noted_listed_and_taken_back() -> None:
         assert isinstance(lab.refusal, NotUnderstood), "only mine are numbered"
 
 
+async def test_a_wish_says_how_much_it_is_wished_for() -> None:
+    async with Lab().open() as lab:
+        for text in ("priority 3", "Priorität 3", "prio 3."):
+            noted = await lab.say(ANN, f"/wish kuka1 1h tomorrow 9-17 {text}")
+            assert "tomorrow 09:00 to 17:00, priority 3." in noted, text
+        assert [wished.priority for wished in lab.wishes.of(ANN)] == [3, 3, 3]
+        for wrong in ("priority 0", "priority 6"):
+            await lab.say(ANN, f"/wish kuka1 1h tomorrow 9-17 {wrong}")
+            assert lab.refusal is not None
+            assert lab.refusal.sentence == "A priority is a number from 1 to 5."
+        assert len(lab.wishes.of(ANN)) == 3
+
+
 async def test_the_button_takes_the_wish_back() -> None:
     async with Lab().open() as lab:
         await lab.say(ANN, "/wish kuka1 1h tomorrow 9-17")
