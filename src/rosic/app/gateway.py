@@ -216,6 +216,7 @@ class Gateway:
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
         self.alarms = self.furnishing.alarms(memory, self._settings.people, time, parts.face)
+        self.alarms.watch(self._messengers)
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
         if isinstance(parts.store, Vault):

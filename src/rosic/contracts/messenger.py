@@ -6,13 +6,15 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from typing import Protocol, TypeAlias
 
 from rosic.core.menu import Menu
-from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Passing, Weight
+from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Passing, Reaction, Weight
 from rosic.errors import MessengerFault
 
 Receive: TypeAlias = Callable[[Inbound], Awaitable[None]]
 Turn: TypeAlias = Callable[[Chat, Weight], Awaitable[None]]
 Alarm: TypeAlias = Callable[[MessengerFault], None]
 Passed: TypeAlias = Callable[[Passing], None]
+Reacted: TypeAlias = Callable[[Reaction], None]
+React: TypeAlias = Callable[[Chat, str, str], Awaitable[None]]
 SetMenus: TypeAlias = Callable[[Sequence[Menu]], Awaitable[None]]
 
 
@@ -135,6 +137,27 @@ def watch_chats(messenger: Messenger, passed: Passed) -> None:
     watch: Callable[[Passed], None] | None = getattr(messenger, "watch_chats", None)
     if watch is not None:
         watch(passed)
+
+
+def watch_reactions(messenger: Messenger, reacted: Reacted) -> None:
+    """Have a messenger on which people react to messages say so; see `Reaction`.
+
+    Called on the event loop while the messenger listens, each time at least once, as soon as it
+    arrives: nothing that must not be lost, and nothing that moves, may hang on it.
+    """
+    watch: Callable[[Reacted], None] | None = getattr(messenger, "watch_reactions", None)
+    if watch is not None:
+        watch(reacted)
+
+
+def reactions_of(messenger: Messenger) -> React | None:
+    """Return what a messenger calls ``react``, if this account can react to a message itself.
+
+    It takes a chat, the id of a message there and an emoji, and raises ``MessengerFault`` when the
+    emoji is not there afterwards, or it cannot be known: then say it in words.
+    """
+    found: React | None = getattr(messenger, "react", None)
+    return found
 
 
 def menus_of(messenger: Messenger) -> SetMenus | None:
