@@ -14,6 +14,8 @@ Turn: TypeAlias = Callable[[Chat, Weight], Awaitable[None]]
 Alarm: TypeAlias = Callable[[MessengerFault], None]
 Passed: TypeAlias = Callable[[Passing], None]
 Reacted: TypeAlias = Callable[[Reaction], None]
+Retract: TypeAlias = Callable[[Chat, str], Awaitable[None]]
+PutPicture: TypeAlias = Callable[[str, Outbound], Awaitable[None]]
 React: TypeAlias = Callable[[Chat, str, str], Awaitable[None]]
 SetMenus: TypeAlias = Callable[[Sequence[Menu]], Awaitable[None]]
 
@@ -157,6 +159,29 @@ def reactions_of(messenger: Messenger) -> React | None:
     emoji is not there afterwards, or it cannot be known: then say it in words.
     """
     found: React | None = getattr(messenger, "react", None)
+    return found
+
+
+def pictures_of(messenger: Messenger) -> PutPicture | None:
+    """Return what a messenger calls ``put_picture``, if a message can be made to show a picture.
+
+    It takes the id of a message of ours, which may have been words alone, and how it is to look:
+    a picture and the text beneath it. Once a message shows one it does so for good, and holds no
+    more text than goes beneath a picture. It raises what ``Messenger.edit`` raises.
+    """
+    found: PutPicture | None = getattr(messenger, "put_picture", None)
+    return found
+
+
+def retract_of(messenger: Messenger) -> Retract | None:
+    """Return what a messenger calls ``retract``, if messages can be taken out of a chat.
+
+    It takes a chat and the id of a message there, anybody's. One that is not there any more is out
+    of it. It raises ``MessageGone`` when it can never be done (too old, or this account may not
+    take away what others wrote there), and ``MessengerFault`` when it may succeed later. Whoever
+    has read it has read it: nothing may hang on its being gone.
+    """
+    found: Retract | None = getattr(messenger, "retract", None)
     return found
 
 

@@ -139,6 +139,15 @@ class TelegramMessenger:
         """
         await self._gestures.react(chat.id, message, emoji)
 
+    async def put_picture(self, message: str, outbound: Outbound) -> None:
+        """Make a message of ours show a picture; see ``contracts.messenger``.
+
+        Raises:
+            MessageGone: There is no such message any more.
+            MessengerFault: Not changed, or it cannot be known whether it was.
+        """
+        await self._speaker.put_picture(message, outbound)
+
     async def retract(self, chat: Chat, message: str) -> None:
         """Take a message of anybody out of a chat; see ``contracts.messenger``.
 

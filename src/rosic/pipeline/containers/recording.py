@@ -11,7 +11,9 @@ import msgspec
 from rosic.container.archive import NOBODY, Author
 from rosic.contracts.messenger import (
     menus_of,
+    pictures_of,
     reactions_of,
+    retract_of,
     turn_of,
     watch_chats,
     watch_reactions,
@@ -62,6 +64,8 @@ class Recorded:
         self.fetch_bytes = messenger.fetch_bytes
         self.pins = messenger.pins
         self.react = reactions_of(messenger)
+        self.retract = retract_of(messenger)
+        self.put_picture = pictures_of(messenger)
         self._messenger = messenger
         self._archive = archive
         self._store = store
