@@ -100,6 +100,46 @@ async def test_it_follows_a_motion_and_goes_on_after_a_kill(
         assert await place.control.violations() == []
 
 
+async def test_it_shows_the_last_picture_in_place(tmp_path: Path, launcher: Launcher) -> None:
+    async with lab(tmp_path, launcher, robots=OMNI) as place:
+        gateway = await place.start()
+        await place.say(place.bo, "/card omni")
+        await place.reads(place.bo, "omni: free")
+        shown = await card(place, place.bo)
+        assert [[b["text"] for b in row] for row in shown["buttons"]] == [["Picture"], ["STOP"]]
+        pictured = shown
+        for _ in range(2):
+            before = len((await card(place, place.bo))["versions"])
+            await place.control.tap(place.bo, place.bo, shown["message_id"], "Picture")
+            pictured = await newer_picture(place, before)
+        assert re.search(r"picture of omni: \d\d:\d\d:\d\d\nupdated ", pictured["text"])
+        assert pictured["message_id"] == shown["message_id"]
+        assert len(await place.control.messages(place.bo, by_bot=True)) == 1
+        assert {v["photo"][0]["file_id"] for v in pictured["versions"] if v["photo"]}
+
+        gateway.kill()
+        await place.start()
+        again = await newer(place, len(pictured["versions"]))
+        assert again["photo"] == pictured["photo"], "an edit of the words leaves the picture"
+        assert "picture of omni: " in again["text"]
+        edits = [c for c in await place.control.calls() if c["method"] == "editMessageMedia"]
+        assert [c["code"] for c in edits] == [200, 200]
+        assert await place.control.violations() == []
+
+
+async def newer_picture(place: Lab, than: int) -> dict[str, Any]:
+    """Wait until the card shows another picture than before."""
+
+    async def look() -> dict[str, Any] | None:
+        found = await card(place, place.bo)
+        earlier = [v["photo"] for v in found["versions"][:than]]
+        return found if found["photo"] and found["photo"] not in earlier else None
+
+    found: dict[str, Any] | None = await place.until(look, 30.0)
+    assert found is not None, "no picture on the card"
+    return found
+
+
 async def newer(place: Lab, than: int) -> dict[str, Any]:
     """Wait for one more form of the card."""
 

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.app.people import Seed, named_in_file
 from rosic.app.shape import Finding
+from rosic.contracts.messenger import watch_reactions
 from rosic.core.rule import read_run, rules_of
 from rosic.pipeline.alerts.alerting import Alerting
 from rosic.pipeline.alerts.book import ALARM, MUTE, RUN, Book
 from rosic.pipeline.alerts.circles import Circles
 from rosic.pipeline.alerts.clerks import AlarmClerk
+from rosic.pipeline.alerts.reacting import Reacting
 from rosic.pipeline.alerts.running import Running
 
 if TYPE_CHECKING:
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
     from rosic.app.access import Access
     from rosic.app.config_file import ConfigFile
     from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
     from rosic.core.record import Memory
     from rosic.core.robot import Profile
     from rosic.pipeline import Pipeline
@@ -31,6 +35,7 @@ class Alarms:
 
     Attributes:
         alerting: Looks and tells.
+        reacting: Takes reactions to alarms for what they say.
         running: Gives the orders of rules.
     """
 
@@ -40,6 +45,7 @@ class Alarms:
         book = Book()
         circles = Circles(rooms.authoriser, rooms.organiser)
         self.alerting = Alerting(rooms, access.changes, hands.reach, clock, book, circles)
+        self.reacting = Reacting(self.alerting, rooms.authoriser.directory, hands.reach)
         self.running = Running(rooms, hands, access.changes, clock, book)
 
     def furnish(self, pipeline: Pipeline, memory: Memory, people: Iterable[Seed]) -> None:
@@ -63,8 +69,14 @@ class Alarms:
         """Follow the rules until cancelled."""
         await self.alerting.run()
 
+    def watch(self, messengers: Iterable[Messenger]) -> None:
+        """Hear of reactions, where people react."""
+        for messenger in messengers:
+            watch_reactions(messenger, partial(self.reacting.reacted, messenger))
+
     async def close(self) -> None:
         """Follow them no more, and write down what is open."""
+        await self.reacting.close()
         await self.alerting.close()
 
 

@@ -302,11 +302,13 @@ class Furnishing:
         sides = CardSides(
             sees=self._sees,
             name_of=rooms.organiser.name_of,
+            shown=lambda robot: rooms.profiles[robot].shown,
             face=pipeline.face,
             tell=lambda messenger, chat, text: self._teller.say(
                 Note(messenger, Outbound(chat=chat, text=text))
             ),
             catalogue=self._teller.languages.of,
+            issue=rooms.authoriser.buttons.issue,
         )
         self.live_cards = LiveCards(glimpses, self._access.changes, messengers, clock, sides)
         self.live_cards.restore(self._access.cards)

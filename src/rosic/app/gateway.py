@@ -50,6 +50,7 @@ from rosic.pipeline.languages import Languages
 from rosic.pipeline.lives import inert_words
 from rosic.pipeline.recovery import Recovery
 from rosic.pipeline.rooms import Rooms
+from rosic.pipeline.seeing.oncard import CardCamera
 from rosic.pipeline.stopping import StopLane
 from rosic.pipeline.telling import Note, Teller
 
@@ -215,7 +216,9 @@ class Gateway:
         self.seeing = furnish_seeing(
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
+        self.furnishing.live_cards.drawing.picturing.camera = CardCamera(self.seeing)
         self.alarms = self.furnishing.alarms(memory, self._settings.people, time, parts.face)
+        self.alarms.watch(self._messengers)
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
         if isinstance(parts.store, Vault):

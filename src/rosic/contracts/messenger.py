@@ -6,13 +6,17 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from typing import Protocol, TypeAlias
 
 from rosic.core.menu import Menu
-from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Passing, Weight
+from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Passing, Reaction, Weight
 from rosic.errors import MessengerFault
 
 Receive: TypeAlias = Callable[[Inbound], Awaitable[None]]
 Turn: TypeAlias = Callable[[Chat, Weight], Awaitable[None]]
 Alarm: TypeAlias = Callable[[MessengerFault], None]
 Passed: TypeAlias = Callable[[Passing], None]
+Reacted: TypeAlias = Callable[[Reaction], None]
+Retract: TypeAlias = Callable[[Chat, str], Awaitable[None]]
+PutPicture: TypeAlias = Callable[[str, Outbound], Awaitable[None]]
+React: TypeAlias = Callable[[Chat, str, str], Awaitable[None]]
 SetMenus: TypeAlias = Callable[[Sequence[Menu]], Awaitable[None]]
 
 
@@ -135,6 +139,50 @@ def watch_chats(messenger: Messenger, passed: Passed) -> None:
     watch: Callable[[Passed], None] | None = getattr(messenger, "watch_chats", None)
     if watch is not None:
         watch(passed)
+
+
+def watch_reactions(messenger: Messenger, reacted: Reacted) -> None:
+    """Have a messenger on which people react to messages say so; see `Reaction`.
+
+    Called on the event loop while the messenger listens, each time at least once, as soon as it
+    arrives: nothing that must not be lost, and nothing that moves, may hang on it.
+    """
+    watch: Callable[[Reacted], None] | None = getattr(messenger, "watch_reactions", None)
+    if watch is not None:
+        watch(reacted)
+
+
+def reactions_of(messenger: Messenger) -> React | None:
+    """Return what a messenger calls ``react``, if this account can react to a message itself.
+
+    It takes a chat, the id of a message there and an emoji, and raises ``MessengerFault`` when the
+    emoji is not there afterwards, or it cannot be known: then say it in words.
+    """
+    found: React | None = getattr(messenger, "react", None)
+    return found
+
+
+def pictures_of(messenger: Messenger) -> PutPicture | None:
+    """Return what a messenger calls ``put_picture``, if a message can be made to show a picture.
+
+    It takes the id of a message of ours, which may have been words alone, and how it is to look:
+    a picture and the text beneath it. Once a message shows one it does so for good, and holds no
+    more text than goes beneath a picture. It raises what ``Messenger.edit`` raises.
+    """
+    found: PutPicture | None = getattr(messenger, "put_picture", None)
+    return found
+
+
+def retract_of(messenger: Messenger) -> Retract | None:
+    """Return what a messenger calls ``retract``, if messages can be taken out of a chat.
+
+    It takes a chat and the id of a message there, anybody's. One that is not there any more is out
+    of it. It raises ``MessageGone`` when it can never be done (too old, or this account may not
+    take away what others wrote there), and ``MessengerFault`` when it may succeed later. Whoever
+    has read it has read it: nothing may hang on its being gone.
+    """
+    found: Retract | None = getattr(messenger, "retract", None)
+    return found
 
 
 def menus_of(messenger: Messenger) -> SetMenus | None:

@@ -166,6 +166,21 @@ class Passing(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     new_id: str = ""
 
 
+class Reaction(msgspec.Struct, frozen=True, gc=False, kw_only=True):
+    """Somebody put an emoji beside a message. It says nothing but that.
+
+    Attributes:
+        message: To which message in that chat.
+        who: None where the platform does not tell: nobody then.
+        emoji: What was put there now; what was there before, or was taken away, is not in it.
+    """
+
+    chat: Chat
+    message: str
+    who: Address | None
+    emoji: tuple[str, ...]
+
+
 class Button(msgspec.Struct, frozen=True, gc=False):
     """A button under a message.
 

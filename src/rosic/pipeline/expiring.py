@@ -78,6 +78,7 @@ class Expiring:
                 note,
                 outbound=replace(note.outbound, buttons=left, weight=Weight.FEEDBACK),
                 then=None,
+                landed=None,
             )
         )
 

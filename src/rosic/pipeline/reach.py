@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
-from rosic.core.message import Chat, Outbound, Weight
+import msgspec
+
+from rosic.contracts.messenger import Messenger
+from rosic.core.message import Button, Chat, Outbound, Weight
 from rosic.pipeline.languages import translated
 from rosic.pipeline.telling import Note, Teller
 
@@ -13,10 +17,27 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from rosic.authoriser.authoriser import Authoriser
-    from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
-    from rosic.core.message import Button
     from rosic.pipeline.outbox import Outbox
+
+
+class Notice(msgspec.Struct, frozen=True, kw_only=True):
+    """What somebody is told who did not ask.
+
+    Attributes:
+        buttons: Under it; bound to each person and chat, good once.
+        urgent: It overtakes what is not.
+        lifetime_s: How long the buttons are good.
+        still: Nothing moves by any of them, so a gap in listening does not void them.
+        landed: Hears through which messenger, in which chat, which message says it.
+    """
+
+    text: str
+    buttons: tuple[tuple[Button, ...], ...] = ()
+    urgent: bool = False
+    lifetime_s: float = 60.0
+    still: bool = False
+    landed: Callable[[Messenger, Chat, str], None] | None = None
 
 
 class Reach:
@@ -60,18 +81,27 @@ class Reach:
             lifetime_s: How long the buttons are good.
             still: Nothing moves by any of them, so a gap in listening does not void them.
         """
+        notice = Notice(
+            text=text, buttons=buttons, urgent=urgent, lifetime_s=lifetime_s, still=still
+        )
+        return self.give(people, notice)
+
+    def give(self, people: Iterable[PrincipalId], notice: Notice) -> int:
+        """Tell each of them a notice in private. Return how many places that were."""
         places = 0
-        weight = Weight.ALARM if urgent else Weight.QUESTION
-        lifetime_ns = int(lifetime_s * 1e9)
-        issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns, still=still)
+        buttons, landed = notice.buttons, notice.landed
+        weight = Weight.ALARM if notice.urgent else Weight.QUESTION
+        lifetime_ns = int(notice.lifetime_s * 1e9)
+        issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns, still=notice.still)
         for principal in dict.fromkeys(people):
             catalogue = self._teller.languages.of(principal)
             for messenger, chat in self._chats(principal):
                 bound = tuple(tuple(issue(b, principal, chat.id) for b in row) for row in buttons)
-                outbound = Outbound(chat=chat, text=text, buttons=bound, weight=weight)
+                outbound = Outbound(chat=chat, text=notice.text, buttons=bound, weight=weight)
                 plain = translated(outbound, catalogue)
                 note = Note(messenger, plain, good_for_ns=lifetime_ns)
-                if self.outbox is not None and (urgent or not buttons):
+                note.landed = None if landed is None else partial(landed, messenger, chat)
+                if self.outbox is not None and (notice.urgent or not buttons):
                     self.outbox.say(principal, note)
                 else:
                     self._teller.say(note)

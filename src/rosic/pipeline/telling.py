@@ -259,6 +259,8 @@ class Teller:
         self.subjects.note(note.messenger.name, note.outbound.chat, message, note.about)
         if note.cid is not None:
             self._containers.told(note.cid, *note.also)
+        if note.landed is not None:
+            note.landed(message)
         if note.then is not None:
             note.then()
 

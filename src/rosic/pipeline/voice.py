@@ -25,6 +25,7 @@ class Note(msgspec.Struct):
     Attributes:
         good_for_ns: How long its buttons are good, if that is not the usual.
         then: Called once it was sent; it is never dropped before.
+        landed: Called with the id of the message that shows it, each time it was said.
         doubted: It may have arrived already, or not.
         about: The robot or group that it speaks of, for whoever replies to it; empty for none.
     """
@@ -36,6 +37,7 @@ class Note(msgspec.Struct):
     also: tuple[CommandId, ...] = ()
     good_for_ns: int = 0
     then: Callable[[], None] | None = None
+    landed: Callable[[str], None] | None = None
     doubted: bool = False
     about: str = ""
 

@@ -266,6 +266,39 @@ async def test_reactions(server: FakeTelegram, api: Api, ada: int) -> None:
     assert change["new_reaction"] == [{"type": "emoji", "emoji": "👎"}]
 
 
+async def test_who_hears_of_reactions(server: FakeTelegram, api: Api, ada: int) -> None:
+    bot, wanted = server.world.bot.id, ["message_reaction", "message_reaction_count"]
+    await api.ok("getUpdates", allowed_updates=wanted)
+    lab = server.create_chat("supergroup", "Lab", members=[ada])
+    number = server.say(lab, ada, "x")
+    server.react(lab, ada, number, "👍")
+    assert await heard(api, "message_reaction") == [], "a member hears nothing"
+    server.set_member(lab, bot, "administrator")
+    server.react(lab, ada, number, "👍")
+    assert await heard(api, "message_reaction") == [], "nothing has changed"
+    server.react(lab, ada, number)
+    (change,) = await heard(api, "message_reaction")
+    assert (change["old_reaction"][0]["emoji"], change["new_reaction"]) == ("👍", [])
+    server.world.queue.clear()
+    server.react(lab, ada, number, "🔥", anonymous=True)
+    (change,) = await heard(api, "message_reaction")
+    assert "user" not in change
+    assert change["actor_chat"]["id"] == lab
+    other = server.create_user("Other", is_bot=True)
+    server.world.queue.clear()
+    server.set_member(lab, other, "member")
+    server.react(lab, other, number, "👍")
+    assert await heard(api, "message_reaction") == [], "no bot hears of another bot's"
+    news = server.create_chat("channel", "News", members=[ada], bot="administrator")
+    server.react(news, ada, server.say(news, None, "x"), "👍")
+    (change,) = await heard(api, "message_reaction_count")
+    assert change["reactions"] == [{"type": {"type": "emoji", "emoji": "👍"}, "total_count": 1}]
+    stranger = server.create_user("Cy")
+    for user, emoji in ((stranger, ["👍"]), (ada, ["🤖"]), (ada, ["👍", "👎", "🔥", "🎉"])):
+        with pytest.raises(ControlError):
+            server.react(lab, user, number, *emoji)
+
+
 def test_the_reactions_are_those_that_another_library_lists() -> None:
     assert {emoji.value.replace("\ufe0f", "") for emoji in ReactionEmoji} == REACTIONS
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 import zlib
 from typing import Any
@@ -120,3 +121,35 @@ async def test_people_send_photos_and_documents(server: FakeTelegram, api: Api, 
     server.send_file(ada, ada, "x.png", png(4, 4))
     (update,) = await api.ok("getUpdates")
     assert update["message"]["photo"][0]["width"] == 4
+
+
+async def test_a_picture_comes_into_a_message_that_was_text(
+    server: FakeTelegram, api: Api, ada: int
+) -> None:
+    sent = await api.ok("sendMessage", chat_id=ada, text="a card")
+    which = {"chat_id": ada, "message_id": sent["message_id"]}
+    fields = {name: str(value) for name, value in which.items()}
+    fields["media"] = json.dumps({"type": "photo", "media": "attach://one", "caption": "beneath"})
+    answer = await upload(api, "editMessageMedia", "one", png(32, 24), **fields)
+    assert (answer["result"]["caption"], "text" in answer["result"]) == ("beneath", False)
+    (size,) = answer["result"]["photo"]
+    again = {"type": "photo", "media": size["file_id"], "caption": "beneath"}
+    assert await api.refusal("editMessageMedia", **which, media=again) == (
+        "400 Bad Request: message is not modified: specified new message content and reply markup"
+        " are exactly the same as a current content and reply markup of the message"
+    )
+    assert await api.refusal("editMessageText", **which, text="x") == (
+        "400 Bad Request: there is no text in the message to edit"
+    )
+    assert server.violations == []
+    for wrong in (
+        {"type": "photo", "media": "https://example.org/x.png"},
+        {"type": "photo", "media": size["file_id"], "wrong": 1},
+        {"type": "sticker", "media": size["file_id"]},
+    ):
+        await api.raw("editMessageMedia", **which, media=wrong)
+    assert len(server.violations) == 3
+    theirs = {"chat_id": ada, "message_id": server.say(ada, ada, "x")}
+    assert await api.refusal("editMessageMedia", **theirs, media=again) == (
+        "400 Bad Request: message can't be edited"
+    )

@@ -187,24 +187,56 @@ async def test_deleting(server: FakeTelegram, api: Api, ada: int) -> None:
     )
 
 
-async def test_deleting_ends_after_two_days(server: FakeTelegram, api: Api, ada: int) -> None:
-    sent = await api.ok("sendMessage", chat_id=ada, text="one")
-    server.advance(48 * 3600 + 1)
-    assert await api.refusal("deleteMessage", chat_id=ada, message_id=sent["message_id"]) == (
-        "400 Bad Request: message can't be deleted for everyone"
-    )
-
-
-async def test_other_peoples_messages_are_deleted_by_administrators(
+async def test_deleting_ends_after_two_days_whoever_asks(
     server: FakeTelegram, api: Api, ada: int
 ) -> None:
+    lab = server.create_chat("supergroup", "Lab", members=[ada], bot="administrator")
+    sent = await api.ok("sendMessage", chat_id=ada, text="one")
+    old = [
+        {"chat_id": ada, "message_id": sent["message_id"]},
+        {"chat_id": ada, "message_id": server.say(ada, ada, "a code")},
+        {"chat_id": lab, "message_id": server.say(lab, ada, "a code")},
+    ]
+    server.advance(48 * 3600 - 5)
+    fresh = {"chat_id": ada, "message_id": server.say(ada, ada, "a code")}
+    server.advance(6)
+    for which in old:
+        assert await api.refusal("deleteMessage", **which) == (
+            "400 Bad Request: message can't be deleted for everyone"
+        )
+    await api.ok("deleteMessage", **fresh)
+
+
+async def test_other_peoples_messages_are_deleted_by_who_has_the_right(
+    server: FakeTelegram, api: Api, ada: int
+) -> None:
+    bot = server.world.bot.id
     lab = server.create_chat("supergroup", "Lab", members=[ada])
     which = {"chat_id": lab, "message_id": server.say(lab, ada, "x")}
-    assert await api.refusal("deleteMessage", **which) == (
-        "400 Bad Request: message can't be deleted"
-    )
-    server.set_member(lab, server.world.bot.id, "administrator")
+    refusal = "400 Bad Request: message can't be deleted"
+    assert await api.refusal("deleteMessage", **which) == refusal
+    server.set_member(lab, bot, "administrator", without=["can_delete_messages"])
+    assert await api.refusal("deleteMessage", **which) == refusal
+    server.set_member(lab, bot, "administrator")
     await api.ok("deleteMessage", **which)
+
+
+async def test_in_a_channel_its_own_posts_need_less_than_others(
+    server: FakeTelegram, api: Api, ada: int
+) -> None:
+    bot = server.world.bot.id
+    news = server.create_chat("channel", "News", members=[ada], bot="administrator")
+    posts = {"chat_id": news, "message_id": server.say(news, None, "x")}
+    own = {
+        "chat_id": news,
+        "message_id": (await api.ok("sendMessage", chat_id=news, text="y"))["message_id"],
+    }
+    assert server.message(news, own["message_id"])["by_bot"]
+    server.set_member(news, bot, "administrator", without=["can_delete_messages"])
+    assert (
+        await api.refusal("deleteMessage", **posts) == "400 Bad Request: message can't be deleted"
+    )
+    await api.ok("deleteMessage", **own)
 
 
 # ---- keyboards ----

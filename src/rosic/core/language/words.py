@@ -8,11 +8,11 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 # name.
 ERRANDS = frozenset(
     {
-        "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "cancel",
-        "card", "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
-        "information", "invite", "language", "lock", "map", "me", "mute", "mydata", "people",
-        "picture", "plan", "revoke", "role", "security", "seen", "settings", "share", "shelf",
-        "slots", "take", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
+        "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "cancel", "card",
+        "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
+        "information", "invite", "language", "lock", "map", "me", "mute", "mydata", "path",
+        "people", "picture", "plan", "revoke", "role", "security", "seen", "settings", "share",
+        "shelf", "slots", "take", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
     }
 )  # fmt: skip
 

@@ -9,16 +9,17 @@ from __future__ import annotations
 import struct
 from typing import TYPE_CHECKING, Final
 
-from telegram import InputFile
+from telegram import InputFile, InputMediaPhoto
 
 from rosic.errors import MessengerFault
+from rosic.messengers.telegram import text as texts
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
 
     from telegram import Bot, InlineKeyboardMarkup, Message, ReplyParameters
 
-    from rosic.core.message import Attachment
+    from rosic.core.message import Attachment, Outbound
 
 FILE_BYTES: Final = 50_000_000
 PHOTO_BYTES: Final = 10_000_000
@@ -79,6 +80,21 @@ def prepared(attachment: Attachment) -> Sendable:
     if len(attachment.content) > FILE_BYTES:
         raise MessengerFault("The file is larger than Telegram takes. Nothing was sent.")
     return Sendable(attachment)
+
+
+def picture_of(outbound: Outbound) -> InputMediaPhoto:
+    """Return a picture and the text beneath it, for a message that is there already.
+
+    Raises:
+        MessengerFault: It is none that Telegram takes, or the text does not fit beneath it.
+    """
+    attachment = outbound.attachment
+    fits = texts.units(outbound.text) <= texts.CAPTION_UNITS
+    if attachment is None or not _is_picture(attachment) or not fits:
+        raise MessengerFault("That cannot be shown as a picture. Nothing was changed.")
+    return InputMediaPhoto(
+        attachment.content, caption=outbound.text or None, filename=attachment.name
+    )
 
 
 def _is_picture(attachment: Attachment) -> bool:

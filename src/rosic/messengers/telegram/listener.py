@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from asyncio import TaskGroup
 from collections import Counter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import msgspec
 
@@ -24,9 +24,11 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
-    from rosic.core.message import Inbound
+    from rosic.core.message import Inbound, Reaction
     from rosic.messengers.telegram.chats import Chats
     from rosic.messengers.telegram.line import Line
+
+T = TypeVar("T")
 
 PEEK_S = 0.25
 """While something is being received, we look for stops behind it this often."""
@@ -56,6 +58,7 @@ class Listener:
     Attributes:
         passed: Told, while it listens, what happens to chats; once at its beginning, of the
             account: whether it hears everything in groups.
+        reacted: Told, while it listens, what people put beside messages.
         counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
             ``clock-behind``: messages that came from the future.
     """
@@ -70,6 +73,7 @@ class Listener:
         alarm: Callable[[MessengerFault], None],
     ) -> None:
         self.passed: Callable[[Passing], None] = _nobody_watches
+        self.reacted: Callable[[Reaction], None] = _nobody_watches
         self._name = name
         self._line = line
         self._chats = chats
@@ -192,6 +196,8 @@ class Listener:
         passing = mapping.passing(update, hears_groups=self._hears_groups)
         if passing is not None:
             self._pass(passing)
+        if (reaction := mapping.reaction(update)) is not None:
+            self._follow(self.reacted, reaction)
         inbound = mapping.read(update, self.own_name, received)
         if inbound is None:
             return News(number, None)
@@ -205,10 +211,13 @@ class Listener:
             self._chats.left(passing.chat.id)
         elif passing.what is Passage.ADDED:
             self._chats.back(passing.chat.id)
+        self._follow(self.passed, passing)
+
+    def _follow(self, watcher: Callable[[T], None], what: T) -> None:
         try:
-            self.passed(passing)
+            watcher(what)
         except Exception:
-            log.exception("%s: what happened to a chat was not followed", self._name)
+            log.exception("%s: what happened in a chat was not followed", self._name)
 
     def _is_stop(self, inbound: Inbound) -> bool:
         said = inbound.text if inbound.nonce is None else inbound.nonce
@@ -271,8 +280,8 @@ class Listener:
         return Moment(self._clock.wall_ns(), self._clock.monotonic_ns())
 
 
-def _nobody_watches(_passing: Passing) -> None:
-    """Nobody wants to know what happens to chats."""
+def _nobody_watches(_what: object) -> None:
+    """Nobody wants to know what happens in chats."""
 
 
 def _accusation(name: str, reason: str) -> str:

@@ -18,6 +18,7 @@ from rosic.core.message import (
     Inbound,
     Passage,
     Passing,
+    Reaction,
     Spot,
     Standing,
 )
@@ -92,6 +93,21 @@ def passing(update: wire.Update, *, hears_groups: bool) -> Passing | None:
         gone = other.old_chat_member.present and not other.new_chat_member.present
         return _left(other.chat, other.new_chat_member.user.id) if gone else None
     return _noted(update.message) if update.message is not None else None
+
+
+def reaction(update: wire.Update) -> Reaction | None:
+    """Return what somebody has put beside a message, and who; nobody, for a bot or a channel."""
+    found = update.message_reaction
+    if found is None or not (emoji := wire.added(found)):
+        return None
+    who = found.user
+    known = who is not None and not who.is_bot and who.id != wire.GROUP_ANONYMOUS_BOT
+    return Reaction(
+        chat=_chat(found.chat),
+        message=str(found.message_id),
+        who=Address(PLATFORM, str(who.id)) if who is not None and known else None,
+        emoji=emoji,
+    )
 
 
 def _noted(message: wire.Message) -> Passing | None:

@@ -8,6 +8,7 @@ from rosic.errors import MessengerFault
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.fetching import Fetcher
 from rosic.messengers.telegram.files import FILE_BYTES
+from rosic.messengers.telegram.gestures import Gestures
 from rosic.messengers.telegram.limiter import PUBLISHED, Limiter, Rates
 from rosic.messengers.telegram.line import Line
 from rosic.messengers.telegram.listener import Listener
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Passed, Receive
+    from rosic.contracts.messenger import Passed, Reacted, Receive
     from rosic.core.menu import Menu
     from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Weight
 
@@ -65,6 +66,7 @@ class TelegramMessenger:
         poll_timeout_s = settings.poll_timeout_s
         self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
         self._speaker = Speaker(self._line, Limiter(clock, rates), chats, clock)
+        self._gestures = Gestures(self._line, chats)
         self._menus = Menus(name, self._line, clock)
         self._fetcher = Fetcher(self._line, settings)
         self.fetch_bytes = self._fetcher.most
@@ -124,6 +126,36 @@ class TelegramMessenger:
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""
         self._listener.passed = passed
+
+    def watch_reactions(self, reacted: Reacted) -> None:
+        """Have somebody told what people put beside messages; see ``contracts.messenger``."""
+        self._listener.reacted = reacted
+
+    async def react(self, chat: Chat, message: str, emoji: str) -> None:
+        """Put one of Telegram's reactions beside a message, without waiting for the limits.
+
+        Raises:
+            MessengerFault: It is not there, or it cannot be known.
+        """
+        await self._gestures.react(chat.id, message, emoji)
+
+    async def put_picture(self, message: str, outbound: Outbound) -> None:
+        """Make a message of ours show a picture; see ``contracts.messenger``.
+
+        Raises:
+            MessageGone: There is no such message any more.
+            MessengerFault: Not changed, or it cannot be known whether it was.
+        """
+        await self._speaker.put_picture(message, outbound)
+
+    async def retract(self, chat: Chat, message: str) -> None:
+        """Take a message of anybody out of a chat; see ``contracts.messenger``.
+
+        Raises:
+            MessageGone: It can never be done.
+            MessengerFault: Not done, or it cannot be known.
+        """
+        await self._gestures.retract(chat.id, message)
 
     async def set_menus(self, menus: Sequence[Menu]) -> None:
         """Offer commands while people type. Never raises."""

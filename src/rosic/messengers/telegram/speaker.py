@@ -16,7 +16,7 @@ from rosic.core.message import Weight
 from rosic.core.saying import said
 from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.messengers.telegram import text as texts
-from rosic.messengers.telegram.files import FILE_S, prepared
+from rosic.messengers.telegram.files import FILE_S, picture_of, prepared
 from rosic.messengers.telegram.line import CALL_S
 from rosic.messengers.telegram.trouble import Kind, Trouble
 
@@ -135,6 +135,25 @@ class Speaker:
         if surplus:
             self._chats.split(chat, shown[surplus:])
 
+    async def put_picture(self, message: str, outbound: Outbound) -> None:
+        """Make a message show a picture, as text or picture it was before.
+
+        Raises:
+            MessengerFault: Not changed, or it cannot be known; or it is no picture for Telegram.
+        """
+        keyboard, number = _keyboard(outbound), _number(message)
+        self._chats.offered(outbound)
+        media = picture_of(outbound)
+
+        async def act(bot: Bot, chat: int) -> None:
+            await bot.edit_message_media(
+                media, chat, number, reply_markup=keyboard,
+                write_timeout=FILE_S, read_timeout=FILE_S,
+            )  # fmt: skip
+
+        call = Call(outbound.chat.id, outbound.weight, repeatable=True)
+        await self._change(call, act, within_s=FILE_S)
+
     async def answer(self, inbound: Inbound, text: str) -> None:
         """End the waiting after a tap. Never raises: a tap that is too old has nobody waiting."""
         if not inbound.tap:
@@ -236,9 +255,11 @@ class Speaker:
                 raise MessageGone(str(trouble)) from None
             await self._change(call, change_caption)
 
-    async def _change(self, call: Call, act: Callable[[Bot, int], Awaitable[None]]) -> None:
+    async def _change(
+        self, call: Call, act: Callable[[Bot, int], Awaitable[None]], *, within_s: float = CALL_S
+    ) -> None:
         try:
-            await self._call(call, act)
+            await self._call(call, act, within_s=within_s)
         except Trouble as trouble:
             if trouble.kind is not Kind.REFUSED:
                 raise

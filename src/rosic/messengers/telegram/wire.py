@@ -11,6 +11,7 @@ import msgspec
 
 KINDS = (
     "message", "edited_message", "channel_post", "callback_query", "my_chat_member", "chat_member",
+    "message_reaction",
 )  # fmt: skip
 """Asked for by name, because Telegram remembers what the last program asked for."""
 
@@ -147,6 +148,21 @@ class MemberUpdate(msgspec.Struct, kw_only=True):
     new_chat_member: Member
 
 
+class ReactionUpdate(msgspec.Struct, kw_only=True):
+    """Somebody's reactions to a message have changed.
+
+    Attributes:
+        user: None for somebody anonymous.
+        old_reaction, new_reaction: As they came: read by `added`.
+    """
+
+    chat: Chat
+    message_id: int
+    user: User | None = None
+    old_reaction: list[Any] = []
+    new_reaction: list[Any] = []
+
+
 class Update(msgspec.Struct, kw_only=True):
     """One update; at most one of its parts is there."""
 
@@ -157,6 +173,7 @@ class Update(msgspec.Struct, kw_only=True):
     callback_query: CallbackQuery | None = None
     my_chat_member: MemberUpdate | None = None
     chat_member: MemberUpdate | None = None
+    message_reaction: ReactionUpdate | None = None
 
 
 def update_id(raw: object) -> int | None:
@@ -172,6 +189,15 @@ def parse(raw: object) -> Update:
         msgspec.ValidationError: It is not what Telegram's documentation says.
     """
     return msgspec.convert(raw, Update)
+
+
+def added(update: ReactionUpdate) -> tuple[str, ...]:
+    """Return the plain emoji that somebody has put beside a message now; no custom or paid ones."""
+    old, new = (
+        {one.get("emoji") for one in reactions if isinstance(one, dict)}
+        for reactions in (update.old_reaction, update.new_reaction)
+    )
+    return tuple(sorted(one for one in new - old if isinstance(one, str)))
 
 
 def enclosed(message: Message) -> Document | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from functools import partial
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
@@ -17,6 +18,8 @@ from rosic.organiser.words_calendar import length
 from rosic.pipeline.alerts import words_alerts as words
 from rosic.pipeline.alerts.book import Alarm
 from rosic.pipeline.alerts.following import Following
+from rosic.pipeline.alerts.placed import Occurrence, Placed
+from rosic.pipeline.reach import Notice
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -51,6 +54,7 @@ class Alerting:
         book: What the record keeps.
         circles: Who is around a robot.
         following: The rules, by robot.
+        placed: Which messages tell of which alarm.
     """
 
     def __init__(
@@ -60,6 +64,7 @@ class Alerting:
         self.book = book
         self.circles = circles
         self.following: dict[RobotId, list[Following]] = {}
+        self.placed = Placed()
         self._lines: dict[str, Do | None] = {}
         self._running: Running | None = None
         self._rooms = rooms
@@ -136,7 +141,7 @@ class Alerting:
             alarm = Alarm(wall_ns)
         people = self.circles.of(rule.robot, rule.alert.tell, level)
         text = self._text(rule, now, event, alarm.at_ns)
-        self.tell(rule, people, text, buttons=True)
+        self._alarm(rule, people, text, alarm.at_ns)
         if not people:
             log.warning("nobody may be told of the rule %s", rule.key)
         told = tuple(dict.fromkeys((*alarm.told, *people)))
@@ -162,20 +167,28 @@ class Alerting:
         if alarm is not None and not muted:
             self.tell(rule, alarm.told, words.cleared(rule, self.shown(rule), now))
 
-    def tell(
-        self, rule: Rule, people: Iterable[PrincipalId], text: str, *, buttons: bool = False
-    ) -> None:
+    def tell(self, rule: Rule, people: Iterable[PrincipalId], text: str) -> None:
         """Tell those of them who may see the robot now."""
-        hearing = [who for who in people if self.circles.may_hear(who, rule.robot)]
-        urgent = rule.alert.severity is Severity.CRITICAL
+        self._reach.tell(self._hearing(rule, people), text, urgent=_is_urgent(rule))
+
+    def _alarm(self, rule: Rule, people: Iterable[PrincipalId], text: str, at_ns: int) -> None:
+        """Tell them of an alarm, and remember which messages say so: a reaction answers them."""
+        hearing = self._hearing(rule, people)
         status = Button(words.STATUS, f"/status {rule.robot}")
         for acts in (True, False):
             some = [w for w in hearing if self.circles.may_acknowledge(w, rule.robot) is acts]
-            row = (*self.buttons(rule), status) if acts else (status,)
-            self._reach.tell(
-                some, text, (row,) if buttons else (), urgent=urgent,
-                lifetime_s=BUTTONS_LIVE_S, still=True,
-            )  # fmt: skip
+            notice = Notice(
+                text=text,
+                buttons=((*self.buttons(rule), status) if acts else (status,),),
+                urgent=_is_urgent(rule),
+                lifetime_s=BUTTONS_LIVE_S,
+                still=True,
+                landed=partial(self.placed.note, Occurrence(rule.key, at_ns)),
+            )
+            self._reach.give(some, notice)
+
+    def _hearing(self, rule: Rule, people: Iterable[PrincipalId]) -> list[PrincipalId]:
+        return [who for who in people if self.circles.may_hear(who, rule.robot)]
 
     def buttons(self, rule: Rule) -> tuple[Button, ...]:
         """Return what whoever may operate the robot taps."""
@@ -200,6 +213,12 @@ class Alerting:
         others = [who for who in alarm.told if who != by]
         self.tell(rule, others, words.seen_by(rule, self.shown(rule), name))
         return True
+
+    def seen_before(self, following: Following) -> str:
+        """Return that somebody else was faster, who has seen it."""
+        rule, alarm = following.rule, following.alarm
+        name = self._rooms.organiser.name_of(alarm.by if alarm is not None else "")
+        return words.seen_before(words.one(rule, self.shown(rule), "", ""), name)
 
     # ---- writing and running ----
 
@@ -238,3 +257,7 @@ class Alerting:
         else:
             if self._lines[rule.key] is None:
                 self.tell(rule, alarm.told, words.stopped(rule, self.shown(rule)))
+
+
+def _is_urgent(rule: Rule) -> bool:
+    return rule.alert.severity is Severity.CRITICAL

@@ -107,9 +107,7 @@ class AlarmClerk:
         before = [f for f in meant if f.alarm is not None and f.alarm.by]
         if not before:
             raise NotUnderstood(words.nothing_to_see())
-        first = before[0]
-        by = first.alarm.by if first.alarm is not None else ""
-        return Reply(words.seen_before(self._what(first), self._name(by)))
+        return Reply(self._alerting.seen_before(before[0]))
 
     async def mute(self, asked: Asked) -> Reply:
         """Let rules of a robot be silent for a while.

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import msgspec
 
 from rosic.container.archive import NOBODY, Author
-from rosic.contracts.messenger import menus_of, turn_of, watch_chats
+from rosic.contracts.messenger import (
+    menus_of,
+    pictures_of,
+    reactions_of,
+    retract_of,
+    turn_of,
+    watch_chats,
+    watch_reactions,
+)
 from rosic.core.identity import Address
 from rosic.core.message import ChatKind
 from rosic.errors import StoreFault
@@ -18,7 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from rosic.container.archive import Archive
-    from rosic.contracts.messenger import Messenger, Passed, Receive, SetMenus
+    from rosic.contracts.messenger import Messenger, Passed, Reacted, Receive, SetMenus
     from rosic.contracts.store import Store
     from rosic.core.message import Chat, Enclosure, Inbound, Outbound
     from rosic.core.record import Fact
@@ -55,6 +63,9 @@ class Recorded:
         self.file_bytes = messenger.file_bytes
         self.fetch_bytes = messenger.fetch_bytes
         self.pins = messenger.pins
+        self.react = reactions_of(messenger)
+        self.retract = retract_of(messenger)
+        self.put_picture = pictures_of(messenger)
         self._messenger = messenger
         self._archive = archive
         self._store = store
@@ -73,6 +84,10 @@ class Recorded:
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""
         watch_chats(self._messenger, passed)
+
+    def watch_reactions(self, reacted: Reacted) -> None:
+        """Have somebody told of reactions; an archive keeps words alone."""
+        watch_reactions(self._messenger, reacted)
 
     async def run(self, receive: Receive) -> None:
         """Listen; see ``contracts.messenger``."""

@@ -41,6 +41,7 @@ class CardClerk:
 
         Raises:
             NotUnderstood: There is no such robot, as far as this person may know.
+            NothingToSee: There is no card, or no camera for it.
             TooManyRequests: There are too many cards.
             RecordUnavailable: It could not be ended.
         """
@@ -48,6 +49,8 @@ class CardClerk:
         verb = fold(said[0]) if said else ""
         if verb == "off" and len(said) == 1:
             return await self._off(asked)
+        if verb == "picture" and len(said) > 1:
+            return self._picture(asked, said[1:])
         known = self._live.of(asked.messenger, asked.inbound.chat)
         if verb in {"pin", "unpin"} and len(said) == 1 and known is not None:
             self._live.keep_in_sight(known, pinned=verb == "pin")
@@ -55,6 +58,12 @@ class CardClerk:
         if verb == "unpin" and len(said) == 1:
             return Reply(words.NO_SUCH_CARD)
         return self._begin(asked, said[1:] if verb == "pin" else said, pinned=verb == "pin")
+
+    def _picture(self, asked: Asked, said: list[str]) -> Reply:
+        """Let the card show what its camera sees; the card itself is the answer."""
+        [robot, *_] = self._robots(said, self._sides.sees(asked.caller.principal)) or ("",)
+        self._live.drawing.picturing.ask(asked, self._live, robot)
+        return Reply("")
 
     async def _off(self, asked: Asked) -> Reply:
         known = self._live.of(asked.messenger, asked.inbound.chat)

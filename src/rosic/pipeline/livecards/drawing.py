@@ -16,6 +16,7 @@ from rosic.core.robot import RobotId
 from rosic.core.saying import Catalogue, joined
 from rosic.pipeline.languages import translated
 from rosic.pipeline.livecards import words_livecards as words
+from rosic.pipeline.livecards.picturing import Picturing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 ROBOTS_AT_MOST: Final = 12
 """More do not fit into one message of every messenger."""
 LATE_S: Final = 5.0
+CAPTION_UNITS: Final = 1_000
+"""UTF-16 units that every messenger takes beneath a picture."""
 BUTTON_BYTES: Final = 64
 """What a button carries on every messenger; a longer list of robots stops everything."""
 
@@ -56,16 +59,20 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         sees: Returns the robots that somebody may see now; none for who is locked or has no key.
         name_of: Returns how somebody is called.
+        shown: Returns how people read a robot.
         face: Returns what a clock on the wall shows.
         tell: Says something in a chat.
         catalogue: Returns the texts in which somebody reads; None for English.
+        issue: Binds a button to a person and a chat.
     """
 
     sees: Callable[[PrincipalId], frozenset[RobotId]]
     name_of: Callable[[PrincipalId], str]
+    shown: Callable[[RobotId], str]
     face: Face
     tell: Callable[[Messenger, Chat, str], object]
     catalogue: Callable[[PrincipalId], Catalogue | None]
+    issue: Callable[[Button, PrincipalId, str], Button]
 
 
 class Drawing:
@@ -75,31 +82,54 @@ class Drawing:
         self._glimpses = glimpses
         self._sides = sides
         self._clock = clock
+        self.picturing = Picturing(sides.issue, clock.monotonic_ns)
 
     def shows(self, robots: Iterable[RobotId]) -> dict[RobotId, int]:
         """Return which look at which robots a card would show now."""
         return {robot: self._glimpses.number(robot) for robot in robots}
 
-    def text(self, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...]) -> str:
-        """Return how these robots are."""
+    def text(
+        self, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...],
+        most: int = ROBOTS_AT_MOST,
+    ) -> str:  # fmt: skip
+        """Return how these robots are, at most so many of them."""
         private = chat.kind is ChatKind.PRIVATE
         lines = [] if private else [words.as_they_see(self._sides.name_of(owner))]
-        lines += [self._glimpses.text(robot) for robot in robots[:ROBOTS_AT_MOST]]
-        if len(robots) > ROBOTS_AT_MOST:
-            lines.append(words.and_more(len(robots) - ROBOTS_AT_MOST))
+        lines += [self._glimpses.text(robot) for robot in robots[:most]]
+        if len(robots) > most:
+            lines.append(words.and_more(len(robots) - most))
         return joined("\n", lines)
 
     def outbound(self, card: LiveCard, robots: tuple[RobotId, ...], weight: Weight) -> Outbound:
-        """Return the message, stamped with the time at which it is so."""
+        """Return the message, stamped with the time at which it is so.
+
+        Beneath a picture there is less room: then it is of fewer robots.
+        """
+        for most in range(ROBOTS_AT_MOST, 1, -1):
+            outbound = self._outbound(card, robots, weight, most)
+            if card.picture is None or _units(outbound.text) <= CAPTION_UNITS:
+                return outbound
+        return self._outbound(card, robots, weight, 1)
+
+    def _outbound(
+        self, card: LiveCard, robots: tuple[RobotId, ...], weight: Weight, most: int
+    ) -> Outbound:
         now_ns, pace = self._clock.wall_ns(), pace_of(card.chat)
         lag_s = ceil(card.lag_s) if card.lag_s >= LATE_S else 0
         next_ns = now_ns + int((pace.promise_s + lag_s) * 1e9)
         stamp = words.updated(self._sides.face(now_ns), self._sides.face(next_ns), lag_s)
+        lines = [self.text(card.chat, card.owner, robots, most)]
+        if (picture := card.picture) is not None:
+            lines.append(words.pictured(self._sides.shown(picture.robot),
+                                        self._sides.face(picture.at_ns)))  # fmt: skip
+        sights = self.picturing.row(card, robots)
+        stop = (_stop_button(robots if card.robots else ()),)
         outbound = Outbound(
             chat=card.chat,
-            text=joined("\n", (self.text(card.chat, card.owner, robots), stamp)),
-            buttons=((_stop_button(robots if card.robots else ()),),),
+            text=joined("\n", (*lines, stamp)),
+            buttons=(sights, stop) if sights else (stop,),
             weight=weight,
+            attachment=None if picture is None else picture.content,
         )
         return translated(outbound, self._sides.catalogue(card.owner))
 
@@ -112,6 +142,10 @@ class Drawing:
 def pace_of(chat: Chat) -> Pace:
     """Return how often a card in this chat may change."""
     return PRIVATE if chat.kind is ChatKind.PRIVATE else GROUP
+
+
+def _units(text: str) -> int:
+    return len(text.encode("utf-16-le", "replace")) // 2
 
 
 def _stop_button(named: tuple[RobotId, ...]) -> Button:

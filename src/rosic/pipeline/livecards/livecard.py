@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.core.identity import PrincipalId
-from rosic.core.message import Chat, ChatKind
+from rosic.core.message import Button, Chat, ChatKind
 from rosic.core.record import Fact, Letter
 from rosic.core.robot import RobotId
+from rosic.pipeline.livecards.picturing import Pictured
 
 if TYPE_CHECKING:
     import asyncio
@@ -26,11 +27,15 @@ class Body(msgspec.Struct, frozen=True):
     Attributes:
         robots: As they were named; none: every robot that the owner may see.
         pinned: It is kept in sight.
+        picture_of: The robot whose picture its message shows; empty for none.
+        picture_ns: When that was so, wall clock.
     """
 
     owner: PrincipalId
     robots: tuple[RobotId, ...]
     pinned: bool
+    picture_of: RobotId = ""
+    picture_ns: int = 0
 
 
 class Place(msgspec.Struct, frozen=True):
@@ -62,13 +67,16 @@ class LiveCard:
         lag_s: How long the last edit took to arrive.
         failures: Edits that failed in a row.
         again_ns: Not to be tried before, monotonic clock.
+        picture: The picture on it, or the one that is to be; None: it is text.
+        offered, offered_ns, buttons: Robots that can be looked at by a tap, since when, and how.
         last: What it says when it is over; empty while it is not.
         task: The edit under way.
     """
 
     __slots__ = (
-        "again_ns", "chat", "failures", "key", "lag_s", "last", "message", "messenger", "owner",
-        "pinned", "robots", "settled_ns", "shows", "stamped_ns", "task", "wanted_pinned",
+        "again_ns", "buttons", "chat", "failures", "key", "lag_s", "last", "message", "messenger",
+        "offered", "offered_ns", "owner", "picture", "pinned", "robots", "settled_ns", "shows",
+        "stamped_ns", "task", "wanted_pinned",
     )  # fmt: skip
 
     def __init__(
@@ -87,17 +95,22 @@ class LiveCard:
         self.lag_s = 0.0
         self.failures = 0
         self.again_ns = 0
+        self.picture: Pictured | None = None
+        self.offered: tuple[RobotId, ...] = ()
+        self.offered_ns = 0
+        self.buttons: tuple[Button, ...] = ()
         self.last = ""
         self.task: asyncio.Task[None] | None = None
 
     def fact(self) -> Fact:
         """Return what is to be written so that it outlives this process."""
         chat = self.chat
+        shown = self.picture or Pictured("", 0)
         place = Place(self.messenger.name, chat.platform, chat.id, chat.kind.value, self.message)
         return Fact(
             kind=KIND,
             key=self.key,
-            body=_encode(Body(self.owner, self.robots, self.pinned)),
+            body=_encode(Body(self.owner, self.robots, self.pinned, shown.robot, shown.at_ns)),
             letter=Letter(self.owner, _encode(place)),
         )
 

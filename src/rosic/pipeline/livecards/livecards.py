@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
 import msgspec
+from msgspec.structs import replace
 
-from rosic.contracts.messenger import turn_of
+from rosic.contracts.messenger import pictures_of, retract_of, turn_of
 from rosic.core.message import Weight
 from rosic.core.saying import in_language
 from rosic.errors import MessageGone, MessengerFault, RecordUnavailable, TooManyRequests
 from rosic.pipeline.livecards import words_livecards as words
 from rosic.pipeline.livecards.drawing import Drawing, pace_of
 from rosic.pipeline.livecards.livecard import KIND, LiveCard, chat_of, key_of, read_fact
+from rosic.pipeline.livecards.picturing import Pictured
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
-    from rosic.core.message import Chat
+    from rosic.core.message import Chat, Outbound
     from rosic.core.record import Fact
     from rosic.core.robot import RobotId
     from rosic.pipeline.changes import Changes
@@ -103,6 +106,8 @@ class LiveCards:
             card = self._cards[fact.key] = LiveCard(messenger, chat, body.owner, body.robots)
             card.message, card.pinned = place.message, body.pinned
             card.wanted_pinned = body.pinned
+            if body.picture_of:
+                card.picture = Pictured(body.picture_of, body.picture_ns)
 
     def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
         """Return what ends every card of somebody."""
@@ -154,6 +159,12 @@ class LiveCards:
         card.wanted_pinned, card.stamped_ns, card.settled_ns = pinned, 0, 0
         self.run()
 
+    def show_picture(self, card: LiveCard, picture: Pictured) -> None:
+        """Show a picture with the next edit of a card, which is made at once."""
+        if self._cards.get(card.key) is card:
+            card.picture, card.stamped_ns, card.settled_ns = picture, 0, 0
+            self.run()
+
     # ---- looking ----
 
     def run(self) -> None:
@@ -194,6 +205,8 @@ class LiveCards:
         for card, robots in shown.items():
             if not robots:
                 self._leave(card, words.SEES_NOTHING)
+            elif card.picture is not None and card.picture.robot not in robots:
+                self._without_picture(card)
             else:
                 self._look_at(card, robots, now_ns)
         for card in self._leaving:
@@ -204,6 +217,13 @@ class LiveCards:
         """Return what a card shows now: never what its owner may not see (I11)."""
         sees = self._sides.sees(card.owner)
         return tuple(r for r in card.robots if r in sees) if card.robots else tuple(sorted(sees))
+
+    def _without_picture(self, card: LiveCard) -> None:
+        """Go on in a new message: what shows a picture shows one for good."""
+        self._leave(card, words.SEES_NOTHING)
+        fresh = LiveCard(card.messenger, card.chat, card.owner, card.robots)
+        fresh.wanted_pinned = card.wanted_pinned
+        self._cards[fresh.key] = fresh
 
     def _look_at(self, card: LiveCard, robots: tuple[RobotId, ...], now_ns: int) -> None:
         forbidden = not card.shows.keys() <= set(robots)
@@ -262,9 +282,9 @@ class LiveCards:
         shows = self.drawing.shows(robots)
         card.shows = card.shows | shows
         if first:
-            card.message = await card.messenger.send(outbound)
+            card.message = await card.messenger.send(replace(outbound, attachment=None))
         else:
-            await card.messenger.edit(card.message, outbound)
+            await self._change(card, outbound)
         card.shows, card.stamped_ns, card.failures = shows, began_ns, 0
         card.settled_ns = self._clock.monotonic_ns()
         card.lag_s = (card.settled_ns - began_ns) / SECOND_NS
@@ -274,6 +294,17 @@ class LiveCards:
             await self._write(card)
         if card.wanted_pinned != card.pinned:
             await self._pin(card)
+
+    async def _change(self, card: LiveCard, outbound: Outbound) -> None:
+        """Edit a card; once a picture is there, it is not kept here any longer."""
+        put = pictures_of(card.messenger)
+        if outbound.attachment is None or put is None:
+            await card.messenger.edit(card.message, replace(outbound, attachment=None))
+            return
+        await put(card.message, outbound)
+        if card.picture is not None and card.picture.content is outbound.attachment:
+            card.picture = replace(card.picture, content=None)
+        await self._write(card)
 
     async def _pin(self, card: LiveCard) -> None:
         pinned = card.wanted_pinned
@@ -322,6 +353,12 @@ class LiveCards:
             self._leaving[card] = None
 
     async def _say_last(self, card: LiveCard) -> None:
+        retract = retract_of(card.messenger)
+        if card.picture is not None and card.last == words.SEES_NOTHING and retract is not None:
+            with suppress(MessageGone):  # too old: then only its words go
+                await retract(card.chat, card.message)
+                await self._gone(card)
+                return
         if card.message:
             await card.messenger.edit(card.message, self.drawing.last(card))
         if card.message and card.pinned:

@@ -18,6 +18,7 @@ SUPERSEDED: Final = said("This card has ended: a newer one is below.")
 ENDED: Final = said("This card has ended. /card begins a new one.")
 SEES_NOTHING: Final = said("This card has ended: whoever asked for it may see no robot any more.")
 OFF: Final = said("The card has ended.")
+NO_PICTURE: Final = said("There is no camera that this card could show.")
 AS_IT_IS: Final = said("A message cannot be changed here, so this is how it is now:")
 TOO_MANY: Final = said("There are too many cards already. End one with /card off.")
 
@@ -101,6 +102,16 @@ def doing(skill: str) -> str:
 def at_rest() -> str:
     """It was measured not to move."""
     return said("at rest")
+
+
+def picture_button(name: str) -> str:
+    """The label of what asks for a picture; a card of several robots says of which."""
+    return said("Picture of {robot}", robot=name) if name else said("Picture")
+
+
+def pictured(shown: str, time_of_day: str) -> str:
+    """Of which robot the picture is, and of when."""
+    return said("picture of {robot}: {time}", robot=shown, time=time_of_day)
 
 
 def and_more(count: int) -> str:

@@ -17,13 +17,14 @@ if TYPE_CHECKING:
 
 
 def employ_clerks(office: Office, seeing: Seeing) -> None:
-    """Let ``picture``, ``clip``, ``map``, ``chart`` and ``trajectory`` be done."""
+    """Let ``picture``, ``clip``, ``map``, ``chart`` and ``trajectory`` (or ``path``) be done."""
     looking, recalling = Looking(seeing), Recalling(seeing)
     office.employ("picture", looking.picture)
     office.employ("clip", looking.clip)
     office.employ("map", looking.map)
     office.employ("chart", recalling.chart)
     office.employ("trajectory", recalling.trajectory)
+    office.employ("path", recalling.trajectory)
 
 
 def sights(seeing: Seeing, robot: RobotId) -> list[Button]:

@@ -7,6 +7,8 @@ from contextlib import aclosing
 from functools import partial
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
 from rosic.core.saying import said
@@ -20,6 +22,7 @@ from rosic.pipeline.times.naming import Naming
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
+    from rosic.core.message import Outbound
     from rosic.core.robot import RobotId
     from rosic.pipeline.office import Asked
     from rosic.pipeline.seeing.parts import Seeing
@@ -52,6 +55,24 @@ class Looking:
         robot, low = self._asked(asked, "picture", Sight.PICTURE)
         self._begin(asked, robot, PICTURE_COST, partial(self._picture, robot, low=low))
         return ANSWERED_LATER
+
+    def picture_for(
+        self, asked: Asked, robot: RobotId, deliver: Callable[[int, Outbound], Awaitable[None]]
+    ) -> None:
+        """Have a frame handed over instead of sent, and when it was taken, wall clock.
+
+        Raises:
+            Refusal: Not now; nothing was begun.
+        """
+
+        async def take() -> Shot:
+            view = await self._first(robot, Sight.PICTURE)
+            past_ns = int(self._seeing.age_s(view.taken_ns) * 1e9)
+            shot = self._shot(robot, view, words.camera(), (), low=True)
+            at_ns = self._seeing.clock.wall_ns() - past_ns
+            return replace(shot, deliver=partial(deliver, at_ns))
+
+        self._begin(asked, robot, PICTURE_COST, take)
 
     async def clip(self, asked: Asked) -> Reply:
         """Show some seconds. Raises as `picture` does."""

@@ -24,6 +24,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--state", type=Path, help="kept here over a restart")
     parser.add_argument("--no-limits", action="store_true", help="no flood limits")
     parser.add_argument("--no-privacy", action="store_true", help="the bot reads all of a group")
+    parser.add_argument("--username", default=Settings().bot_username, help="without the @")
     return parser.parse_args()
 
 
@@ -33,7 +34,7 @@ async def serve(options: argparse.Namespace) -> None:
         token=options.token,
         port=options.port,
         limits=None if options.no_limits else Limits(),
-        settings=Settings(privacy=not options.no_privacy),
+        settings=Settings(privacy=not options.no_privacy, bot_username=options.username),
         state_file=options.state,
     )
     server.host = options.host

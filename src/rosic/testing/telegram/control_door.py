@@ -78,8 +78,8 @@ class ControlDoor:
         # React takes its emoji one by one; JSON has them in a list.
         emoji = parameters.pop("emoji", None)
         if isinstance(emoji, list):
-            chat, user, message = (parameters[name] for name in ("chat", "user", "message"))
-            result = verb(chat, user, message, *emoji)
+            chat, user, message = (parameters.pop(name) for name in ("chat", "user", "message"))
+            result = verb(chat, user, message, *emoji, **parameters)
         else:
             result = verb(**parameters)
         return await result if inspect.isawaitable(result) else result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -97,6 +98,36 @@ def callback_query(query: Query, state: State) -> JsonObject:
         "chat_instance": where.instance,
         "data": query.data,
     }
+
+
+def reacted(
+    what: Message, state: State, who: int, old: list[str], *, anonymous: bool
+) -> tuple[str, JsonObject]:
+    """Return which update tells of a new reaction, and that update, without its date.
+
+    https://core.telegram.org/bots/api#messagereactionupdated names a user, or the chat in whose
+    name somebody anonymous reacted; #messagereactioncountupdated counts where nobody is named.
+    """
+    where = state.chats[what.chat_id]
+    shown: JsonObject = {"chat": chat(where, state), "message_id": what.message_id}
+    if where.kind == "channel":
+        counted = Counter(one for several in what.reactions.values() for one in several)
+        shown["reactions"] = [
+            {"type": _emoji(one), "total_count": count} for one, count in counted.items()
+        ]
+        return "message_reaction_count", shown
+    if anonymous:
+        shown["actor_chat"] = shown["chat"]
+    else:
+        shown["user"] = user(state.users[who])
+    shown["old_reaction"] = [_emoji(one) for one in old]
+    shown["new_reaction"] = [_emoji(one) for one in what.reactions[who]]
+    return "message_reaction", shown
+
+
+def _emoji(emoji: str) -> JsonObject:
+    """https://core.telegram.org/bots/api#reactiontypeemoji."""
+    return {"type": "emoji", "emoji": emoji}
 
 
 def member(who: User, status: str, withheld: Sequence[str] = ()) -> JsonObject:

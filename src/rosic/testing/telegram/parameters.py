@@ -136,7 +136,10 @@ def check(signature: Signature, raw: Raw) -> tuple[Arguments, list[str]]:
         values[name], wrong = convert(name, kind, value, typed=name in raw.typed)
         if wrong:
             problems.append(f"parameter {name!r} should be {kind.value}, got {value!r:.80}")
-    attached = {value for value in values.values() if isinstance(value, str)}
+    within = [
+        part for value in values.values() if isinstance(value, dict) for part in value.values()
+    ]
+    attached = {value for value in (*values.values(), *within) if isinstance(value, str)}
     problems += [
         f"unknown file {name!r}"
         for name in raw.files

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TypedDict, Unpack
 
 from rosic.testing.telegram import entities, files, keyboards, objects
+from rosic.testing.telegram.methods.chats import REACTIONS, plain_emoji
 from rosic.testing.telegram.parameters import Upload
 from rosic.testing.telegram.refusals import ControlError
 from rosic.testing.telegram.state import (
@@ -19,6 +20,9 @@ from rosic.testing.telegram.state import (
     User,
 )
 from rosic.testing.telegram.world import PRESENT, World
+
+MOST_REACTIONS = 3
+"""Of one person with Premium, to one message; Telegram's docs name no number. Others have one."""
 
 
 class Saying(TypedDict, total=False):
@@ -173,24 +177,36 @@ class People:
         )
         return query.id
 
-    def react(self, chat: int, user: int, message: int, *emoji: str) -> None:
-        """React to a message (https://core.telegram.org/bots/api#messagereactionupdated)."""
-        found = self._message(chat, message)
+    def react(
+        self, chat: int, user: int, message: int, *emoji: str, anonymous: bool = False
+    ) -> None:
+        """React to a message, or take every reaction back.
+
+        https://core.telegram.org/bots/api#messagereactionupdated: only an administrator bot hears
+        of it in a group, and none of the reactions of bots. In a channel nobody is named, and the
+        bot hears numbers (https://core.telegram.org/bots/api#messagereactioncountupdated).
+
+        Args:
+            chat: Where.
+            user: Who.
+            message: To what.
+            emoji: All of that person's reactions from now on; three at most, with Premium.
+            anonymous: In the name of the group, as an anonymous administrator.
+        """  # fmt: skip
+        found, where = self._message(chat, message), self.world.state.chats[chat]
+        self._require_present(where, user)
+        if len(emoji) > MOST_REACTIONS or any(plain_emoji(one) not in REACTIONS for one in emoji):
+            raise ControlError("no person can react like that")
         old = found.reactions.get(user, [])
         found.reactions[user] = list(emoji)
-        where = self.world.state.chats[chat]
-        if where.kind != "private" and self.world.bot_status(where) != "administrator":
+        self.world.journal.add("reacted", chat_id=chat, message_id=message, emoji=list(emoji))
+        hears = where.kind == "private" or self.world.bot_status(where) == "administrator"
+        if old == list(emoji) or not hears or self.world.state.users[user].is_bot:
             return
-        update: JsonObject = {
-            "chat": objects.chat(where, self.world.state),
-            "message_id": message,
-            "user": objects.user(self.world.state.users[user]),
-            "date": self.world.clock.date(),
-            "old_reaction": [{"type": "emoji", "emoji": one} for one in old],
-            "new_reaction": [{"type": "emoji", "emoji": one} for one in emoji],
-        }
+        kind, update = objects.reacted(found, self.world.state, user, old, anonymous=anonymous)
+        update["date"] = self.world.clock.date()
         lifetime_s = self.world.settings.update_lifetime_s
-        self.world.queue.put("message_reaction", update, self.world.clock.now_s() + lifetime_s)
+        self.world.queue.put(kind, update, self.world.clock.now_s() + lifetime_s)
 
     def delete(self, chat: int, message: int) -> None:
         """Delete a message as a person; a bot is not told."""

@@ -89,7 +89,7 @@ class Record:
         self.world.journal.clear()
 
     def _by_bot(self, message: Message) -> bool:
-        return message.from_id == self.world.bot.id
+        return message.own or message.from_id == self.world.bot.id
 
     def _seen(self, message: Message) -> JsonObject:
         chat = self.world.state.chats[message.chat_id]

@@ -91,6 +91,7 @@ class Message(msgspec.Struct, kw_only=True, omit_defaults=True):
     Attributes:
         date: Unix time in whole seconds, as Telegram dates it.
         versions: Oldest first; the last one is what the person sees now.
+        own: The bot sent it; in a channel, nobody is named as its sender.
         extra: Further fields of Telegram's Message (origin, via_bot, service fields), as they are.
     """
 
@@ -105,6 +106,7 @@ class Message(msgspec.Struct, kw_only=True, omit_defaults=True):
     thread_id: int | None = None
     deleted: bool = False
     silent: bool = False
+    own: bool = False
     reactions: dict[int, list[str]] = {}
     extra: JsonObject = {}
 

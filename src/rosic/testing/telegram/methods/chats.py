@@ -36,6 +36,12 @@ REACTIONS = frozenset({
 })  # fmt: skip
 """https://core.telegram.org/bots/api#reactiontypeemoji."""
 
+
+def plain_emoji(emoji: str) -> str:
+    """Return an emoji as Telegram lists it, without the sign that asks for colours."""
+    return emoji.replace("\ufe0f", "")
+
+
 NO_PIN = "not enough rights to manage pinned messages in the chat"
 
 
@@ -169,7 +175,7 @@ def set_message_reaction(world: World, call: Call) -> bool:
             raise bad_request("REACTION_INVALID")
         if reaction.get("type") != "emoji":
             raise unsupported(world, call, "a custom emoji as reaction")
-        if str(reaction.get("emoji")).replace("\ufe0f", "") not in REACTIONS:
+        if plain_emoji(str(reaction.get("emoji"))) not in REACTIONS:
             raise bad_request("REACTION_INVALID")
     message.reactions[world.bot.id] = [reaction["emoji"] for reaction in wanted]
     world.journal.add(

@@ -7,17 +7,22 @@ from typing import TYPE_CHECKING
 from rosic.testing.telegram import files
 from rosic.testing.telegram.methods.call import Call, Method, unsupported
 from rosic.testing.telegram.methods.messages import (
+    ADDRESSED,
     CAPTIONED,
     MAX_CAPTION,
     SENDING,
+    editable,
+    edited,
     formatted,
     sent,
 )
-from rosic.testing.telegram.parameters import Kind, Upload
+from rosic.testing.telegram.parameters import Arguments, Kind, Upload
 from rosic.testing.telegram.refusals import ApiError, bad_request
 from rosic.testing.telegram.state import Content, JsonObject, StoredFile
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.testing.telegram.world import World
 
 MAX_PHOTO = 10 * 1024 * 1024
@@ -28,9 +33,13 @@ GIF_HEAD = 13
 
 def send_photo(world: World, call: Call) -> JsonObject:
     """https://core.telegram.org/bots/api#sendphoto: 10 MB, sides together 10000, ratio 20."""
-    upload = _upload(world, call, "photo")
+    return _send(world, call, _photo(world, call, "photo"))
+
+
+def _photo(world: World, call: Call, field: str) -> JsonObject:
+    upload = _upload(world, call, field, "photo")
     if isinstance(upload, StoredFile):
-        return _send(world, call, {"photo": [upload.show]})
+        return {"photo": [upload.show]}
     if len(upload.content) > MAX_PHOTO:
         raise ApiError(413, "Request Entity Too Large")
     size = files.image_size(upload.content)
@@ -38,15 +47,19 @@ def send_photo(world: World, call: Call) -> JsonObject:
         raise bad_request("IMAGE_PROCESS_FAILED")
     if sum(size) > MAX_PHOTO_SIDES or max(size) > MAX_PHOTO_RATIO * min(size):
         raise bad_request("PHOTO_INVALID_DIMENSIONS")
-    return _send(world, call, {"photo": [files.store_photo(world, upload, size).show]})
+    return {"photo": [files.store_photo(world, upload, size).show]}
 
 
 def send_document(world: World, call: Call) -> JsonObject:
     """https://core.telegram.org/bots/api#senddocument: 50 MB."""
-    upload = _upload(world, call, "document")
+    return _send(world, call, _document(world, call, "document"))
+
+
+def _document(world: World, call: Call, field: str) -> JsonObject:
+    upload = _upload(world, call, field, "document")
     if isinstance(upload, Upload):
         upload = files.store_document(world, upload)
-    return _send(world, call, {"document": upload.show})
+    return {"document": upload.show}
 
 
 def send_animation(world: World, call: Call) -> JsonObject:
@@ -54,15 +67,19 @@ def send_animation(world: World, call: Call) -> JsonObject:
 
     "For backward compatibility, when this field is set, the document field will also be set."
     """
-    upload = _upload(world, call, "animation")
+    return _send(world, call, _animation(world, call, "animation"))
+
+
+def _animation(world: World, call: Call, field: str) -> JsonObject:
+    upload = _upload(world, call, field, "animation")
     if isinstance(upload, Upload):
         if not upload.content.startswith((b"GIF87a", b"GIF89a")) or len(upload.content) < GIF_HEAD:
             raise unsupported(world, call, "animations other than GIF")
         upload = files.store_animation(world, upload)
-    return _send(world, call, {"animation": upload.show, "document": upload.show})
+    return {"animation": upload.show, "document": upload.show}
 
 
-def _upload(world: World, call: Call, field: str) -> Upload | StoredFile:
+def _upload(world: World, call: Call, field: str, kind: str) -> Upload | StoredFile:
     """Return what was sent: new content, or a file that Telegram holds already."""
     given = call.args.file(field)
     if given is None or given == "":
@@ -71,7 +88,7 @@ def _upload(world: World, call: Call, field: str) -> Upload | StoredFile:
         if given.startswith(("http://", "https://")):
             raise unsupported(world, call, "sending by URL")
         held = world.state.files.get(given)
-        if held is None or held.kind != field:
+        if held is None or held.kind != kind:
             raise bad_request("wrong file identifier/HTTP URL specified")
         return held
     if len(given.content) > world.settings.max_upload_bytes:
@@ -82,8 +99,32 @@ def _upload(world: World, call: Call, field: str) -> Upload | StoredFile:
 
 
 def _send(world: World, call: Call, media: JsonObject) -> JsonObject:
+    return sent(world, call, _content(call, media))
+
+
+def _content(call: Call, media: JsonObject) -> Content:
     caption, marked = formatted(call.args, "caption", "caption_entities", MAX_CAPTION)
-    return sent(world, call, Content(caption=caption or None, caption_entities=marked, media=media))
+    return Content(caption=caption or None, caption_entities=marked, media=media)
+
+
+def edit_message_media(world: World, call: Call) -> JsonObject:
+    """https://core.telegram.org/bots/api#editmessagemedia: also "to add media to text messages"."""
+    media = call.args.object("media") or {}
+    kind = media.get("type")
+    if kind not in EDITABLE:
+        raise unsupported(world, call, f"a media of type {kind!r}")
+    for field in set(media) - INPUT_MEDIA:
+        world.journal.violation(call.method, f"unknown field {field!r} in media")
+    parts = Arguments(
+        {name: value for name, value in media.items() if name != "type"}, call.args.files
+    )
+    inner = Call(call.method, parts, call.alive)
+    content = EDITABLE[kind](world, inner)
+    changes = {
+        "text": None, "entities": [], "media": content.media,
+        "caption": content.caption, "caption_entities": content.caption_entities,
+    }  # fmt: skip
+    return edited(world, call, editable(world, call), changes)
 
 
 def get_file(world: World, call: Call) -> JsonObject:
@@ -103,7 +144,19 @@ def get_file(world: World, call: Call) -> JsonObject:
     }
 
 
+EDITABLE: dict[str, Callable[[World, Call], Content]] = {
+    "photo": lambda world, call: _content(call, _photo(world, call, "media")),
+    "document": lambda world, call: _content(call, _document(world, call, "media")),
+    "animation": lambda world, call: _content(call, _animation(world, call, "media")),
+}
+"""https://core.telegram.org/bots/api#inputmedia; of the other kinds this server has none."""
+INPUT_MEDIA = frozenset({
+    "type", "media", "thumbnail", "caption", "parse_mode", "caption_entities",
+    "show_caption_above_media", "has_spoiler", "width", "height", "duration",
+    "disable_content_type_detection",
+})  # fmt: skip
 METHODS = {
+    "editMessageMedia": Method({**ADDRESSED, "media": Kind.OBJECT}, edit_message_media),
     "sendPhoto": Method(
         {**SENDING, **CAPTIONED, "photo": Kind.FILE, "has_spoiler": Kind.FLAG}, send_photo
     ),

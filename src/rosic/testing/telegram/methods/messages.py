@@ -12,7 +12,9 @@ from rosic.testing.telegram.methods.call import (
     Call,
     Method,
     message_of,
+    present_in,
     require_admin,
+    require_right,
     spend,
     unsupported,
     writable,
@@ -27,6 +29,9 @@ if TYPE_CHECKING:
 MAX_TEXT = 4096
 MAX_CAPTION = 1024
 DELETABLE_S = 48 * 3600
+CREATIONS = frozenset({
+    "group_chat_created", "supergroup_chat_created", "channel_chat_created", "forum_topic_created",
+})  # fmt: skip
 
 SENDING = {
     "business_connection_id": Kind.TEXT,
@@ -122,6 +127,7 @@ def sent(world: World, call: Call, content: Content) -> JsonObject:
             reply_to=reply_to,
             thread_id=thread_id,
             silent=call.args.flag("disable_notification"),
+            own=True,
         )
     )
     chat.last_bot_id = world.bot.id
@@ -220,20 +226,42 @@ def edited(world: World, call: Call, message: Message, changes: dict[str, Any]) 
 
 
 def delete_message(world: World, call: Call) -> bool:
-    """https://core.telegram.org/bots/api#deletemessage, with its list of limitations."""
-    chat = writable(world, call.args)
+    """https://core.telegram.org/bots/api#deletemessage, with its list of limitations.
+
+    "A message can only be deleted if it was sent less than 48 hours ago", whoever asks; "service
+    messages about a supergroup, channel, or forum topic creation can't be deleted".
+    """
+    chat = present_in(world, call.args)  # also where nothing more can be said
     message = message_of(world, call.args, chat, "message to delete")
-    own = message.from_id == world.bot.id or chat.kind in {"private", "channel"}
-    if not own:
-        require_admin(world, chat, "message can't be deleted")
-    in_control = chat.kind != "private" and world.bot_status(chat) in ADMINS
-    if world.clock.date() - message.date > DELETABLE_S and not in_control:
+    _require_deleting(world, chat, message)
+    if CREATIONS & set(message.extra):
+        raise bad_request("message can't be deleted")
+    if world.clock.date() - message.date >= DELETABLE_S:
         raise bad_request("message can't be deleted for everyone")
     message.deleted = True
     if message.message_id in chat.pinned:
         chat.pinned.remove(message.message_id)
     world.journal.add("deleted", chat_id=chat.id, message_id=message.message_id)
     return True
+
+
+def _require_deleting(world: World, chat: Chat, message: Message) -> None:
+    """Raise a 400 unless the bot may delete this message, however old it is.
+
+    Everything in a private chat; its own in a group; other people's in a basic group as an
+    administrator, in a supergroup or a channel with `can_delete_messages`; its own in a channel
+    with `can_post_messages`.
+    """
+    if chat.kind == "private" or (message.own and chat.kind != "channel"):
+        return
+    withheld = chat.withheld.get(world.bot.id, ())
+    posts = world.bot_status(chat) in ADMINS and "can_post_messages" not in withheld
+    if chat.kind == "channel" and message.own and posts:
+        return
+    if chat.kind == "group":
+        require_admin(world, chat, "message can't be deleted")
+    else:
+        require_right(world, chat, "can_delete_messages", "message can't be deleted")
 
 
 METHODS = {

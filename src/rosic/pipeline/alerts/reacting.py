@@ -1,0 +1,97 @@
+"""A thumb beside an alarm: whoever puts it there has seen it, within their own rights."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Final
+
+from rosic.contracts.messenger import reactions_of
+from rosic.errors import MessengerFault
+from rosic.pipeline.alerts import words_alerts as words
+
+if TYPE_CHECKING:
+    from rosic.authoriser.directory import Directory
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import PrincipalId
+    from rosic.core.message import Reaction
+    from rosic.pipeline.alerts.alerting import Alerting
+    from rosic.pipeline.alerts.following import Following
+    from rosic.pipeline.reach import Reach
+
+SEEN: Final = frozenset({"👍", "👌", "👀", "🫡", "🆒"})
+"""Any other says something else, or nothing: a thumb down is no acknowledgement."""
+NOTED: Final = "👌"
+_COLOURED: Final = "\ufe0f"
+
+log = logging.getLogger("rosic.alerts")
+
+
+class Reacting:
+    """Follows reactions. They are asked of nobody, so what means nothing is met with silence."""
+
+    def __init__(self, alerting: Alerting, directory: Directory, reach: Reach) -> None:
+        self._alerting = alerting
+        self._directory = directory
+        self._reach = reach
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def reacted(self, messenger: Messenger, reaction: Reaction) -> None:
+        """Take an emoji beside an alarm that is open for what it says. Returns at once."""
+        if SEEN.isdisjoint(emoji.replace(_COLOURED, "") for emoji in reaction.emoji):
+            return
+        found = self._directory.at(reaction.who) if reaction.who is not None else None
+        following = self._open(messenger, reaction)
+        if found is None or following is None:
+            return
+        who, circles = found[0].id, self._alerting.circles
+        robot = following.rule.robot
+        if not circles.may_hear(who, robot):
+            return
+        # Answered once, whatever else is put there: nobody is to be talked at for their thumbs.
+        self._alerting.placed.answered(messenger, reaction.chat, reaction.message)
+        if not circles.may_acknowledge(who, robot):
+            self._reach.tell((who,), words.may_not(self._alerting.shown(following.rule)))
+        elif self._alerting.seen(following, who):
+            self._confirm(messenger, reaction, who, following)
+        else:
+            self._reach.tell((who,), self._alerting.seen_before(following))
+
+    def _open(self, messenger: Messenger, reaction: Reaction) -> Following | None:
+        """Return the alarm that a message tells of, if it is not over."""
+        occurrence = self._alerting.placed.of(messenger, reaction.chat, reaction.message)
+        if occurrence is None:
+            return None
+        for row in self._alerting.following.values():
+            for following in row:
+                alarm = following.alarm
+                if following.rule.key == occurrence.rule and alarm is not None:
+                    return following if alarm.at_ns == occurrence.at_ns else None
+        return None
+
+    def _confirm(
+        self, messenger: Messenger, reaction: Reaction, who: PrincipalId, following: Following
+    ) -> None:
+        rule = following.rule
+        what = words.one(rule, self._alerting.shown(rule), "", "")
+        task = asyncio.create_task(self._nod(messenger, reaction, who, words.you_saw([what])))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _nod(
+        self, messenger: Messenger, reaction: Reaction, who: PrincipalId, otherwise: str
+    ) -> None:
+        """Answer with a sign as quick as theirs; in words where that cannot be."""
+        react = reactions_of(messenger)
+        try:
+            if react is not None:
+                await react(reaction.chat, reaction.message, NOTED)
+                return
+        except MessengerFault as fault:
+            log.info("said in words, as a reaction was not taken: %s", fault)
+        self._reach.tell((who,), otherwise)
+
+    async def close(self) -> None:
+        """Follow nothing any more."""
+        for task in self._tasks:
+            task.cancel()

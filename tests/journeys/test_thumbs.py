@@ -1,0 +1,59 @@
+"""A thumb beside an alarm, all the way: Telegram, a real `rosic run`, and what the others read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import yaml
+
+from rosic.app.profiles import shipped_profiles
+from tests.journeys.lab import Lab, lab
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.journeys.running import Launcher
+
+OMNI = ('[[robot]]\nprofile = "warm.yaml"\nlink = "simulated"',)
+RULE = {
+    "name": "on_battery", "when": "battery > 1 %", "for": "1 s", "say": "It runs on its battery",
+    "severity": "info", "tell": "operators",
+}  # fmt: skip
+ALARM = "omni: It runs on its battery."
+
+
+def write_profile(folder: Path) -> None:
+    """Write an omni whose alarm is raised as soon as it reports."""
+    profile = yaml.safe_load(shipped_profiles()["omni"].read_text())
+    (folder / "warm.yaml").write_text(yaml.safe_dump(profile | {"alerts": [RULE]}))
+
+
+async def reactions(place: Lab, chat: int, message: int) -> dict[str, list[str]]:
+    """Return who put what beside a message."""
+    found: dict[str, list[str]] = (await place.control.message(chat, message))["reactions"]
+    return found
+
+
+async def test_a_thumb_has_seen_an_alarm_and_the_bot_nods(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    write_profile(tmp_path)
+    async with lab(tmp_path, launcher, robots=OMNI) as place:
+        await place.start()
+        bo, ada = place.bo, place.ada
+        told = await place.reads(bo, ALARM)
+        await place.reads(ada, ALARM)
+        thumb = {"chat": bo, "user": bo, "message": told["message_id"]}
+        await place.control.call("react", **thumb, emoji=["👎"])
+        await place.drained()
+        await place.control.call("react", **thumb, emoji=["👍"])
+        await place.reads(ada, "It runs on its battery: Bo has seen it.")
+
+        async def nodded() -> bool:
+            return ["👌"] in (await reactions(place, bo, told["message_id"])).values()
+
+        assert await place.until(nodded)
+        await place.ask(ada, "/alerts", "seen by Bo")
+        asked = [c for c in await place.control.calls() if c["method"] == "getUpdates"]
+        assert all("message_reaction" in c["parameters"]["allowed_updates"] for c in asked)
+        assert await place.control.violations() == []
