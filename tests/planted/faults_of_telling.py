@@ -11,7 +11,7 @@ OF_TELLING = (
     Fault(
         name="L1 an alarm is not written down before it is said",
         file="pipeline/reach.py",
-        guard="if self.outbox is not None and (urgent or not buttons):",
+        guard="if self.outbox is not None and (notice.urgent or not buttons):",
         without="if False:",
         caught_by=(f"{OUTBOX}::test_an_alarm_that_was_not_said_is_said_by_the_next_run_once",),
     ),
