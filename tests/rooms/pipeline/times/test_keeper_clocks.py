@@ -69,6 +69,7 @@ async def _live(steps: list[tuple[str, int]]) -> None:
                 lab.end()
             await lab.told(seconds if what == "wait" else 0)
         await lab.told(21)
+        await lab.told(1)  # what happened in the very last moment is told in the next
         told = lab.stamped.at
         kinds = Counter(text.split()[0] + ("ends in" in text) * " ends" for _, text in told)
         assert kinds["It"] <= 1
