@@ -18,7 +18,7 @@ SEED = int(os.environ.get("ROSIC_SEED", "20261121"))
 KILLS = int(os.environ.get("ROSIC_KILLS", "60"))
 
 
-@pytest.mark.limit(600)
+@pytest.mark.limit(590)
 async def test_nothing_is_done_twice_and_everything_is_told_over_60_kills(
     tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
 ) -> None:
