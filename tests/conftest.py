@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, Phase, settings
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator
@@ -27,6 +27,10 @@ sys.dont_write_bytecode = False
 
 # A slow example is no fault of what is tested; a test that means a time limit measures it itself.
 settings.register_profile("rosic", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+# For a run that has to fail and is not read: the first example that fails will do.
+settings.register_profile(
+    "unread", settings.get_profile("rosic"), phases=[Phase.explicit, Phase.generate]
+)
 settings.load_profile("rosic")
 
 

@@ -14,6 +14,7 @@ from rosic.app.control import (
     ASK_BYTES,
     AT_ONCE,
     LONGEST_PATH_BYTES,
+    READ_WITHIN_S,
     Ask,
     ControlServer,
     NotRunning,
@@ -169,7 +170,7 @@ async def test_it_closes_without_waiting_for_who_does_not_read(
         deaf.sendall(b'{"verb":"status","names":["long"]}\n')
         assert await asyncio.to_thread(deaf.recv, 1)
 
-        async with asyncio.timeout(1):
+        async with asyncio.timeout(READ_WITHIN_S - 1):
             await server.close()
 
         assert await asyncio.to_thread(all_of, deaf) < LONG_BYTES

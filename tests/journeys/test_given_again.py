@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.journeys.lab import lab
+from tests.journeys.lab import Lab, lab
 from tests.journeys.reading import End, read_reply
 
 if TYPE_CHECKING:
@@ -15,6 +16,17 @@ if TYPE_CHECKING:
     from tests.journeys.running import Launcher
 
 NOBODY_KNOWS = "It may or may not have been carried out; please look."
+
+
+async def poll_begins(place: Lab) -> None:
+    """Wait until the gateway has just asked for updates."""
+    seq = await place.control.seq()
+    async with asyncio.timeout(60):
+        while True:
+            for call in await place.control.wait(seq, 5.0, ["call"]):
+                if call["method"] == "getUpdates":
+                    return
+                seq = call["seq"]
 
 
 @pytest.mark.parametrize(("text", "robots"), [("ant hop", 1), ("flies hop", 2)])
@@ -26,8 +38,8 @@ async def test_it_is_not_done_again_and_not_said_to_be_refused(
         place.counter.work_s = 60.0
         # The poll that has just begun brings the command; the next one, which would confirm it,
         # is never answered.
-        await place.control.wait(await place.control.seq(), 60, ["call"])
-        await place.control.fail("hang", "getUpdates", seconds=10.0)
+        await poll_begins(place)
+        await place.control.fail("hang", "getUpdates", seconds=60.0)
         message = await place.say(place.bo, text)
         assert await place.counter.wait_for(robots, 60)
         gateway.kill()

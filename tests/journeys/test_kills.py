@@ -18,7 +18,7 @@ SEED = int(os.environ.get("ROSIC_SEED", "20261121"))
 KILLS = int(os.environ.get("ROSIC_KILLS", "60"))
 
 
-@pytest.mark.limit(600)
+@pytest.mark.limit(590)
 async def test_nothing_is_done_twice_and_everything_is_told_over_60_kills(
     tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -56,11 +56,14 @@ async def test_nothing_is_done_twice_and_everything_is_told_over_980_kills(
 async def test_a_planted_fault_is_seen(
     fault: str, moment: str, caught: tuple[str, ...], tmp_path: Path, launcher: Launcher
 ) -> None:
-    plan = Plan(
-        kills=5, seed=SEED, fault=fault, pause_s=0.05, twice=0.5, moments=(moment,),
-        settled_within_s=3.0,
-    )  # fmt: skip
-
-    report = await journey(plan, tmp_path, launcher)
-
-    assert any(one.startswith(caught) for one in report.verdict.wrong), report.text()
+    for attempt in range(6):  # chance decides whether a kill hits what is wrong
+        plan = Plan(
+            kills=5, seed=SEED + attempt, fault=fault, pause_s=0.05, twice=0.5, moments=(moment,),
+            settled_within_s=3.0,
+        )  # fmt: skip
+        folder = tmp_path / str(attempt)
+        folder.mkdir()
+        report = await journey(plan, folder, launcher)
+        if any(one.startswith(caught) for one in report.verdict.wrong):
+            return
+    pytest.fail(f"thirty kills found nothing wrong: {report.text()}")

@@ -9,6 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.conftest import SECONDS
+
 ROOT = Path(__file__).parents[2]
 
 SUBJECT = """
@@ -98,3 +100,23 @@ def test_where_everything_must_run_a_skip_fails_with_its_sentence(tmp_path: Path
 
 def test_a_campaign_runs_when_it_is_asked_for(tmp_path: Path) -> None:
     assert run_pytest(tmp_path, "-m", "campaign")["test_for_hours"] == "PASSED"
+
+
+def test_the_longest_files_come_first_and_are_there(tmp_path: Path) -> None:
+    assert [file for file in SECONDS if not (ROOT / file).is_file()] == []
+
+    (tmp_path / "tests").mkdir()
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    shutil.copy(ROOT / "tests/conftest.py", tmp_path / "tests")
+    longest = max(SECONDS, key=SECONDS.__getitem__)
+    for file in ("tests/a/test_first.py", longest):
+        (tmp_path / file).parent.mkdir()
+        (tmp_path / file).write_text("def test_fine(): pass\n")
+    own = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+    shared_out = ["-n", "1", "--dist", "loadfile", "--no-loadscope-reorder"]
+    for how, first in ((shared_out, longest), (["-p", "no:xdist"], "tests/a/test_first.py")):
+        done = subprocess.run(  # noqa: S603
+            [sys.executable, "-m", "pytest", "-v", *how, "tests"],
+            cwd=tmp_path, env=own, capture_output=True, text=True, timeout=150, check=True,
+        )  # fmt: skip
+        assert re.findall(r"\btests/\S+\.py", done.stdout)[0] == first, done.stdout

@@ -12,6 +12,7 @@ import pytest
 
 from rosic.stores.database import DatabaseStore
 from rosic.system import SystemClock
+from tests.pace import slowness
 from tests.real.changes.process import TIMES, a_gateway, main
 
 if TYPE_CHECKING:
@@ -125,7 +126,7 @@ async def test_no_change_is_half_applied(tmp_path: Path, kills: int) -> None:
             before = set()
         folder = tmp_path / str(number // RECORD_LASTS)
         first = max((one for _, one in before), default=-1) + 1
-        said = killed_after(chance.uniform(0.0, LONGEST_S), folder, first)
+        said = killed_after(chance.uniform(0.0, LONGEST_S) * slowness(), folder, first)
         found = await what_is_there(folder)
         assert found.wrong == []
         assert not said - found.done, "acknowledged, and gone"
@@ -137,11 +138,11 @@ async def test_no_change_is_half_applied(tmp_path: Path, kills: int) -> None:
 
 async def test_the_kills_find_a_gateway_that_writes_piecemeal(tmp_path: Path) -> None:
     wrong: dict[str, int] = defaultdict(int)
-    for number in range(10):
+    for number in range(40):
         folder = tmp_path / str(number)
-        killed_after(0.1 + 0.02 * number, folder, 0, piecemeal=True)
+        killed_after((0.1 + 0.02 * (number % 10)) * slowness(), folder, 0, piecemeal=True)
         for sentence in (await what_is_there(folder)).wrong:
             wrong[sentence.partition(": ")[2]] += 1
         if sum(wrong.values()) >= 2:
             return
-    pytest.fail(f"ten gateways that write piecemeal were not found out: {dict(wrong)}")
+    pytest.fail(f"forty gateways that write piecemeal were not found out: {dict(wrong)}")

@@ -93,7 +93,11 @@ async def test_one_id_is_carried_out_once(move: ActionLink, mover: RosProcess) -
     assert first.id == name
     assert await move.send(metres(0.2), timeout_s=30, goal_id=name) is None
     assert (await first.end(timeout_s=30)).status == "succeeded"
-    assert mover.lines.count("moved") == 2  # the fixture's, and this one
+    for _ in range(2):  # the fixture's, and this one
+        await asyncio.to_thread(mover.expect, "moved")
+    mover.say("texts 1")
+    await asyncio.to_thread(mover.expect, "ok texts")
+    assert mover.lines.count("moved") == 2
 
 
 async def test_an_acceptance_that_comes_too_late_is_called_off(

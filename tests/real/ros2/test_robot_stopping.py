@@ -89,6 +89,7 @@ def said_at_s(odometry: Latest) -> float:
 
 
 async def moving(robot: TriedRobot) -> asyncio.Task[Outcome]:
+    await until(lambda: robot.presence().at_rest is True)  # from what was before
     task = asyncio.create_task(robot.do("move", FAR))
     await until(lambda: robot.presence().at_rest is False or task.done())
     assert not task.done(), task

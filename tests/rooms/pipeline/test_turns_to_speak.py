@@ -77,7 +77,7 @@ async def one(place: Place, chat: Paced) -> str:
 
 async def test_an_outcome_goes_before_an_answer_and_progress_goes_last() -> None:
     async with paced() as (place, chat):
-        place.robot("omni").work_s = 0.05
+        place.robot("omni").work_s = 2.0
         await place.say("omni wave")
         assert "accepted" in await one(place, chat) or chat.told
         await place.say("status")

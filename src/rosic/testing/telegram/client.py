@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rosic.testing.telegram.people import Saying
     from rosic.testing.telegram.state import JsonObject
 
-SPARE_S = 10.0
+SPARE_S = 60.0
 
 
 class Control:
