@@ -31,8 +31,8 @@ ROOT_KEY: Final = "root.key"
 SALT: Final = "root.salt"
 CREDENTIALS: Final = "CREDENTIALS_DIRECTORY"
 KEY_CREDENTIAL: Final = "rosic.root-key"
-PASSPHRASE_CREDENTIAL: Final = "rosic.passphrase"
-PASSPHRASE_FILE: Final = "ROSIC_PASSPHRASE_FILE"
+PASSPHRASE_CREDENTIAL: Final = "rosic.passphrase"  # noqa: S105 - its name
+PASSPHRASE_FILE: Final = "ROSIC_PASSPHRASE_FILE"  # noqa: S105 - likewise
 SHORTEST: Final = 12
 LONGEST: Final = 1024
 
@@ -135,12 +135,8 @@ def read_key(path: Path, *, handed_over: bool = False) -> bytes:
 def _read(path: Path, most: int, *, handed_over: bool = False) -> bytes:
     descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC | (0 if handed_over else os.O_NOFOLLOW))
     try:
-        status = os.fstat(descriptor)
-        if (
-            stat.S_ISREG(status.st_mode)
-            and stat.S_IMODE(status.st_mode) & 0o077
-            and not handed_over
-        ):
+        mode = os.fstat(descriptor).st_mode
+        if stat.S_ISREG(mode) and mode & 0o077 and not handed_over:
             raise ConfigurationError(
                 f"{path} can be read by others.",
                 hint=f"Run: chmod 600 {path} (and think about who may have read it).",
