@@ -160,7 +160,7 @@ class Furnishing:
         entropy: Entropy,
         zone: str,
     ) -> None:
-        access, linker = self._access, self._rooms.linker
+        access, profiles = self._access, self._rooms.profiles
 
         async def ended(_principal: PrincipalId) -> None:
             authority.enforce()
@@ -193,8 +193,8 @@ class Furnishing:
         )
         places = Places(
             vocabulary=self._rooms.vocabulary,
-            naming=lambda asked, text: self._naming.robot(asked, "/ask", text),
-            shown=lambda robot: linker.profile(robot).shown,
+            naming=lambda asked, text: self._naming.robot_or_group(asked, "/ask", text),
+            shown=lambda name: profiles[name].shown if name in profiles else name,
             zone_of=lambda _principal: zone_named(zone),
         )
         self.granting = Granting(registry, powers, entropy, places.zone_of)

@@ -20,6 +20,11 @@ HELP = said(
     "be left out), resume NAME (after a stop), help NAME."
 )
 
+HELP_TIMES = said("Times of your own: /slots, /book, /wish, /wait, /cancel.")
+HELP_RIGHTS = said("What you may do: /me, /role. What you lack: /ask.")
+HELP_PEOPLE = said("Who looks after people: /people, /invite, /grant, /revoke, /lock, /security.")
+HELP_PLANS = said("Who decides on times: /plan.")
+
 # The texts of the paper's Algorithm 7.
 MAY_COMMAND = said("You have permission to send and receive commands.")
 MAY_NOT_COMMAND = said("You do not have permission to send and receive commands.")

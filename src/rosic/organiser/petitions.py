@@ -51,6 +51,7 @@ class Want(msgspec.Struct, frozen=True, kw_only=True):
     """What somebody asks for: one thing that a robot does, or a role on it.
 
     Attributes:
+        robot: Id, or the name of a group: of all that are in it.
         skill: Id; empty when it is a role.
         role: Name; empty when it is a skill.
         lasts_s: From the moment it is given.

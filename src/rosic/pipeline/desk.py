@@ -9,11 +9,13 @@ import msgspec
 from rosic.core import words
 from rosic.core.language import Help, Line, Start, Status, Use
 from rosic.core.message import Attachment, Button, Chat
+from rosic.core.reach import FLEET
+from rosic.core.robot import Slots
 from rosic.core.saying import joined, said
 from rosic.pipeline.replies import ASK_FIRST
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot import Profile, RobotId
@@ -76,8 +78,22 @@ class Desk:
             topics = [self._profiles[robot] for robot in self.members(line.topic)]
             return Reply(joined("\n", (words.help_for(p) for p in topics if p.id in visible)))
         if isinstance(line, Help):
-            return Reply(words.help_for_all(self._examples(visible)), self._robots(visible))
+            general = words.help_for_all(self._examples(visible))
+            lines = (general, *self._beside(caller.principal, visible))
+            return Reply(joined("\n", lines), self._robots(visible))
         return Reply(WHICH, self._robots(visible))
+
+    def _beside(self, principal: PrincipalId, visible: frozenset[RobotId]) -> Iterator[str]:
+        """Yield what somebody can ask for beside orders."""
+        organiser = self._organiser
+        booked = (r for r in visible if self._profiles[r].slots is not Slots.NONE)
+        if any(organiser.why_not_move(principal, robot) is None for robot in booked):
+            yield words.HELP_TIMES
+        yield words.HELP_RIGHTS
+        if organiser.allows(principal, FLEET, "people"):
+            yield words.HELP_PEOPLE
+        if organiser.allows(principal, FLEET, "slots"):
+            yield words.HELP_PLANS
 
     def _linked(
         self, caller: Caller, chat: Chat, line: Start, visible: frozenset[RobotId]

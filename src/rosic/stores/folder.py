@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import fcntl
 import os
-import stat
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.errors import ConfigurationError
-from rosic.stores.sealing import KEY_BYTES, Root, fresh_key
+from rosic.stores.rootkey import ROOT_KEY, root_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rosic.stores.sealing import Root
+
 LOCK = "gateway.lock"
-ROOT_KEY = "root.key"
 DATABASE = "rosic.db"
 
 
@@ -75,75 +74,10 @@ class Folder:
             ConfigurationError: It is missing beside an existing record, others can read it, or
                 it is not a key.
         """
-        path = self.path / ROOT_KEY
         try:
-            if not path.exists() and not self.database.exists():
-                create(path, fresh_key())
-            return Root(read_key(path))
-        except FileNotFoundError as error:
-            raise ConfigurationError(
-                f"{path} is missing; without it the personal content of this record is unreadable.",
-                hint="Put it back from your copy, or start with an empty data folder.",
-            ) from error
+            return root_of(self.path, os.environ, begun=self.database.exists())
         except OSError as error:
             raise ConfigurationError(
-                f"{path} cannot be used ({error.strerror}).",
+                f"{error.filename or self.path / ROOT_KEY} cannot be used ({error.strerror}).",
                 hint="It must be a file that the user who runs ROSIC can read.",
             ) from error
-
-
-def read_key(path: Path) -> bytes:
-    """Read a key that only its owner can read.
-
-    Raises:
-        ConfigurationError: Others could read it, or it is not a key.
-        OSError: It cannot be read.
-    """
-    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC)
-    try:
-        if stat.S_IMODE(os.fstat(descriptor).st_mode) & 0o077:
-            raise ConfigurationError(
-                f"{path} can be read by others.",
-                hint=f"Run: chmod 600 {path} (and think about who may have read it).",
-            )
-        key = os.read(descriptor, KEY_BYTES + 1)
-    finally:
-        os.close(descriptor)
-    if len(key) != KEY_BYTES:
-        raise ConfigurationError(
-            f"{path} is damaged: it must hold {KEY_BYTES} bytes.",
-            hint="Put it back from your copy.",
-        )
-    return key
-
-
-def create(path: Path, content: bytes) -> None:
-    """Make a file for the owner alone: whole after a power cut, or not there at all.
-
-    Raises:
-        OSError: It could not be made. Nothing stays behind.
-    """
-    draft = path.with_name(f"{path.name}.new")
-    with suppress(FileNotFoundError):
-        draft.unlink()
-    descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
-    try:
-        with os.fdopen(descriptor, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        draft.rename(path)
-    except OSError:
-        with suppress(OSError):
-            draft.unlink()
-        raise
-    sync(path.parent)
-
-
-def sync(folder: Path) -> None:
-    """Make the names in a folder survive a power cut."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

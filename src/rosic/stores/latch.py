@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores import slots
-from rosic.stores.folder import create
 from rosic.stores.lane import Job, Lane
+from rosic.stores.rootkey import create
 from rosic.stores.slots import Damaged, State
 
 if TYPE_CHECKING:

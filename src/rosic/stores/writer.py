@@ -108,8 +108,8 @@ class Writer:
             root.unwrap(OWN, wrapped)
         except Unreadable as error:
             raise ConfigurationError(
-                "The file root.key does not belong to this record.",
-                hint="Put back the one that was made with it.",
+                "The root key does not belong to this record.",
+                hint="Put back the file, the credential or the passphrase that it was made with.",
             ) from error
 
     def _new_scribe(self, connection: Connection, root: Root) -> Scribe:

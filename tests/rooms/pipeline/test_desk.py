@@ -48,6 +48,19 @@ async def test_help_names_skills_and_bounds() -> None:
         assert "Say stop at any time" in await place.say("help")
 
 
+async def test_help_names_what_can_be_asked_for_beside_orders_by_whoever_may() -> None:
+    async with Place().open() as place:
+        admins = await place.say("help")
+        assert all(verb in admins for verb in ("/book", "/wish", "/role", "/ask", "/plan", "/lock"))
+        operators = await place.say("help", account=BO, chat=BO)
+        assert all(verb in operators for verb in ("/book", "/wish", "/role", "/ask"))
+        assert "/plan" not in operators
+        assert "/people" not in operators
+        viewers = await place.say("help", account=VI, chat=VI)
+        assert "/ask" in viewers
+        assert "/wish" not in viewers, "they move nothing"
+
+
 async def test_a_robots_own_words_reach_whoever_spoke_to_it_last_and_are_inert() -> None:
     async with Place().open() as place:
         await place.say("omni move 1 m", account=BO, chat="2")

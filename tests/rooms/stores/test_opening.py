@@ -17,7 +17,8 @@ from rosic.core.record import Memory
 from rosic.errors import ConfigurationError
 from rosic.stores import reading, schema, sqlite, tables
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import DATABASE, LOCK, ROOT_KEY
+from rosic.stores.folder import DATABASE, LOCK
+from rosic.stores.rootkey import ROOT_KEY
 from rosic.stores.sealing import Root
 from rosic.stores.settings import Settings
 from rosic.testing.clock import ManualClock

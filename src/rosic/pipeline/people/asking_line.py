@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 import msgspec
@@ -35,9 +35,9 @@ class Places(msgspec.Struct, frozen=True, kw_only=True):
     """How robots are named and shown, and where people read times.
 
     Attributes:
-        naming: Returns the robot that is meant, of those the person sees, and the rest of the
-            line; refuses what names none.
-        shown: Returns a robot's title.
+        naming: Returns the robot or the group that is meant, of those the person sees, and the
+            rest of the line; refuses what names none.
+        shown: Returns a robot's title, or a group's name.
         zone_of: Returns the zone whose clocks somebody reads.
     """
 
@@ -83,14 +83,21 @@ class Places(msgspec.Struct, frozen=True, kw_only=True):
 
     def _rights(self, rights: Rights, given: Given) -> list[tuple[RobotId, str]]:
         if given.scopes:
-            robot, _, skill = given.scopes[0].partition(":")
-            return [(robot, skill)]
-        [role], [robot] = given.roles, given.robots
+            name, _, skill = given.scopes[0].partition(":")
+            return [(robot, skill) for robot in rights.fleet.robots(name)]
+        [role], [name] = given.roles, given.robots
         return [
             (robot, skill)
+            for robot in rights.fleet.robots(name)
             for skill in _moving(rights, robot)
             if role in rights.roles_giving(robot, skill)
         ]
+
+    def skill(self, robots: Sequence[RobotId], said: str) -> str | None:
+        """Return the skill that all of these robots have under what was said."""
+        skills = [self.vocabulary.skill(robot, said) for robot in robots]
+        found = {None if skill is None else skill.id for skill in skills}
+        return found.pop() if len(found) == 1 else None
 
 
 def want_of(asked: Asked, rights: Rights, places: Places) -> Want:
@@ -100,18 +107,19 @@ def want_of(asked: Asked, rights: Rights, places: Places) -> Want:
         NotUnderstood: No such robot that they see, no such skill, or no time.
     """
     said, lasts_s = read_tail(asked.rest)
-    robot, rest = places.naming(asked, said)
+    name, rest = places.naming(asked, said)
+    robots = rights.fleet.robots(name)
     lasts_s = LASTS_S if lasts_s is None else lasts_s
     low = rest.split()
     if not low:
-        return Want(robot=robot, role=_least_role(rights, robot, places), lasts_s=lasts_s)
+        return Want(robot=name, role=_least_role(rights, name, places), lasts_s=lasts_s)
     for count in range(len(low), 0, -1):
-        skill = places.vocabulary.skill(robot, " ".join(low[:count]))
+        skill = places.skill(robots, " ".join(low[:count]))
         if skill is not None:
-            return Want(robot=robot, skill=skill.id, lasts_s=lasts_s)
+            return Want(robot=name, skill=skill, lasts_s=lasts_s)
     if low[0].casefold() == RESUME:
-        return Want(robot=robot, skill=RESUME, lasts_s=lasts_s)
-    raise _no_such_skill(robot, low[0], places)
+        return Want(robot=name, skill=RESUME, lasts_s=lasts_s)
+    raise _no_such_skill(name, robots, low[0], places)
 
 
 def read_tail(text: str) -> tuple[str, float | None]:
@@ -131,16 +139,17 @@ def read_tail(text: str) -> tuple[str, float | None]:
     return " ".join(raw[:at]), seconds
 
 
-def _least_role(rights: Rights, robot: RobotId, places: Places) -> str:
-    """Return the least role under which a robot does everything it can."""
-    moving = _moving(rights, robot)
-    lists = [rights.roles_giving(robot, skill) for skill in moving]
+def _least_role(rights: Rights, name: str, places: Places) -> str:
+    """Return the least role under which a robot, or all of a group, does everything it can."""
+    moving = [(r, skill) for r in rights.fleet.robots(name) for skill in _moving(rights, r)]
+    lists = [rights.roles_giving(robot, skill) for robot, skill in moving]
     for role in lists[0] if lists else ():
         if all(role in roles for roles in lists):
             return role
+    spoken_of = dict.fromkeys(spoken(_skill(rights, robot, skill)) for robot, skill in moving)
     raise NotUnderstood(
-        words_asking.no_such_right(places.shown(robot)),
-        offers=tuple(f"/ask {robot} {spoken(_skill(rights, robot, s))}" for s in moving[:3]),
+        words_asking.no_such_right(places.shown(name)),
+        offers=tuple(f"/ask {name} {skill}" for skill in list(spoken_of)[:3]),
     )
 
 
@@ -152,7 +161,10 @@ def _skill(rights: Rights, robot: RobotId, skill: str) -> Skill:
     return rights.fleet.skills[robot][skill]
 
 
-def _no_such_skill(robot: RobotId, word: str, places: Places) -> NotUnderstood:
-    known = {spoken(s): s for s in places.vocabulary.profiles[robot].skills.values()}
-    offers = tuple(f"/ask {robot} {name}" for name in did_you_mean(word, known))
-    return NotUnderstood(words_asking.no_such_skill(places.shown(robot), word), offers=offers)
+def _no_such_skill(
+    name: str, robots: Sequence[RobotId], word: str, places: Places
+) -> NotUnderstood:
+    profiles = [places.vocabulary.profiles[robot] for robot in robots]
+    known = {spoken(s): s for profile in profiles for s in profile.skills.values()}
+    offers = tuple(f"/ask {name} {skill}" for skill in did_you_mean(word, known))
+    return NotUnderstood(words_asking.no_such_skill(places.shown(name), word), offers=offers)

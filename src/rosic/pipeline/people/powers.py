@@ -114,12 +114,17 @@ class Powers:
         )
 
     def _may_give_scope(self, principal: PrincipalId, scope: str, now_ns: int) -> bool:
+        """Whether a skill of a robot, or of all of a group, is somebody's own and to give."""
+        name, _, skill = scope.partition(":")
+        robots = self._registry.rights().fleet.robots(name)
+        if name == FLEET or skill == GRANT or not robots:
+            return False
+        return all(self._gives_skill(principal, robot, skill, now_ns) for robot in robots)
+
+    def _gives_skill(self, principal: PrincipalId, robot: RobotId, skill: str, now_ns: int) -> bool:
         """Whether one skill of one robot is somebody's own, without limits, and theirs to give."""
         rights = self._registry.rights()
-        robot, _, skill = scope.partition(":")
-        if robot == FLEET or skill == GRANT or not rights.holds(principal, robot, GRANT, now_ns):
-            return False
-        return any(
+        return rights.holds(principal, robot, GRANT, now_ns) and any(
             not way.limits and now_ns < holding.until_ns
             for way, holding in rights.ways(principal, robot, skill)
         )

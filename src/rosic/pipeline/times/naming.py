@@ -111,6 +111,20 @@ class Naming:
         robot, rest = self.robot(asked, verb, " ".join(raw[begin:]))
         return (robot,), rest
 
+    def robot_or_group(self, asked: Asked, verb: str, text: str) -> tuple[str, str]:
+        """Return the robot or the whole group that is meant, and what was said after its name.
+
+        A group of which the person does not see everybody is none for them.
+
+        Raises:
+            NotUnderstood, NotPermitted: As `robot`.
+        """
+        low = [fold(word) for word in text.split()[:MOST_WORDS]]
+        name, robots, end = self._named(low, 0, self._sides.visible(asked.caller.principal))
+        if len(robots) > 1 and robots == self._vocabulary.members(name):
+            return name, " ".join(text.split()[end:MOST_WORDS])
+        return self.robot(asked, verb, text)
+
     def calls(self, asked: Asked, text: str) -> bool:
         """Whether a text is the name of a robot that the person sees, and nothing else."""
         low = [fold(word) for word in text.split()[:MOST_WORDS]]

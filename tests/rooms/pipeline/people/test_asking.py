@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from rosic.authoriser.invitation import Given
 from rosic.organiser.petitions import MOST_AN_HOUR, MOST_OPEN
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.people.house import ADA, BO, EVE, TIM, VI, House, house
@@ -46,6 +47,38 @@ async def test_a_right_is_asked_for_by_a_tap_given_by_another_and_ends() -> None
         await place.line(VI, "omni wave")
         assert place.acted() == 1
         assert "wave on omni" not in await place.line(VI, "/me")
+
+
+async def test_a_right_on_a_whole_group_is_asked_for_and_given() -> None:
+    async with house() as place:
+        told = await place.line(VI, "/ask swarm wave for 30 min")
+        assert told.startswith("I have asked Ada or Eve: wave on swarm, for 30 min.")
+        assert not place.told(TIM), "it is not his to give"
+        again = await place.line(VI, "/ask swarm wave")
+        assert "asked" in again
+        await place.press(ADA, "Allow 30 min")
+        assert "You may now: wave on swarm, until 22:43." in place.told(VI)
+        await place.line(VI, "swarm wave")
+        assert (place.acted("cf1"), place.acted("cf2"), place.acted("omni")) == (1, 1, 0)
+        assert "wave on swarm" in await place.line(VI, "/me")
+        assert (await place.line(VI, "/ask swarm wave")).startswith("That is yours already")
+        assert "operator on swarm, for 1 h" in await place.line(VI, "/ask swarm")
+        await place.pass_s(HOUR_S)
+        assert "Your right has ended: wave on swarm." in place.told(VI)
+        await place.line(VI, "swarm wave")
+        assert place.acted("cf1") == 1
+
+
+async def test_who_gives_rights_on_a_part_of_a_group_is_not_asked_for_all_of_it() -> None:
+    async with house() as place:
+        rights = place.gateway.authority.rights
+        tim = place.gateway.rooms.authoriser.directory.named("Tim")[0].id
+        powers = place.gateway.furnishing.petitioning._powers
+        one = Given(scopes=("kuka1:wave",))
+        assert powers.may_give(tim, one)
+        assert rights.fleet.robots("*") != ("kuka1",)
+        assert not powers.may_give(tim, Given(scopes=("*:wave",))), "only a part is his"
+        assert not powers.may_give(tim, Given(scopes=("nobody:wave",)))
 
 
 async def test_allow_today_lasts_until_midnight() -> None:
