@@ -13,6 +13,7 @@ from rosic.pipeline.groups import Groups, Surroundings
 from rosic.pipeline.menus import Menus
 from rosic.pipeline.topics import KIND as TOPIC
 from rosic.pipeline.topics import Topics
+from rosic.pipeline.windows import Windows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -35,6 +36,7 @@ class Gathering:
         groups: Follows what happens to chats.
         topics: What topics are about.
         menus: What people are offered while they type.
+        windows: What channels show, where that is possible.
     """
 
     def __init__(
@@ -56,6 +58,7 @@ class Gathering:
         directory = rooms.authoriser.directory
         others = {code: found for code in LANGUAGES if (found := catalogue(code)) is not None}
         admins = partial(_admins, authority, around.clock)
+        self.windows: Windows | None = None
         self.menus = Menus(directory, admins, others, around.clock)
         changes.after(self.menus.look)
 
@@ -72,6 +75,8 @@ class Gathering:
         if not passing.chat.id:  # it listens, so it can be reached
             self.menus.look()
         self.groups.passed(messenger, passing)
+        if self.windows is not None:
+            self.windows.passed(messenger, passing)
 
 
 def gathering_of(gateway: Gateway, teller: Teller, clock: Clock, place: str) -> Gathering:
@@ -82,7 +87,12 @@ def gathering_of(gateway: Gateway, teller: Teller, clock: Clock, place: str) -> 
         changes=gateway.access.changes, archive=gateway.holding.archive, clock=clock, place=place,
         admins=furnishing.admins,
     )  # fmt: skip
-    return Gathering(pipeline, gateway.authority, around)
+    gathering = Gathering(pipeline, gateway.authority, around)
+    gathering.windows = Windows(
+        furnishing.live_cards, gateway.rooms, gateway.access.changes, furnishing.reach
+    )
+    gathering.windows.employ(pipeline.reception.office)
+    return gathering
 
 
 def _admins(authority: Authority, clock: Clock) -> list[PrincipalId]:

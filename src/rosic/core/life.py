@@ -130,8 +130,15 @@ class Life:
         parts = self._steps.split(BETWEEN) if self._steps else ()
         return tuple(_anew(part, self.words.step, _BRIEFLY) for part in parts)
 
-    def now(self) -> str:
-        """Return how it ended, or else what runs, likewise; empty before it runs."""
+    def now(self, *, briefly: bool = False) -> str:
+        """Return how it ended, or else what runs, likewise; empty before it runs.
+
+        Args:
+            briefly: Without what is noted about its end: that may name somebody.
+        """
+        if self._ending and briefly:
+            first = self._ending.partition(": ")[0].partition(". ")[0]
+            return _anew(first, self.words.ended, _ENDED)
         if self._ending:
             return _anew(self._ending, self.words.ended, _ENDED)
         if self._fraction is None and not self._note:

@@ -9,7 +9,7 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 ERRANDS = frozenset(
     {
         "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "cancel", "card",
-        "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
+        "channel", "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
         "information", "invite", "language", "lock", "map", "me", "mute", "mydata", "path",
         "people", "picture", "plan", "revoke", "role", "security", "seen", "settings", "share",
         "shelf", "slots", "take", "topic", "trajectory", "unlock", "unmute", "wait", "wish",

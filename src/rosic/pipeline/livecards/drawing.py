@@ -93,9 +93,13 @@ class Drawing:
         most: int = ROBOTS_AT_MOST,
     ) -> str:  # fmt: skip
         """Return how these robots are, at most so many of them."""
-        private = chat.kind is ChatKind.PRIVATE
-        lines = [] if private else [words.as_they_see(self._sides.name_of(owner))]
-        lines += [self._glimpses.text(robot) for robot in robots[:most]]
+        lines: list[str] = []
+        if chat.kind is ChatKind.CHANNEL:
+            lines.append(words.for_reading())
+        elif chat.kind is ChatKind.GROUP:
+            lines.append(words.as_they_see(self._sides.name_of(owner)))
+        named = chat.kind is not ChatKind.CHANNEL
+        lines += [self._glimpses.text(robot, named=named) for robot in robots[:most]]
         if len(robots) > most:
             lines.append(words.and_more(len(robots) - most))
         return joined("\n", lines)
@@ -127,7 +131,7 @@ class Drawing:
         outbound = Outbound(
             chat=card.chat,
             text=joined("\n", (*lines, stamp)),
-            buttons=(sights, stop) if sights else (stop,),
+            buttons=_rows(card.chat, sights, stop),
             weight=weight,
             attachment=None if picture is None else picture.content,
         )
@@ -142,6 +146,15 @@ class Drawing:
 def pace_of(chat: Chat) -> Pace:
     """Return how often a card in this chat may change."""
     return PRIVATE if chat.kind is ChatKind.PRIVATE else GROUP
+
+
+def _rows(
+    chat: Chat, sights: tuple[Button, ...], stop: tuple[Button, ...]
+) -> tuple[tuple[Button, ...], ...]:
+    """Return the rows under a card; what is for reading has none."""
+    if chat.kind is ChatKind.CHANNEL:
+        return ()
+    return (sights, stop) if sights else (stop,)
 
 
 def _units(text: str) -> int:

@@ -52,18 +52,18 @@ class Glimpses:
         """Return how often there was something new to see."""
         return self._seen[robot][0]
 
-    def text(self, robot: RobotId) -> str:
-        """Return what there is to see."""
-        return self._seen[robot][1]
+    def text(self, robot: RobotId, *, named: bool = True) -> str:
+        """Return what there is to see; perhaps without the names of people."""
+        return self._seen[robot][1] if named else joined("\n", self._lines(robot, named=False))
 
     # ---- one robot ----
 
-    def _lines(self, robot: RobotId) -> Iterator[str]:
+    def _lines(self, robot: RobotId, *, named: bool = True) -> Iterator[str]:
         linker, profile = self._rooms.linker, self._rooms.profiles[robot]
         presence, queued = linker.presence(robot), linker.waiting(robot)
         states = [
-            self._stopped(robot),
-            self._holder(robot),
+            self._stopped(robot, named=named),
+            self._holder(robot, named=named),
             words.waiting(queued) if queued else "",
             words.battery(profile, presence),
             words.link(presence),
@@ -73,7 +73,7 @@ class Glimpses:
         if life is not None:
             what = _what(life)
             yield from (words.step(step, what) for step in life.shown.steps)
-        done = life.shown.now() if life is not None else ""
+        done = life.shown.now(briefly=not named) if life is not None else ""
         if done:
             yield words.now(done)
         elif presence.doing:
@@ -81,14 +81,14 @@ class Glimpses:
         elif presence.at_rest:
             yield words.now(words.at_rest())
 
-    def _stopped(self, robot: RobotId) -> str:
+    def _stopped(self, robot: RobotId, *, named: bool) -> str:
         entry = self._rooms.board[robot]
         if not entry.latched:
             return ""
-        name = self._rooms.organiser.name_of(entry.by) if entry.by else ""
+        name = self._rooms.organiser.name_of(entry.by) if entry.by and named else ""
         return words.stopped(name, self._face(entry.at_ns) if entry.at_ns else "")
 
-    def _holder(self, robot: RobotId) -> str:
+    def _holder(self, robot: RobotId, *, named: bool) -> str:
         organiser = self._rooms.organiser
         calendar, now_ns = organiser.calendar, organiser.wall_ns()
         booked = self._rooms.profiles[robot].slots is not Slots.NONE and calendar.has_slots(robot)
@@ -97,7 +97,7 @@ class Glimpses:
         if who is not None:
             ends = slot is not None and slot.principal == who
             until = organiser.moment(who, slot.end_ns) if slot is not None and ends else ""
-            return words.theirs(organiser.name_of(who), until)
+            return words.theirs(organiser.name_of(who) if named else words.taken(), until)
         following = calendar.next_of(robot, now_ns) if booked else None
         return words.free("" if following is None else organiser.moment("", following.start_ns))
 

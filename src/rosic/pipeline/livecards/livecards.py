@@ -15,7 +15,7 @@ import msgspec
 from msgspec.structs import replace
 
 from rosic.contracts.messenger import pictures_of, retract_of, turn_of
-from rosic.core.message import Weight
+from rosic.core.message import ChatKind, Weight
 from rosic.core.saying import in_language
 from rosic.errors import MessageGone, MessengerFault, RecordUnavailable, TooManyRequests
 from rosic.pipeline.livecards import words_livecards as words
@@ -118,6 +118,10 @@ class LiveCards:
     def of(self, messenger: Messenger, chat: Chat) -> LiveCard | None:
         """Return a chat's card."""
         return self._cards.get(key_of(messenger, chat))
+
+    def in_channels(self) -> tuple[LiveCard, ...]:
+        """Return the cards that anybody may read."""
+        return tuple(c for c in self._cards.values() if c.chat.kind is ChatKind.CHANNEL)
 
     def begin(
         self, messenger: Messenger, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...],

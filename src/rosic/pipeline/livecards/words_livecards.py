@@ -33,6 +33,16 @@ def as_they_see(name: str) -> str:
     return said("What {name} may see:", name=name)
 
 
+def for_reading() -> str:
+    """The first line in a channel."""
+    return said("For reading: nothing that is written here commands a robot.")
+
+
+def taken() -> str:
+    """Somebody has it, and nobody is named."""
+    return said("taken")
+
+
 def head(profile: Profile, states: list[str]) -> str:
     """The first line about a robot."""
     return joined("", (f"{profile.shown}: ", joined(" · ", states)))
