@@ -18,6 +18,7 @@ from rosic.robots.ros2.by_topic import ByTopic
 from rosic.robots.ros2.dialogue import Dialogue
 from rosic.robots.ros2.errand import Carrier, Errand, Side
 from rosic.robots.ros2.faults import BadValue
+from rosic.robots.ros2.goal_trajectory import TrajectoryGoal
 from rosic.robots.ros2.heartbeat import Heartbeat
 from rosic.robots.ros2.measuring import Measurements
 from rosic.robots.ros2.meeting import Meetings
@@ -91,7 +92,9 @@ class Ros2Robot:
 
     def _carrier(self, name: str, skill: Skill) -> Carrier:
         if skill.action is not None:
-            return ByAction(skill.action)
+            trajectory = skill.action.trajectory
+            maker = None if trajectory is None else TrajectoryGoal(trajectory, self.profile.joints)
+            return ByAction(skill.action, maker)
         if skill.service is not None:
             return ByService(skill.service)
         if skill.topic is not None:
