@@ -128,7 +128,7 @@ FORMS: Final[dict[Field, Form]] = {
     (Parameter, "choices"): WORD,
     (Parameter, "means"): WORD._replace(empty=True),
     (Link, "kind"): NAMED,
-    (Link, "namespace"): _GRAPH_OR_NONE,
+    (Link, "namespace"): _GRAPH._replace(pattern=rf"/|{_GRAPH_NAME}", empty=True),
     (StopBinding, "service"): _GRAPH_OR_NONE,
     (StopBinding, "type"): _SERVICE,
     (StopBinding, "zero"): _GRAPH_OR_NONE,

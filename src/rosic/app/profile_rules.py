@@ -186,7 +186,11 @@ def _bound(profile: Profile) -> Iterator[Finding]:
     if profile.link.kind != "ros2":
         return
     if not profile.link.namespace:
-        yield Finding(("link",), "A ros2 robot needs a namespace.", f"For example /{profile.id}.")
+        yield Finding(
+            ("link",),
+            "A ros2 robot needs a namespace.",
+            f"For example /{profile.id}; / for one that has none.",
+        )
     for name, skill in profile.skills.items():
         if not _sent(skill)[0] and not profile.link.dialogue:
             yield Finding(

@@ -46,7 +46,7 @@ class Link(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     Attributes:
         kind: Name of a robot adapter: ``ros2``, ``simulated``, ``memory``.
-        namespace: ROS namespace, for presence: ``/kuka1``.
+        namespace: ROS namespace, for presence: ``/kuka1``; ``/`` for a robot alone on its graph.
         model: For ``simulated``: which machine.
         dialogue: The paper's text link over ``to_robot_topic`` and ``from_robot_topic``.
         heartbeat_s: A robot whose telemetry is older than this is offline.

@@ -47,6 +47,7 @@ DISCOVERY_S = 8.0
 DEADLINE_MARGIN_S = 0.1
 # A gateway that ends has no more time than this for one robot.
 CLOSING_REST_S = 3.0
+ROOT = "/"
 UNFIT = "does-not-fit"
 _NS = 1_000_000_000
 
@@ -67,7 +68,9 @@ class Ros2Robot:
         self.gate = gate
         self._clock = clock
         self._station = station_of(clock)
-        self._namespace = check_graph_name(profile.link.namespace) if profile.link.namespace else ""
+        space = profile.link.namespace
+        # What stands at the root shares it with everybody: it is told by its topics alone.
+        self._namespace = "" if space in {"", ROOT} else check_graph_name(space)
         self._measured = Measurements(profile)
         self._brakes = Brakes(profile, self._measured, clock)
         self._heartbeat = Heartbeat(self._namespace, clock)

@@ -129,9 +129,8 @@ def _run(
 
 
 def _node(ros: RosObject, context: RosObject, robot: str) -> RosObject:
-    return ros.node.Node(
-        NODE_NAME, namespace=f"/{robot}", context=context, use_global_arguments=False
-    )
+    name = OTHERS[robot][1].NODE_NAME if robot in OTHERS else NODE_NAME
+    return ros.node.Node(name, namespace=f"/{robot}", context=context, use_global_arguments=False)
 
 
 def _robot(

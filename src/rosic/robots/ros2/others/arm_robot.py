@@ -31,6 +31,8 @@ class ArmRobot:
         due_s: When it wants its next turn.
     """  # noqa: D205 - a list of names
 
+    NODE_NAME = CONTROLLER
+
     def __init__(self, node: RosObject, robot: str, clock: WaitingClock, log: Actuations) -> None:
         self.due_s = 0.0
         self.node = node
@@ -43,6 +45,7 @@ class ArmRobot:
         self._width_m = self._start_s = 0.0
         self._last_s = clock.now_s()
         self._told_s = float("-inf")
+        node.declare_parameter("joints", list(JOINTS))
         self._state = import_module("sensor_msgs.msg").JointState
         self._states = publisher(node, self._state, "joint_states")
         actions = import_module("control_msgs.action")

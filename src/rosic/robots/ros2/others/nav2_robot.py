@@ -36,6 +36,8 @@ class Nav2Robot:
         due_s: When it wants its next turn.
     """  # noqa: D205 - a list of names
 
+    NODE_NAME = "bt_navigator"
+
     def __init__(self, node: RosObject, robot: str, clock: WaitingClock, log: Actuations) -> None:
         self.due_s = 0.0
         self.node = node
@@ -50,10 +52,11 @@ class Nav2Robot:
         nav, geo = import_module("nav_msgs.msg"), import_module("geometry_msgs.msg")
         self._types = {"nav": nav, "geo": geo, "sensor": import_module("sensor_msgs.msg")}
         self._odom = publisher(node, nav.Odometry, "odom")
-        self._pose = publisher(node, geo.PoseWithCovarianceStamped, "amcl_pose")
+        self._pose = publisher(node, geo.PoseWithCovarianceStamped, "amcl_pose", _kept())
         self._plan = publisher(node, nav.Path, "plan")
         self._battery = publisher(node, self._types["sensor"].BatteryState, "battery_state")
         self._map = self._publish_map()
+        self._locate()
         subscribe(node, geo.Twist, "cmd_vel", self._velocity)
         action = import_module("nav2_msgs.action").NavigateToPose
         sides = Sides(self._begin, self._began, self._base.halt)
@@ -110,7 +113,9 @@ class Nav2Robot:
             if base.at_rest:
                 self._served.end(CANCELLED)
         elif base.arrived:
-            self._tell_few()  # where it is is known before anybody reads that it is there
+            self._tell_few(
+                located=True
+            )  # where it is is known before anybody reads that it is there
             self._served.end(SUCCEEDED)
         elif now_s - self._told_s >= TELL_EVERY_S:
             duration = import_module("builtin_interfaces.msg").Duration
@@ -135,15 +140,19 @@ class Nav2Robot:
         message.twist.twist.angular.z = base.angular_rad_s
         self._odom.publish(message)
 
-    def _tell_few(self) -> None:
-        geo, sensor = self._types["geo"], self._types["sensor"]
-        located = geo.PoseWithCovarianceStamped()
-        located.header.stamp, located.header.frame_id = self._stamp(), MAP
-        _place(located.pose.pose, self._base)
-        self._pose.publish(located)
-        battery = sensor.BatteryState(percentage=self._base.battery, present=True)
+    def _tell_few(self, *, located: bool = False) -> None:
+        if located or not self._base.at_rest:
+            self._locate()
+        battery = self._types["sensor"].BatteryState(percentage=self._base.battery, present=True)
         battery.header.stamp = self._stamp()
         self._battery.publish(battery)
+
+    def _locate(self) -> None:
+        """Say where it is on the map: as a localisation does, on the way and at its end."""
+        message = self._types["geo"].PoseWithCovarianceStamped()
+        message.header.stamp, message.header.frame_id = self._stamp(), MAP
+        _place(message.pose.pose, self._base)
+        self._pose.publish(message)
 
     def _publish_plan(self, places: list[Place]) -> None:
         message = self._types["nav"].Path()
@@ -157,14 +166,8 @@ class Nav2Robot:
         self._plan.publish(message)
 
     def _publish_map(self) -> RosObject:
-        qos = load_ros().qos
-        latched = qos.QoSProfile(
-            depth=1,
-            reliability=qos.ReliabilityPolicy.RELIABLE,
-            durability=qos.DurabilityPolicy.TRANSIENT_LOCAL,
-        )
         grids = self._types["nav"]
-        keeper = publisher(self.node, grids.OccupancyGrid, MAP, latched)
+        keeper = publisher(self.node, grids.OccupancyGrid, MAP, _kept())
         columns, rows, taken = cells()
         message = grids.OccupancyGrid(data=array("b", taken))
         message.header.stamp, message.header.frame_id = self._stamp(), MAP
@@ -182,6 +185,16 @@ class Nav2Robot:
 
     def _stamp(self) -> RosObject:
         return self.node.get_clock().now().to_msg()
+
+
+def _kept() -> RosObject:
+    """Return the quality of what is kept for whoever comes later."""
+    qos = load_ros().qos
+    return qos.QoSProfile(
+        depth=1,
+        reliability=qos.ReliabilityPolicy.RELIABLE,
+        durability=qos.DurabilityPolicy.TRANSIENT_LOCAL,
+    )
 
 
 def _place(pose: RosObject, base: Base) -> None:
