@@ -92,7 +92,7 @@ def drafted(seen: Seen, fields: Fields) -> str:
         "title": robot.replace("_", " "),
         "link": _link(seen),
         "stop": _stop(seen),
-        "link_loss": "hold",
+        "link_loss": "continue" if others.GOES_ON & set(seen.actions.values()) else "hold",
         "busy": "refuse",
         "watchdog_s": WATCHDOG_S if streams else None,
         "at_rest": _at_rest(seen),

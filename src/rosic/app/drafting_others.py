@@ -10,7 +10,8 @@ if TYPE_CHECKING:
 NAVIGATE: Final = "nav2_msgs/action/NavigateToPose"
 FOLLOW: Final = "control_msgs/action/FollowJointTrajectory"
 GRIP: Final = "control_msgs/action/GripperCommand"
-PREFERRED: Final = {NAVIGATE: 0, FOLLOW: 1, GRIP: 2}
+# Neither Nav2 nor a trajectory controller knows of gateways: a goal goes on when one is gone.
+GOES_ON: Final = frozenset({NAVIGATE, FOLLOW})
 # What Nav2 is made of inside, and what nobody should say to it from outside.
 INSIDE: Final = "nav2_msgs/action/"
 
