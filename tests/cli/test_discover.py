@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.discovering import robots_in
-from rosic.app.drafting import Seen, drafted, robot_id
+from rosic.app.drafting import JOINTS, LOCATED, Seen, drafted, robot_id
+from rosic.app.drafting_others import FOLLOW, GRIP, NAVIGATE, Limbs, Stand
 from rosic.app.profiles import read_profile
 from rosic.robots.ros2.graph import Offer, Snapshot, Topic
 from tests.cli.running import SOURCE, rosic
@@ -81,11 +82,10 @@ def test_a_robot_without_velocities_states_no_watchdog(tmp_path: Path) -> None:
 
 def test_what_cannot_be_guessed_is_missing_and_the_check_says_so(tmp_path: Path) -> None:
     path = tmp_path / "draft.yaml"
-    path.write_text(drafted(SEEN._replace(namespace="", said={}), fields))
+    path.write_text(drafted(SEEN._replace(said={}), fields))
 
     sentences = " ".join(str(error) for error in read_profile(path).errors)
 
-    assert "namespace" in sentences
     assert "at_rest" in sentences
 
 
@@ -113,6 +113,54 @@ def test_what_neither_moves_nor_tells_is_no_robot() -> None:
     assert [robot.namespace for robot in robots] == ["/kuka1", "/omni"]
     assert robots[1].heard == {"/omni/cmd_vel": "geometry_msgs/msg/Twist"}
     assert robots[1].said == {"/omni/odom": "nav_msgs/msg/Odometry"}
+
+
+def test_a_robot_alone_on_its_graph_keeps_its_controllers(tmp_path: Path) -> None:
+    found = Snapshot(
+        nodes=(),
+        topics=(Topic("/joint_states", (JOINTS,), 1, 0),),
+        services=(),
+        actions=(
+            Offer("/arm_controller/follow_joint_trajectory", (FOLLOW,)),
+            Offer("/gripper/gripper_cmd", (GRIP,)),
+        ),
+        complete=True,
+    )
+
+    [robot] = robots_in(found)
+    limbs = Limbs("/joint_states", {"base": 0.5, "elbow": -1.0})
+    text = drafted(
+        robot._replace(limbs={"/arm_controller/follow_joint_trajectory": limbs}), lambda _: None
+    )
+
+    profile = profile_of(text, tmp_path)
+    assert (profile.id, profile.link.namespace) == ("robot", "/")
+    assert set(profile.skills) == {"pose", "joint", "gripper"}
+    assert profile.joints is not None
+    elbow = profile.joints.limits["elbow"]
+    assert (elbow.min, elbow.max, elbow.speed) == (-1.3, -0.7, 0.2)
+    assert "write those of your arm" in text
+
+
+def test_what_nav2_is_made_of_inside_is_left_out(tmp_path: Path) -> None:
+    actions = {
+        "/rover/navigate_to_pose": NAVIGATE,
+        "/rover/follow_path": "nav2_msgs/action/FollowPath",
+        "/rover/spin": "nav2_msgs/action/Spin",
+    }
+    said = {"/rover/odom": "nav_msgs/msg/Odometry", "/rover/amcl_pose": LOCATED}
+    heard = {"/rover/cmd_vel": "geometry_msgs/msg/TwistStamped"}
+    seen = Seen("/rover", heard, said, {}, actions, stand=Stand(1.2345, 2.0, 0.5))
+
+    profile = profile_of(drafted(seen, lambda _: None), tmp_path)
+
+    assert set(profile.skills) == {"goto", "visit"}
+    assert profile.skills["visit"].parameters["place"].means == {
+        "here": {"x": 1.234, "y": 2.0, "yaw": 0.5}
+    }
+    assert profile.stop is not None
+    assert profile.stop.zero_type == "geometry_msgs/msg/TwistStamped"
+    assert profile.pose is not None
 
 
 @pytest.mark.parametrize("command", [("robot", "discover"), ("sim", "--ros2", "omni")])

@@ -49,6 +49,7 @@ FOREIGN_NAMES = (
     ),
     re.compile(r"[\"']Authorization[\"']|\bAuthorization:|[\"']Unauthorized[\"']|</?center>"),
     re.compile(r"\binitializer="),
+    re.compile(r"\bbehavior_tree\b"),  # of Nav2's goals
     re.compile(r"\boptimize="),  # Pillow's
     re.compile(r"\bscipy\.optimize\b"),
     re.compile(r"\binitialize(?:Operator|Robot)\b"),  # the paper's functions

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.app.drafting import Seen, drafted, robot_id
+from rosic.app.looking_at import TYPES, looked_at
 from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.graph import Snapshot, snapshot
 from rosic.robots.ros2.registry import TypeRegistry
@@ -17,7 +18,9 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
 
 NODE = "rosic_discover"
+Space: TypeAlias = "tuple[dict[str, str], dict[str, str], dict[str, str], dict[str, str]]"
 OURS = frozenset({"chat_interface", NODE})
+RESTING = ("/odom", "/joint_states")
 TELLING = ("/cmd_vel", "/odom", "/joint_states", "/to_robot_topic")
 
 
@@ -28,13 +31,13 @@ async def discover(clock: Clock, *, seconds: float) -> dict[str, str]:
         RosMissing: There is no ROS 2 here.
         ConfigurationError: Nobody is on the graph.
     """
-    runtime = await RosRuntime.open(TypeRegistry(()), node_name=NODE)
+    runtime = await RosRuntime.open(TypeRegistry(TYPES), node_name=NODE)
     try:
         await clock.sleep(seconds)
-        found = await snapshot(runtime)
+        robots = robots_in(await snapshot(runtime))
+        robots = [await looked_at(runtime, robot) for robot in robots]
     finally:
         await runtime.close()
-    robots = robots_in(found)
     if not robots:
         raise ConfigurationError(
             f"No robot was seen on the ROS 2 graph within {seconds:g} s.",
@@ -45,7 +48,7 @@ async def discover(clock: Clock, *, seconds: float) -> dict[str, str]:
 
 def robots_in(found: Snapshot) -> list[Seen]:
     """Sort what is on the graph by its first name; what can neither move nor tell is left out."""
-    spaces: defaultdict[str, tuple[dict[str, str], ...]] = defaultdict(lambda: ({}, {}, {}, {}))
+    spaces: defaultdict[str, Space] = defaultdict(lambda: ({}, {}, {}, {}))
     for topic in found.topics:
         space = spaces[_space(topic.name)]
         if topic.subscribers:
@@ -55,8 +58,26 @@ def robots_in(found: Snapshot) -> list[Seen]:
     for offers, at in ((found.services, 2), (found.actions, 3)):
         for offer in offers:
             spaces[_space(offer.name)][at][offer.name] = offer.types[0]
-    seen = [Seen(name, *parts) for name, parts in sorted(spaces.items())]
+    _gather(spaces)
+    seen = [Seen(name, *spaces[name]) for name in sorted(spaces)]
     return [robot for robot in seen if robot.actions or _tells(robot.heard) or _tells(robot.said)]
+
+
+def _gather(spaces: dict[str, Space]) -> None:
+    """Give what cannot show whether it rests to the robot at the root, if there is one that can.
+
+    A robot alone on its graph often has no namespace, but its controllers have names of their own.
+    """
+    root = spaces.get("")
+    if root is None or not _rests(root[1]):
+        return
+    for name in [name for name, parts in spaces.items() if name and not _rests(parts[1])]:
+        for mine, theirs in zip(root, spaces.pop(name), strict=True):
+            mine.update(theirs)
+
+
+def _rests(said: Iterable[str]) -> bool:
+    return any(name.endswith(RESTING) for name in said)
 
 
 def goal_fields(kind: str) -> Mapping[str, str] | None:

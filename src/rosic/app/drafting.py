@@ -7,18 +7,27 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import yaml
+
+from rosic.app import drafting_others as others
+
+if TYPE_CHECKING:
+    from rosic.app.drafting_others import Limbs, Stand
 
 Fields: TypeAlias = Callable[[str], Mapping[str, str] | None]
 """Name of an action type to its goal's fields and their types; None when it is not installed."""
 
 TWIST = "geometry_msgs/msg/Twist"
+STAMPED = "geometry_msgs/msg/TwistStamped"
 ODOMETRY = "nav_msgs/msg/Odometry"
 JOINTS = "sensor_msgs/msg/JointState"
 BATTERY = "sensor_msgs/msg/BatteryState"
 IMAGE = "sensor_msgs/msg/CompressedImage"
+GRID = "nav_msgs/msg/OccupancyGrid"
+PLAN = "nav_msgs/msg/Path"
+LOCATED = "geometry_msgs/msg/PoseWithCovarianceStamped"
 STRING = "std_msgs/msg/String"
 TRIGGER = "std_srvs/srv/Trigger"
 WATCHDOG_S = 0.5
@@ -54,6 +63,8 @@ class Seen(NamedTuple):
         namespace: ``/omni``; empty for what stands at the root.
         heard: Topics that somebody subscribes to.
         said: Topics that somebody publishes.
+        stand: Where it was on its map; None if it did not say.
+        limbs: Joints of its trajectory controllers, by the name of the action.
     """
 
     namespace: str
@@ -61,6 +72,8 @@ class Seen(NamedTuple):
     said: Mapping[str, str]
     services: Mapping[str, str]
     actions: Mapping[str, str]
+    stand: Stand | None = None
+    limbs: Mapping[str, Limbs] = {}
 
 
 def robot_id(namespace: str) -> str:
@@ -79,40 +92,67 @@ def drafted(seen: Seen, fields: Fields) -> str:
         "title": robot.replace("_", " "),
         "link": _link(seen),
         "stop": _stop(seen),
-        "link_loss": "hold",
+        "link_loss": "continue" if others.GOES_ON & set(seen.actions.values()) else "hold",
         "busy": "refuse",
         "watchdog_s": WATCHDOG_S if streams else None,
         "at_rest": _at_rest(seen),
+        "joints": _joints(seen),
         "skills": skills,
         "telemetry": _telemetry(seen),
-        "camera": _camera(seen),
+        "camera": _first(seen.said, IMAGE),
+        "map": _first(seen.said, GRID),
+        "pose": _first(seen.said, LOCATED),
+        "path": _first(seen.said, PLAN),
     }
     kept = {key: value for key, value in profile.items() if value not in (None, {})}
     body = yaml.safe_dump(kept, sort_keys=False, allow_unicode=True, width=110)
-    notes = HEADER + (STREAMING if streams else "")
-    return notes.format(robot=robot) + body
+    notes = (HEADER + (STREAMING if streams else "")).format(robot=robot)
+    return notes + "".join(_notes(seen)) + body
+
+
+def _notes(seen: Seen) -> Iterable[str]:
+    """Say what has to be filled in, for the robots that are known better than by names."""
+    kinds = set(seen.actions.values())
+    if others.NAVIGATE in kinds:
+        where = "where it stands now" if seen.stand else "0, 0, as it did not say where it is"
+        pose = next(iter(_of(seen.said, LOCATED)), "its localisation")
+        yield others.NAVIGATE_NOTE.format(where=where, pose=pose, area=others.AREA_M)
+    for limbs in seen.limbs.values():
+        yield others.FOLLOW_NOTE.format(
+            where="how it stands now", topic=limbs.topic,
+            reach=others.REACH_RAD, speed=others.SPEED_RAD_S,
+        )  # fmt: skip
+        break
+    if others.GRIP in kinds:
+        yield others.GRIP_NOTE
 
 
 def _link(seen: Seen) -> dict[str, Any]:
-    link: dict[str, Any] = {"kind": "ros2"}
-    if seen.namespace:
-        link["namespace"] = seen.namespace
+    link: dict[str, Any] = {"kind": "ros2", "namespace": seen.namespace or "/"}
     listens = any(_ends(name, "to_robot_topic") for name in _of(seen.heard, STRING))
     if listens and any(_ends(name, "from_robot_topic") for name in _of(seen.said, STRING)):
         link["dialogue"] = True
     return link
 
 
-def _stop(seen: Seen) -> dict[str, str] | None:
-    stop: dict[str, str] = {}
+def _stop(seen: Seen) -> dict[str, str | bool] | None:
+    stop: dict[str, str | bool] = {}
     for name in _of(seen.services, TRIGGER):
         if _ends(name, "stop", "halt"):
             stop |= {"service": name, "type": TRIGGER}
             break
-    for name in _of(seen.heard, TWIST):
-        stop |= {"zero": name, "zero_type": TWIST}
-        break
-    return stop or None
+    for kind in (TWIST, STAMPED):
+        for name in () if "zero" in stop else _of(seen.heard, kind):
+            stop |= {"zero": name, "zero_type": kind}
+            break
+    # A trajectory controller holds when its goal is cancelled, and has no other way to be stopped.
+    return stop or ({"cancel_only": True} if seen.limbs else None)
+
+
+def _joints(seen: Seen) -> dict[str, Any] | None:
+    for limbs in seen.limbs.values():
+        return {"topic": limbs.topic, "limits": others.limits(limbs)}
+    return None
 
 
 def _at_rest(seen: Seen) -> dict[str, Any] | None:
@@ -131,7 +171,8 @@ def _telemetry(seen: Seen) -> dict[str, Any]:
             "topic": name, "type": BATTERY, "field": "percentage", "unit": "%", "alert_below": 20,
         }  # fmt: skip
         break
-    for name in _of(seen.said, ODOMETRY):
+    # A localisation says on a map where it is, but not again and again: that is the 'pose'.
+    for name in () if LOCATED in seen.said.values() else _of(seen.said, ODOMETRY):
         for axis in ("x", "y"):
             field = f"pose.pose.position.{axis}"
             telemetry[axis] = {"topic": name, "type": ODOMETRY, "field": field, "unit": "m"}
@@ -139,14 +180,15 @@ def _telemetry(seen: Seen) -> dict[str, Any]:
     return telemetry
 
 
-def _camera(seen: Seen) -> dict[str, str] | None:
-    return next(({"topic": n, "type": IMAGE} for n in _of(seen.said, IMAGE)), None)
+def _first(said: Mapping[str, str], kind: str) -> dict[str, str] | None:
+    return next(({"topic": name, "type": kind} for name in _of(said, kind)), None)
 
 
 def _skills(seen: Seen, fields: Fields) -> dict[str, Any]:
     skills: dict[str, Any] = {}
     for name, kind in sorted(seen.actions.items()):
-        skills[_skill_id(name)] = _action(name, kind, fields(kind))
+        known = _known(seen, name, kind)
+        skills |= {_skill_id(name): _action(name, kind, fields(kind))} if known is None else known
     for name in _of(seen.services, TRIGGER):
         if not _ends(name, "stop", "halt"):
             skills.setdefault(
@@ -155,6 +197,18 @@ def _skills(seen: Seen, fields: Fields) -> dict[str, Any]:
     for name in _of(seen.heard, TWIST):
         skills.setdefault("drive", _drive(name))
     return skills
+
+
+def _known(seen: Seen, name: str, kind: str) -> dict[str, Any] | None:
+    """Return the skills of an action that is known better; None for any other."""
+    if kind == others.NAVIGATE:
+        return others.navigating(name, seen.stand)
+    if kind == others.FOLLOW and name == next(iter(seen.limbs), None):
+        return others.following(name, seen.limbs[name])
+    if kind == others.GRIP:
+        return others.gripping(name)
+    # A second arm, or one that did not say where it is, has to be written by hand.
+    return {} if kind == others.FOLLOW or kind.startswith(others.INSIDE) else None
 
 
 def _drive(topic: str) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Final
 from rosic.app.shape import Bounds, Field, Form
 from rosic.core.alert_rule import Alert
 from rosic.core.geography import GeographicFrame
+from rosic.core.joints import Joints
 from rosic.core.robot import (
     AtRest,
     Camera,
@@ -27,6 +28,7 @@ from rosic.core.skill import (
     ServiceBinding,
     Skill,
     TopicBinding,
+    Trajectory,
 )
 
 _NAME = r"[a-z][a-z0-9_]{0,31}"
@@ -65,6 +67,16 @@ _POSES = Form(
     "a type that says where a robot is",
     "Write nav_msgs/msg/Odometry, geometry_msgs/msg/PoseStamped or "
     "geometry_msgs/msg/PoseWithCovarianceStamped.",
+)
+_STATES = Form(
+    r"sensor_msgs/msg/JointState",
+    "a type that says where joints are",
+    "Write sensor_msgs/msg/JointState.",
+)
+_PLACEHOLDER = Form(
+    rf"\$({_NAME})(\.{_NAME})?",
+    "a parameter",
+    "Write $angle, or $pose.joints for what a choice means.",
 )
 _WAYS = Form(r"nav_msgs/msg/Path", "a type of planned paths", "Write nav_msgs/msg/Path.")
 _ACTION = _ros_type("action", "rosic_interfaces/action/Move")
@@ -114,8 +126,9 @@ FORMS: Final[dict[Field, Form]] = {
     (Skill, "words"): WORD,
     (Skill, "parameters"): NAMED,
     (Parameter, "choices"): WORD,
+    (Parameter, "means"): WORD._replace(empty=True),
     (Link, "kind"): NAMED,
-    (Link, "namespace"): _GRAPH_OR_NONE,
+    (Link, "namespace"): _GRAPH._replace(pattern=rf"/|{_GRAPH_NAME}", empty=True),
     (StopBinding, "service"): _GRAPH_OR_NONE,
     (StopBinding, "type"): _SERVICE,
     (StopBinding, "zero"): _GRAPH_OR_NONE,
@@ -147,6 +160,11 @@ FORMS: Final[dict[Field, Form]] = {
     (ActionBinding, "type"): _ACTION,
     (ActionBinding, "goal"): _PATH,
     (ActionBinding, "start"): _PATH_OR_NONE,
+    (ActionBinding, "remaining"): _PATH_OR_NONE,
+    (Trajectory, "to"): _PLACEHOLDER,
+    (Trajectory, "joint"): _PLACEHOLDER._replace(empty=True),
+    (Joints, "topic"): _GRAPH,
+    (Joints, "type"): _STATES,
     (ActionBinding, "fraction"): _PATH_OR_NONE,
     (ActionBinding, "stage"): _PATH_OR_NONE,
     (ActionBinding, "success"): _PATH_OR_NONE,

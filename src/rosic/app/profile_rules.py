@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from msgspec.structs import replace
 
 from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
+from rosic.app.profile_poses import meant, moved, of_trajectory
 from rosic.app.shape import Finding, Rules
 from rosic.app.source import Place, nearest
 from rosic.core.authority import FILES, READ, RESUME
@@ -57,7 +58,17 @@ def profile_rules(units: UnitTable) -> Rules:
             Telemetry: (telemetry,),
             Files: (_folders,),
             Skill: (_placeholders, _streams),
-            Profile: (_reserved, _located, _bound, _texts, _watched, _stoppable, words, alerts),
+            Profile: (
+                _reserved,
+                _located,
+                _bound,
+                _texts,
+                _watched,
+                _stoppable,
+                moved,
+                words,
+                alerts,
+            ),
         },
     )
 
@@ -108,7 +119,7 @@ def _sent(skill: Skill) -> tuple[Place, dict[str, float | int | str | bool]]:
     if skill.service is not None:
         return ("service", "request"), skill.service.request
     if skill.action is not None:
-        return ("action", "goal"), skill.action.goal
+        return ("action", "goal"), skill.action.goal | of_trajectory(skill.action.trajectory)
     if skill.set_parameters is not None:
         return ("set_parameters", "values"), skill.set_parameters.values
     return (), {}
@@ -118,11 +129,14 @@ def _placeholders(skill: Skill) -> Iterator[Finding]:
     place, sent = _sent(skill)
     if not place:
         return
-    named = {key: str(value)[1:] for key, value in sent.items() if str(value).startswith("$")}
+    written = {key: str(value)[1:] for key, value in sent.items() if str(value).startswith("$")}
+    named = {key: name.partition(".")[0] for key, name in written.items()}
     unknown = {key: name for key, name in named.items() if name not in skill.parameters}
     for key, name in unknown.items():
         hint = nearest(name, skill.parameters) or "This skill has no parameters."
         yield Finding((*place, key), f"${name} is not a parameter of this skill.", hint)
+    for key in () if unknown else named:
+        yield from meant(skill, (*place, key), written[key])
     used = {*named.values(), *([STREAMED] if _is_streamed(skill) else [])}
     for name in () if unknown else skill.parameters:
         if name not in used:
@@ -172,7 +186,11 @@ def _bound(profile: Profile) -> Iterator[Finding]:
     if profile.link.kind != "ros2":
         return
     if not profile.link.namespace:
-        yield Finding(("link",), "A ros2 robot needs a namespace.", f"For example /{profile.id}.")
+        yield Finding(
+            ("link",),
+            "A ros2 robot needs a namespace.",
+            f"For example /{profile.id}; / for one that has none.",
+        )
     for name, skill in profile.skills.items():
         if not _sent(skill)[0] and not profile.link.dialogue:
             yield Finding(
@@ -242,9 +260,14 @@ def _stoppable(profile: Profile) -> Iterator[Finding]:
     if profile.link.kind != "ros2" or not moving:
         return
     stop = profile.stop
-    if stop is not None and not (stop.service or stop.zero):
-        yield Finding(("stop",), "'stop' names neither a service nor a velocity topic to zero.")
-    if stop is None and any(skill.action is None for skill in moving):
+    if stop is not None and not (stop.service or stop.zero or stop.cancel_only):
+        yield Finding(
+            ("stop",),
+            "'stop' names neither a service nor a velocity topic to zero.",
+            "A robot that holds when its goals are cancelled says so: cancel_only: true.",
+        )
+    by_goals = stop is None or stop.cancel_only
+    if by_goals and any(skill.action is None for skill in moving):
         yield Finding(
             (),
             "'stop' is missing: nothing would stop this robot.",
@@ -298,8 +321,8 @@ def advice(profile: Profile) -> Iterator[Finding]:
     if moves and profile.stop is None:
         yield Finding(
             (),
-            "'stop' is missing: a stop only cancels what ROSIC itself has begun.",
-            "Name the robot's own stop service.",
+            "'stop' is missing: a stop only cancels the goals of this robot's actions.",
+            "Name the robot's own stop service; if it has none, write cancel_only: true.",
         )
     for name, skill in profile.skills.items():
         topic = skill.topic

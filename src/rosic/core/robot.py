@@ -10,6 +10,7 @@ import msgspec
 
 from rosic.core.alert_rule import Alert
 from rosic.core.geography import GeographicFrame
+from rosic.core.joints import Joints
 from rosic.core.skill import Skill
 from rosic.core.view import Pose, Sight
 
@@ -45,7 +46,7 @@ class Link(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     Attributes:
         kind: Name of a robot adapter: ``ros2``, ``simulated``, ``memory``.
-        namespace: ROS namespace, for presence: ``/kuka1``.
+        namespace: ROS namespace, for presence: ``/kuka1``; ``/`` for a robot alone on its graph.
         model: For ``simulated``: which machine.
         dialogue: The paper's text link over ``to_robot_topic`` and ``from_robot_topic``.
         heartbeat_s: A robot whose telemetry is older than this is offline.
@@ -78,12 +79,18 @@ class StopBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     Attributes:
         service, type: A service without arguments, ``std_srvs/srv/Trigger`` for one.
         zero: A velocity topic that is sent zero, and its type.
+        cancel_only: This robot has neither, and holds when all its goals are cancelled.
     """
 
     service: str = ""
     type: str = "std_srvs/srv/Trigger"
     zero: str = ""
     zero_type: str = "geometry_msgs/msg/Twist"
+    cancel_only: bool = False
+
+    def __post_init__(self) -> None:
+        if self.cancel_only and (self.service or self.zero):
+            raise ValueError("cancel_only means that there is neither a service nor a zero")
 
 
 class AtRest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -165,6 +172,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         watchdog_s: The robot's own time-out for a velocity topic; without it no skill may stream.
         go_to: Skill that goes to a place, and its two parameters in m: ``goto x y``. With a
             frame, a location that somebody sends asks whether the robot is to go there.
+        joints: What a trajectory controller moves; skills with a ``trajectory`` need it.
         rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
         alerts: Rules about what the robot reports: whom to tell, and what to run.
     """
@@ -182,6 +190,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     watchdog_s: float | None = None
     at_rest: AtRest | None = None
     rest_timeout_s: float = 5.0
+    joints: Joints | None = None
     skills: dict[str, Skill] = {}
     telemetry: dict[str, Telemetry] = {}
     camera: Camera | None = None

@@ -9,6 +9,7 @@ from typing import TypeAlias
 import msgspec
 
 Argument: TypeAlias = float | int | str
+Meaning: TypeAlias = float | tuple[float, ...]
 
 
 class SkillClass(enum.Enum):
@@ -47,6 +48,8 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         min, max: Bounds in ``unit``, inclusive.
         integer: Only whole numbers.
         choices: Word to its other spellings. A parameter with choices is not a number.
+        means: Choice to the numbers it stands for, by name, in SI: a place on the map, a pose of
+            an arm. A binding takes one of them as ``$place.x``.
         text: Takes the rest of the line as it is.
         default: In ``unit``, or one of the choices; None means it must be given.
     """
@@ -57,10 +60,13 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     max: float | None = None
     integer: bool = False
     choices: dict[str, tuple[str, ...]] | None = None
+    means: dict[str, dict[str, Meaning]] = {}
     text: bool = False
     default: float | str | None = None
 
     def __post_init__(self) -> None:
+        if self.means:
+            _check_meanings(self.means, self.choices or {})
         if self.choices is not None or self.text:
             if self.min is not None or self.max is not None or self.unit:
                 raise ValueError("a choice or a text has no unit and no bounds")
@@ -77,11 +83,31 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             raise ValueError("the default is not a number between min and max")
 
 
+def _check_meanings(
+    means: dict[str, dict[str, Meaning]], choices: dict[str, tuple[str, ...]]
+) -> None:
+    """See that every choice stands for the same finite numbers.
+
+    Raises:
+        ValueError: One does not.
+    """
+    if set(means) != set(choices):
+        raise ValueError("means and choices must have the same words")
+    names = [set(meaning) for meaning in means.values()]
+    if any(other != names[0] for other in names):
+        raise ValueError("means must give the same numbers for every choice")
+    for meaning in means.values():
+        for value in meaning.values():
+            if not all(map(isfinite, value if isinstance(value, tuple) else (value,))):
+                raise ValueError("means must be finite numbers")
+
+
 class TopicBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Publish a message. Nothing acknowledges a topic.
 
     Attributes:
-        message: Dotted field to a value; ``$name`` takes a parameter (SI), else it is literal.
+        message: Dotted field to a value; ``$name`` takes a parameter (SI), ``$name.x`` a number
+            that a choice stands for; else it is literal.
         stream_hz: Greater than 0 sends a bounded stream for ``$duration`` seconds that ends in
             zero; allowed only when the profile states the robot's own ``watchdog_s``.
     """
@@ -101,22 +127,47 @@ class ServiceBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     timeout_s: float = 5.0
 
 
+class Trajectory(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A move of an arm, made of where its joints are and of where they are to go.
+
+    Attributes:
+        to: ``$pose.joints``, a pose by the meaning of a choice; or ``$angle``, for one joint.
+        joint: ``$joint``: the one that moves while the others stay; empty: all of them.
+        speed: Share of every joint's own speed, in (0, 1]; or ``$speed``.
+    """
+
+    to: str
+    joint: str = ""
+    speed: float | str = 0.3
+
+    def __post_init__(self) -> None:
+        if isinstance(self.speed, str):
+            if self.speed[:1] != "$":
+                raise ValueError("speed is a share of the joints' own, or a parameter: $speed")
+        elif not 0 < self.speed <= 1:
+            raise ValueError("speed is a share of the joints' own: above 0, at most 1")
+
+
 class ActionBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Send an action goal. Acceptance is the receipt, feedback the progress, the result the end.
 
     Attributes:
         timeout_s: Longest time between acceptance and result; then the goal is cancelled.
         start: Goal field of type ``builtin_interfaces/Time`` that takes a common start, or empty.
+        remaining: Feedback field that shrinks to zero on the way, instead of ``fraction``.
         success, message: Result fields that say whether, and what.
+        trajectory: Makes the goal of a trajectory controller; the profile then has ``joints``.
     """
 
     name: str
     type: str
     goal: dict[str, float | int | str | bool] = {}
+    trajectory: Trajectory | None = None
     timeout_s: float = 120.0
     start: str = ""
     fraction: str = "fraction"
     stage: str = "stage"
+    remaining: str = ""
     success: str = "success"
     message: str = "message"
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import asyncio
 import logging
 from contextlib import suppress
-from math import isfinite
 from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Outcome
 from rosic.core.saying import said
 from rosic.errors import RobotUnreachable, RosicError
-from rosic.robots.ros2.errand import DECLINED, Answer, check_fields, filled, note
+from rosic.robots.ros2.errand import DECLINED, Answer, note
 from rosic.robots.ros2.faults import NoAnswer, NotSent
+from rosic.robots.ros2.goal_fields import Fields
 from rosic.robots.ros2.messages import to_message
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.reasons import Reasons
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rosic.core.skill import ActionBinding
     from rosic.robots.ros2.actions import ActionLink, Goal, GoalEnd
     from rosic.robots.ros2.errand import Errand
+    from rosic.robots.ros2.goal_fields import Fraction, Maker
     from rosic.robots.ros2.ros import RosObject
     from rosic.robots.ros2.runtime import RosRuntime
 
@@ -38,21 +39,28 @@ _NS = 1_000_000_000
 class ByAction:
     """Sends goals of one action."""
 
-    def __init__(self, binding: ActionBinding) -> None:
+    def __init__(self, binding: ActionBinding, maker: Maker | None = None) -> None:
+        """Make it.
+
+        Args:
+            binding: Which action, and what its answers say.
+            maker: Makes its goals, if not from the fields that the binding names.
+        """
         self._binding = binding
+        self._maker = maker or Fields(binding)
         self._link: ActionLink | None = None
         self._cls: RosObject = None
         self._reasons = Reasons()
 
     def types(self) -> set[str]:
         """Return the action's type, and that of the log in which refusals are explained."""
-        return {self._binding.type, *self._reasons.types()}
+        return {self._binding.type, *self._reasons.types(), *self._maker.types()}
 
     async def open(self, runtime: RosRuntime) -> None:
         """Open the action's client and check every field that the profile names."""
         binding = self._binding
         self._cls = cls = runtime.types.action(binding.type)
-        check_fields(cls.Goal, binding.goal)
+        await self._maker.open(runtime, cls)
         if binding.start:
             compile_path(cls.Goal, f"{binding.start}.sec")
         self._answer = Answer(cls.Result, binding.success, binding.message)
@@ -61,6 +69,7 @@ class ByAction:
 
     async def close(self) -> None:
         """Leave the action."""
+        await self._maker.close()
         link, self._link = self._link, None
         if link is not None:
             await link.close()
@@ -71,11 +80,14 @@ class ByAction:
         if link is None:
             raise errand.offline()
         await errand.there(link.ready, link.name)
-        values = self._values(errand)
+        made = self._maker.make(errand)
+        if isinstance(made, Outcome):
+            return made
+        values = self._started(made.values, errand)
         to_message(self._cls.Goal, values)
         sent_ns = errand.side.clock.wall_ns()
         errand.leave()
-        watch = _Watch(errand)
+        watch = _Watch(errand, made.fraction)
         try:
             goal = await link.send(
                 values, timeout_s=ACCEPT_WITHIN_S, goal_id=order.cid, on_feedback=watch.feedback
@@ -98,8 +110,8 @@ class ByAction:
             await _call_off(goal)
         return self._outcome(errand, await self._end(goal, errand, watch))
 
-    def _values(self, errand: Errand) -> dict[str, object]:
-        values = filled(self._binding.goal, errand.order.arguments)
+    def _started(self, values: dict[str, object], errand: Errand) -> dict[str, object]:
+        """Add the common start, if there is one and the action takes it."""
         start_ns = errand.order.start_ns
         if self._binding.start and start_ns is not None:
             clock = errand.side.clock
@@ -161,11 +173,12 @@ class ByAction:
 class _Watch:
     """Takes in feedback, and knows for how long nothing was heard."""
 
-    def __init__(self, errand: Errand) -> None:
+    def __init__(self, errand: Errand, fraction: Fraction) -> None:
         self._errand = errand
         self._heard_ns = self.now_ns()
+        self._fraction = fraction
         binding = errand.order.skill.action
-        self._paths = (binding.fraction, binding.stage) if binding is not None else ("", "")
+        self._stage = binding.stage if binding is not None else ""
 
     def now_ns(self) -> int:
         """Return the monotonic clock."""
@@ -174,12 +187,9 @@ class _Watch:
     def feedback(self, message: RosObject) -> None:
         """Pass on how far the robot says it is."""
         self._heard_ns = self.now_ns()
-        fraction, stage = (_field(message, path) for path in self._paths)
-        number = isinstance(fraction, (int, float)) and isfinite(fraction)
-        self._errand.running(
-            float(fraction) if number else None,  # type: ignore[arg-type]
-            note(stage) if isinstance(stage, str) else "",
-        )
+        stage = _field(message, self._stage)
+        words = note(stage) if isinstance(stage, str) else ""
+        self._errand.running(self._fraction(message), words)
 
     def silent_s(self) -> float:
         """Return for how long neither feedback nor telemetry came; 0 without any telemetry."""

@@ -56,7 +56,7 @@ class ByParameters:
         if self._set is None or self._get is None:
             raise errand.offline()
         await errand.there(self._set.ready, self._set.name)
-        asked: Parameters = filled(self._binding.values, errand.order.arguments)  # type: ignore[assignment]
+        asked: Parameters = filled(self._binding.values, errand.order)  # type: ignore[assignment]
         values = request(asked)
         answer = await ask(errand, self._set, values, self._binding.timeout_s, leave=True)
         if answer is None:

@@ -54,7 +54,7 @@ class ByService:
         if link is None:
             raise errand.offline()
         await errand.there(link.ready, link.name)
-        values = filled(self._binding.request, errand.order.arguments)
+        values = filled(self._binding.request, errand.order)
         to_message(self._cls.Request, values)
         answer = await ask(errand, link, values, self._binding.timeout_s, leave=True)
         if answer is None:

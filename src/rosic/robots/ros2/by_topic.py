@@ -53,7 +53,7 @@ class ByTopic:
     async def carry(self, errand: Errand) -> Outcome:
         """Publish once, or stream."""
         publisher = await self._listened_to(errand)
-        values = filled(self._binding.message, errand.order.arguments)
+        values = filled(self._binding.message, errand.order)
         to_message(self._cls, values)
         if self._binding.stream_hz > 0:
             return await self._drive(errand, publisher, values)
@@ -67,7 +67,7 @@ class ByTopic:
     async def fall_silent(self, errand: Errand) -> Resting:
         """Stream, cease without a zero, and wait for measured rest; for measuring a watchdog."""
         publisher = await self._listened_to(errand)
-        values = filled(self._binding.message, errand.order.arguments)
+        values = filled(self._binding.message, errand.order)
         to_message(self._cls, values)
         await self._stream(errand, publisher, values)
         side = errand.side

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Tell
     from rosic.core.gate import Gate
     from rosic.core.order import Order, Outcome
-    from rosic.core.skill import Argument
+    from rosic.core.skill import Argument, Meaning
     from rosic.robots.ros2.measuring import Measurements
     from rosic.robots.ros2.rest import Brakes, Resting
     from rosic.robots.ros2.ros import RosObject
@@ -32,6 +32,8 @@ _log = logging.getLogger(__name__)
 NOTE_BYTES = 240
 DECLINED = "robot-declined"
 _MOST_FACTS = 64
+# What robots' own words are called: by most, by Nav2, by ros2_control.
+MESSAGES = ("message", "error_msg", "error_string")
 
 
 class Side(NamedTuple):
@@ -136,18 +138,25 @@ class Errand:
         self._tell(Report(Stage.RUNNING, self._fraction, note))
 
 
-def filled(
-    values: Mapping[str, float | int | str | bool], arguments: Mapping[str, Argument]
-) -> dict[str, object]:
+def filled(values: Mapping[str, float | int | str | bool], order: Order) -> dict[str, object]:
     """Return the fields of a message with ``$name`` replaced by the order's arguments (SI).
 
     Text from a chat is cleaned; everything is checked against the message's type afterwards.
     """
     found: dict[str, object] = {}
     for field, value in values.items():
-        given = arguments[value[1:]] if isinstance(value, str) and value[:1] == "$" else value
+        given = looked_up(value, order)
         found[field] = clean_text(given) if isinstance(given, str) else given
     return found
+
+
+def looked_up(value: Argument | bool, order: Order) -> Argument | Meaning | bool:
+    """Return a value as it is, ``$name`` as the argument, ``$name.x`` as what a choice means."""
+    if not isinstance(value, str) or value[:1] != "$":
+        return value
+    name, dot, part = value[1:].partition(".")
+    argument = order.arguments[name]
+    return order.skill.parameters[name].means[str(argument)][part] if dot else argument
 
 
 def check_fields(cls: RosObject, fields: Mapping[str, object]) -> None:
@@ -165,7 +174,7 @@ class Answer:
 
     def __init__(self, cls: RosObject, success: str = "", message: str = "") -> None:
         self._success = _reader(cls, success, "success")
-        self._message = _reader(cls, message, "message")
+        self._message = _reader(cls, message, *MESSAGES)
         self._facts = _reader(cls, "", "fact_names"), _reader(cls, "", "fact_values")
 
     def succeeded(self, answer: RosObject) -> bool:
@@ -198,11 +207,12 @@ def _listed(value: object) -> list[object]:
     return value if isinstance(value, list) else []
 
 
-def _reader(cls: RosObject, path: str, usual: str) -> Reader | None:
+def _reader(cls: RosObject, path: str, *usual: str) -> Reader | None:
     """Return the reader of a field; None when the profile does not insist and it is not there."""
-    try:
-        return compile_path(cls, path or usual)
-    except BadName:
-        if path not in {"", usual}:
-            raise
-        return None
+    for wanted in (path,) if path not in {"", *usual} else usual:
+        try:
+            return compile_path(cls, wanted)
+        except BadName:
+            if wanted not in usual:
+                raise
+    return None

@@ -18,6 +18,7 @@ from rosic.robots.ros2.by_topic import ByTopic
 from rosic.robots.ros2.dialogue import Dialogue
 from rosic.robots.ros2.errand import Carrier, Errand, Side
 from rosic.robots.ros2.faults import BadValue
+from rosic.robots.ros2.goal_trajectory import TrajectoryGoal
 from rosic.robots.ros2.heartbeat import Heartbeat
 from rosic.robots.ros2.measuring import Measurements
 from rosic.robots.ros2.meeting import Meetings
@@ -46,6 +47,7 @@ DISCOVERY_S = 8.0
 DEADLINE_MARGIN_S = 0.1
 # A gateway that ends has no more time than this for one robot.
 CLOSING_REST_S = 3.0
+ROOT = "/"
 UNFIT = "does-not-fit"
 _NS = 1_000_000_000
 
@@ -66,7 +68,9 @@ class Ros2Robot:
         self.gate = gate
         self._clock = clock
         self._station = station_of(clock)
-        self._namespace = check_graph_name(profile.link.namespace) if profile.link.namespace else ""
+        space = profile.link.namespace
+        # What stands at the root shares it with everybody: it is told by its topics alone.
+        self._namespace = "" if space in {"", ROOT} else check_graph_name(space)
         self._measured = Measurements(profile)
         self._brakes = Brakes(profile, self._measured, clock)
         self._heartbeat = Heartbeat(self._namespace, clock)
@@ -91,7 +95,9 @@ class Ros2Robot:
 
     def _carrier(self, name: str, skill: Skill) -> Carrier:
         if skill.action is not None:
-            return ByAction(skill.action)
+            trajectory = skill.action.trajectory
+            maker = None if trajectory is None else TrajectoryGoal(trajectory, self.profile.joints)
+            return ByAction(skill.action, maker)
         if skill.service is not None:
             return ByService(skill.service)
         if skill.topic is not None:

@@ -50,7 +50,7 @@ class Sights:
         self._profile = profile
         self._clock = clock
         self._runtime: RosRuntime | None = None
-        self._pose: Latest | None = None
+        self._poses: list[Latest] = []
         self._paths: list[Latest] = []
 
     def types(self) -> set[str]:
@@ -63,19 +63,19 @@ class Sights:
         """Listen to where the robot is and goes. Nothing is asked of camera or map yet."""
         self._runtime = runtime
         pose, path = self._profile.pose, self._profile.path
-        if pose is not None:
-            self._pose = await runtime.latest(pose.topic, pose.type)
-        if path is not None:
-            for quality in (_VOLATILE, _KEPT):
+        # A localisation speaks of a robot that moves; where it came to rest is kept.
+        for quality in (_VOLATILE, _KEPT):
+            if pose is not None:
+                self._poses.append(await runtime.latest(pose.topic, pose.type, quality))
+            if path is not None:
                 self._paths.append(await runtime.latest(path.topic, path.type, quality))
 
     async def close(self) -> None:
         """Listen no more; whoever looks sees nothing new."""
         self._runtime = None
-        for source in (self._pose, *self._paths):
-            if source is not None:
-                await source.close()
-        self._pose, self._paths = None, []
+        for source in (*self._poses, *self._paths):
+            await source.close()
+        self._poses, self._paths = [], []
 
     # ---- looking ----
 
@@ -190,7 +190,7 @@ class Sights:
 
     def pose(self) -> Pose | None:
         """Return where the robot last said that it is."""
-        source = self._pose
+        source = _newest(self._poses)
         try:
             message = None if source is None else source.message()
         except BadValue:
@@ -202,15 +202,15 @@ class Sights:
         return pose if isfinite(pose.x_m) and isfinite(pose.y_m) and isfinite(pose.z_m) else None
 
     def _pose_age_s(self) -> float:
-        age_s = None if self._pose is None else self._pose.age_s
+        newest = _newest(self._poses)
+        age_s = None if newest is None else newest.age_s
         return 0.0 if age_s is None else age_s
 
     def _path(self, frame: str) -> tuple[tuple[float, float], ...]:
         """Return the newest path, if it is in the map's frame and of a bearable length."""
-        heard = [source for source in self._paths if source.received_ns is not None]
-        if not heard:
+        newest = _newest(self._paths)
+        if newest is None:
             return ()
-        newest = max(heard, key=lambda source: source.received_ns or 0)
         try:
             message = newest.message() if newest.size_bytes < MOST_BYTES // 8 else None
         except BadValue:
@@ -219,6 +219,12 @@ class Sights:
             return ()
         places = [stamped.pose.position for stamped in message.poses[:MOST_POINTS]]
         return tuple((float(place.x), float(place.y)) for place in places)
+
+
+def _newest(sources: list[Latest]) -> Latest | None:
+    """Return the source that was heard last; None when none ever was."""
+    heard = [source for source in sources if source.received_ns is not None]
+    return max(heard, key=lambda source: source.received_ns or 0, default=None)
 
 
 def _frame(message: RosObject) -> str:

@@ -18,7 +18,11 @@ from rosic.robots.ros2.nodes.actuations import Actuations
 from rosic.robots.ros2.nodes.machine_node import NODE_NAME, MachineNode
 from rosic.robots.ros2.nodes.offers import MODELS
 from rosic.robots.ros2.nodes.waiting_clock import WaitingClock
-from rosic.robots.ros2.own_interfaces import find_own_interfaces
+from rosic.robots.ros2.others.arm_robot import TYPES as ARM_TYPES
+from rosic.robots.ros2.others.arm_robot import ArmRobot
+from rosic.robots.ros2.others.nav2_robot import TYPES as NAV2_TYPES
+from rosic.robots.ros2.others.nav2_robot import Nav2Robot
+from rosic.robots.ros2.own_interfaces import find_interfaces, find_own_interfaces
 from rosic.robots.ros2.ros import load_ros, make_executor
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.swarm import Swarm
@@ -32,6 +36,13 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.ros import RosObject
 
 LONGEST_TURN_S = 0.1
+# Robots as others build them: only by name, as they take interfaces of other packages.
+OTHERS: dict[str, tuple[tuple[str, ...], type[Nav2Robot | ArmRobot]]] = {
+    "rover": (NAV2_TYPES, Nav2Robot),
+    "picker": (ARM_TYPES, ArmRobot),
+}
+
+KNOWN = (*MODELS, *OTHERS)
 
 
 def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -> int:
@@ -47,18 +58,19 @@ def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -
     parser = argparse.ArgumentParser(
         prog="python -m rosic.robots.ros2.simulation", description=__doc__
     )
-    parser.add_argument("robots", nargs="*", metavar="ROBOT", help=f"of {', '.join(MODELS)}")
+    parser.add_argument("robots", nargs="*", metavar="ROBOT", help=f"of {', '.join(KNOWN)}")
     parser.add_argument(
         "--actuations", type=Path, metavar="FILE", help="append a line whenever a robot acts"
     )
     asked = parser.parse_args(arguments)
     robots = list(dict.fromkeys(asked.robots)) or list(MODELS)
     for robot in robots:
-        if robot not in MODELS:
+        if robot not in KNOWN:
             raise ConfigurationError(
-                f"There is no simulated robot called {robot!r}; {did_you_mean(robot, MODELS)}"
+                f"There is no simulated robot called {robot!r}; {did_you_mean(robot, KNOWN)}"
             )
     find_own_interfaces()
+    find_interfaces(name for robot in robots for name in OTHERS.get(robot, ((),))[0])
     try:
         log = Actuations(asked.actuations)
     except OSError as error:
@@ -93,13 +105,13 @@ def _run(
     ros.rclpy.init(context=context, signal_handler_options=ros.signals.SignalHandlerOptions.NO)
     executor = make_executor(ros, context)
     world, clock = _world(), WaitingClock()
-    nodes: list[MachineNode] = []
+    nodes: list[MachineNode | Nav2Robot | ArmRobot] = []
     try:
         for robot in robots:
             ros_node = _node(ros, context, robot)
             executor.add_node(ros_node)
-            nodes.append(MachineNode(ros_node, robot, world, clock, log))
-            if draw is not None:
+            nodes.append(_robot(ros_node, robot, world, clock, log))
+            if draw is not None and isinstance(nodes[-1], MachineNode):
                 nodes[-1].show(world, draw)
         sys.stdout.write(f"ready {' '.join(robots)}\n")
         sys.stdout.flush()
@@ -117,9 +129,16 @@ def _run(
 
 
 def _node(ros: RosObject, context: RosObject, robot: str) -> RosObject:
-    return ros.node.Node(
-        NODE_NAME, namespace=f"/{robot}", context=context, use_global_arguments=False
-    )
+    name = OTHERS[robot][1].NODE_NAME if robot in OTHERS else NODE_NAME
+    return ros.node.Node(name, namespace=f"/{robot}", context=context, use_global_arguments=False)
+
+
+def _robot(
+    node: RosObject, robot: str, world: World, clock: WaitingClock, log: Actuations
+) -> MachineNode | Nav2Robot | ArmRobot:
+    if robot in OTHERS:
+        return OTHERS[robot][1](node, robot, clock, log)
+    return MachineNode(node, robot, world, clock, log)
 
 
 def _world() -> World:

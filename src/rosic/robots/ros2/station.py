@@ -10,9 +10,8 @@ from weakref import WeakKeyDictionary, proxy
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.faults import NotSent
 from rosic.robots.ros2.graph import Snapshot, snapshot
-from rosic.robots.ros2.interfaces.cache import OWN
 from rosic.robots.ros2.names import is_under
-from rosic.robots.ros2.own_interfaces import find_own_interfaces
+from rosic.robots.ros2.own_interfaces import find_interfaces
 from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 
@@ -52,8 +51,7 @@ class Station:
         """
         async with self._entering:
             wanted = self._types.union(types)
-            if any(name.startswith(f"{OWN.name}/") for name in wanted - self._types):
-                await asyncio.to_thread(find_own_interfaces)
+            await asyncio.to_thread(find_interfaces, wanted - self._types)
             registry = TypeRegistry(wanted)
             if self._runtime is None:
                 self._runtime = await self._opened(registry)

@@ -24,6 +24,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 OWN = Package("rosic_interfaces", Path(__file__).with_name("rosic_interfaces"))
+# What the profiles that ship speak besides: declared again, for where no distribution is sourced.
+KNOWN = {
+    name: Package(name, Path(__file__).with_name(name))
+    for name in (OWN.name, "control_msgs", "nav2_msgs")
+}
 
 _GENERATORS = (
     "empy",
