@@ -28,6 +28,7 @@ from rosic.core.skill import (
     Skill,
     TopicBinding,
 )
+from rosic.core.strategy import Strategy
 
 _NAME = r"[a-z][a-z0-9_]{0,31}"
 _GRAPH_NAME = r"/[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*"
@@ -114,6 +115,8 @@ FORMS: Final[dict[Field, Form]] = {
     (Skill, "words"): WORD,
     (Skill, "parameters"): NAMED,
     (Parameter, "choices"): WORD,
+    (Profile, "strategies"): NAMED,
+    (Strategy, "parameters"): NAMED,
     (Link, "kind"): NAMED,
     (Link, "namespace"): _GRAPH_OR_NONE,
     (StopBinding, "service"): _GRAPH_OR_NONE,

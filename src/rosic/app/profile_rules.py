@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.shape import Finding, Rules
 from rosic.app.source import Place, nearest
-from rosic.core.authority import FILES, READ, RESUME
+from rosic.core.authority import AMONG, FILES, READ, RESUME
 from rosic.core.language import UnitTable, Vocabulary
 from rosic.core.robot import Files, Profile, Telemetry
 from rosic.core.rule import Wrong, compile_rule, read_run, rules_of
@@ -23,7 +23,7 @@ STREAMED: Final = "duration"
 # One message of these keeps a robot moving until something else is said.
 VELOCITIES: Final = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
 # These words have a meaning for every robot, and are rights of their own.
-RESERVED: Final = frozenset({READ, RESUME, FILES, "stop"})
+RESERVED: Final = frozenset({READ, RESUME, FILES, *AMONG, "stop"})
 FLEET: Final = "fleet"
 TWICE: Final = 2.0
 
