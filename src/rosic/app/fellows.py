@@ -43,7 +43,7 @@ def fellowship_of(gateway: Gateway, parts: Parts, teller: Teller, memory: Memory
     rights, guard = FellowRights(rooms), Guard()
     board = Board(clock.wall_ns, rights.container)
     post = Post(rights, board, guard, clock)
-    book = HelpBook(clock.wall_ns, rights.container, rooms.organiser.name_of)
+    book = HelpBook(clock.wall_ns, rights.container)
     around = Around(rights, rooms, changes, reach, post, parts.store, clock, entropy)
     circle = Circle(
         around,

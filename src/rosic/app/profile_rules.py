@@ -25,6 +25,7 @@ VELOCITIES: Final = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/Twi
 # These words have a meaning for every robot, and are rights of their own.
 RESERVED: Final = frozenset({READ, RESUME, FILES, *AMONG, "stop"})
 FLEET: Final = "fleet"
+NO_STRATEGY: Final = frozenset({"back", "now", "idle"})
 TWICE: Final = 2.0
 
 
@@ -57,7 +58,17 @@ def profile_rules(units: UnitTable) -> Rules:
             Telemetry: (telemetry,),
             Files: (_folders,),
             Skill: (_placeholders, _streams),
-            Profile: (_reserved, _located, _bound, _texts, _watched, _stoppable, words, alerts),
+            Profile: (
+                _reserved,
+                _located,
+                _bound,
+                _texts,
+                _watched,
+                _stoppable,
+                _strategies,
+                words,
+                alerts,
+            ),
         },
     )
 
@@ -255,6 +266,27 @@ def _stoppable(profile: Profile) -> Iterator[Finding]:
             (),
             "'at_rest' is missing: a stop of this robot could never be confirmed.",
             "Name a topic and the fields that are near zero when it stands still.",
+        )
+
+
+def _strategies(profile: Profile) -> Iterator[Finding]:
+    for name, strategy in profile.strategies.items():
+        if name in NO_STRATEGY:
+            yield Finding(
+                ("strategies", name), f"'{name}' cannot be a strategy: it has a meaning already."
+            )
+        for key, parameter in strategy.parameters.items():
+            if parameter.text:
+                yield Finding(
+                    ("strategies", name, "parameters", key),
+                    "Free text goes to a robot only over its dialogue.",
+                    "Give choices instead of text.",
+                )
+    if profile.strategies and profile.link.kind == "ros2" and not profile.link.among:
+        yield Finding(
+            ("strategies",),
+            "A strategy reaches the robot over its link to other robots.",
+            "Set link.among to true.",
         )
 
 

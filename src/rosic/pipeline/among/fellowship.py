@@ -131,10 +131,13 @@ class Fellowship:
         fellow.meet(self.inboxes[robot].put)
 
     async def run(self) -> None:
-        """Bring what is late, say digests and write down, until cancelled."""
+        """Bring what is late, say digests and write down, until cancelled.
+
+        Where no robot is a principal none can say anything, and nothing is done.
+        """
         circle, around, looks = self.circle, self.around, 0
         try:
-            while self.inboxes:
+            while any(around.rights.robots()):
                 await around.clock.sleep(LOOK_EVERY_S)
                 looks += 1
                 try:
@@ -220,7 +223,8 @@ class Fellowship:
         _circle, around = self.circle, self.around
         around.rights.check(caller, said.robot, READ)
         async with around.changes.turn() as turn:
-            await turn.write((around.post.follow(Ear(said.robot, said.topic, robot)),))
+            fact = around.post.follow(Ear(said.robot, said.topic, robot))
+            await turn.write(() if fact is None else (fact,))
         return {}
 
     async def _unfollow(self, _caller: Caller, robot: RobotId, said: said_by.Unfollow) -> Answer:

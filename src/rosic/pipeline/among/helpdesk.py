@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.authority import ASK, HELP
 from rosic.core.language import clean
 from rosic.core.message import Button
+from rosic.core.rate import Bucket, RateLimit
 from rosic.core.saying import joined
-from rosic.errors import NotPermitted
+from rosic.errors import NotPermitted, TooManyRequests
 from rosic.pipeline.among import words_among as words
 
 if TYPE_CHECKING:
@@ -26,6 +28,8 @@ ID_BYTES: Final = 4
 TASKS_WITHIN_S: Final = 10.0
 SENT_AT_MOST: Final = 2
 DAY_S: Final = 86_400.0
+# People are called by each request; a robot that cries wolf is not heard any more.
+CALLS: Final = RateLimit(burst=6.0, per_s=1 / 60)
 
 log = logging.getLogger("rosic.among")
 
@@ -47,6 +51,8 @@ class HelpDesk:
         self._reach = around.reach
         self._post = around.post
         self._entropy = around.entropy
+        self._clock = around.clock
+        self._calls: dict[RobotId, Bucket] = {}
 
     # ---- asking ----
 
@@ -64,6 +70,7 @@ class HelpDesk:
             same = self.book.same(robot, what)
             if same is not None:
                 return same
+            self._charge(robot)
             ident = self._entropy.token(ID_BYTES).hex()
             made, fact = self.book.ask(ident, robot, what, for_s)
             await turn.write((fact,))
@@ -71,6 +78,17 @@ class HelpDesk:
         for who in self._rights.helpers(robot):
             self._offer(made, who)
         return made
+
+    def _charge(self, robot: RobotId) -> None:
+        """See that a robot does not call people together all the time.
+
+        Raises:
+            TooManyRequests: It does.
+        """
+        now_ns = self._clock.monotonic_ns()
+        wait_s = self._calls.setdefault(robot, Bucket(CALLS, now_ns)).take(now_ns)
+        if wait_s:
+            raise TooManyRequests(words.calls_often(), retry_after_s=wait_s)
 
     def _tell_robots(self, made: Help) -> None:
         for other in self._rights.robots():
@@ -124,7 +142,8 @@ class HelpDesk:
         if helper and not self._is(caller, helper) and not self._rights.operates(who, helper):
             raise NotPermitted(words.may_not_send(self._rights.shown(helper)))
         async with self._changes.turn() as turn:
-            await turn.write(self.book.accept(ident, who, helper))
+            named = partial(self._rights.name_for, caller)
+            await turn.write(self.book.accept(ident, who, helper, named))
         made = self.book.find(ident)
         changed = await self._adjust(made)
         asker, name = self._rights.shown(made.robot), self._rooms.organiser.name_of(who)

@@ -77,18 +77,11 @@ class HelpBook:
     Args:
         wall_ns: The clock.
         container_of: Whose container seals what a robot says.
-        name_of: How whoever accepted is shown.
     """
 
-    def __init__(
-        self,
-        wall_ns: Callable[[], int],
-        container_of: Callable[[RobotId], str],
-        name_of: Callable[[PrincipalId], str],
-    ) -> None:
+    def __init__(self, wall_ns: Callable[[], int], container_of: Callable[[RobotId], str]) -> None:
         self._wall_ns = wall_ns
         self._container_of = container_of
-        self._name_of = name_of
         self._helps: dict[str, Help] = {}
 
     # ---- looking ----
@@ -135,8 +128,16 @@ class HelpBook:
         made = Help(ident, robot, what, now_ns, now_ns + int(for_s * 1e9))
         return made, self._fact(made)
 
-    def accept(self, ident: str, by: PrincipalId, helper: RobotId) -> tuple[Record, ...]:
+    def accept(
+        self, ident: str, by: PrincipalId, helper: RobotId, name_of: Callable[[PrincipalId], str]
+    ) -> tuple[Record, ...]:
         """Return what is to be written so that somebody helps.
+
+        Args:
+            ident: Of the request.
+            by: Who accepts it.
+            helper: The robot that helps, if one does.
+            name_of: How whoever was faster is named to them.
 
         Raises:
             NotUnderstood: There is no such request.
@@ -145,7 +146,7 @@ class HelpBook:
         """
         found, now_ns = self.find(ident), self._wall_ns()
         if found.by:
-            raise Expired(words.accepted_already(self._name_of(found.by)))
+            raise Expired(words.accepted_already(name_of(found.by)))
         if found.over_ns or now_ns >= found.until_ns:
             raise Expired(words.help_over())
         if helper == found.robot:

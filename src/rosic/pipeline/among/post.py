@@ -90,21 +90,22 @@ class Post:
 
     # ---- following ----
 
-    def follow(self, ear: Ear, where: Where | None = None) -> Fact:
-        """Return what is to be written so that somebody follows.
+    def follow(self, ear: Ear, where: Where | None = None) -> Fact | None:
+        """Return what is to be written so that somebody follows; None if they do already.
 
         Raises:
             TooManyRequests: They follow, or the robot is followed by, as many as can be.
         """
         key = key_of(ear, where)
-        if key not in self._ears:
-            mine = sum(e.fellow == ear.fellow and e.who == ear.who for e in self._ears.values())
-            if mine >= EARS_OF_ONE or len(self._by_robot.get(ear.robot, ())) >= FOLLOWED_BY_ONE:
-                raise TooManyRequests(
-                    said("Too many follow {robot} already, or you follow too much.",
-                         robot=self._rights.shown(ear.robot)),
-                    retry_after_s=0.0,
-                )  # fmt: skip
+        if key in self._ears:
+            return None
+        mine = sum(e.fellow == ear.fellow and e.who == ear.who for e in self._ears.values())
+        if mine >= EARS_OF_ONE or len(self._by_robot.get(ear.robot, ())) >= FOLLOWED_BY_ONE:
+            raise TooManyRequests(
+                said("Too many follow {robot} already, or you follow too much.",
+                     robot=self._rights.shown(ear.robot)),
+                retry_after_s=0.0,
+            )  # fmt: skip
         container = ear.who or self._rights.container(ear.fellow)
         letter = Letter(container, _encode(where)) if where is not None else None
         return Fact(kind=KIND, key=key, body=_encode(ear), letter=letter)

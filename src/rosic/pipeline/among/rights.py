@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.authority import READ
 from rosic.core.identity import ROBOT, Address
 from rosic.core.saying import said
-from rosic.errors import NotPermitted, NotUnderstood
+from rosic.errors import NotPermitted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -44,12 +44,8 @@ class FellowRights:
         """See that somebody, robot or person, has a right on a robot.
 
         Raises:
-            NotUnderstood: There is no such robot, or it is none that they may see.
-            NotPermitted, Unrecognised: They lack the right.
+            NotPermitted, Unrecognised: They lack it; a robot that they may not see is not known.
         """
-        visible = self._rooms.organiser.visible(caller.principal)
-        if robot not in self._rooms.profiles or robot not in visible:
-            raise NotUnderstood(said("I know no robot called {name}.", name=robot))
         self._rooms.organiser.check_word(caller, robot, word)
 
     def robot_may(self, robot: RobotId, other: RobotId, word: str) -> bool:
@@ -95,6 +91,13 @@ class FellowRights:
         """Return whose container holds what a robot says: its own."""
         found = self._rooms.authoriser.directory.at(Address(ROBOT, robot))
         return robot if found is None else found[0].id
+
+    def name_for(self, caller: Caller, other: PrincipalId) -> str:
+        """Return how somebody is named to a caller: people's names are not for robots' nodes."""
+        person = self._rooms.authoriser.directory.person(other)
+        if caller.address.platform == ROBOT and (person is None or not person.is_robot):
+            return said("a person")
+        return self._rooms.organiser.name_of(other)
 
     def shown(self, robot: RobotId) -> str:
         """Return how people read a robot."""

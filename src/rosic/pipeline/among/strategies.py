@@ -11,6 +11,7 @@ import msgspec
 from rosic.core.authority import STRATEGY
 from rosic.core.identity import PrincipalId
 from rosic.core.record import Decided, Fact
+from rosic.core.saying import joined
 from rosic.core.strategy_values import checked, spoken
 from rosic.errors import NotUnderstood, Refusal, RobotTaken
 from rosic.pipeline.among import words_among as words
@@ -92,8 +93,11 @@ class Strategies:
         if not declared:
             return words.no_strategies(shown)
         standing = self._standing.get(robot)
-        chosen = Chosen() if standing is None else standing.now
-        return words.strategy_now(shown, self._said(robot, chosen), sorted(declared))
+        text = words.strategy_now(shown, self._said(robot, _last(standing)), sorted(declared))
+        if standing is None or standing.known:
+            return text
+        told = words.strategy_unanswered(shown, self._said(robot, standing.now))
+        return joined("\n", (text, told))
 
     async def change(
         self, caller: Caller, robot: RobotId, name: str, given: Mapping[str, float | str], *,
@@ -137,7 +141,7 @@ class Strategies:
     def _check_free(self, caller: Caller, robot: RobotId) -> None:
         holder = self._rooms.organiser.holder(robot)
         if holder is not None and holder != caller.principal:
-            name = self._rooms.organiser.name_of(holder)
+            name = self._rights.name_for(caller, holder)
             raise RobotTaken(words.strategy_taken(self._rights.shown(robot), name))
 
     # ---- carrying out ----
@@ -160,26 +164,26 @@ class Strategies:
             return
         self._rights.check(made.caller, made.robot, STRATEGY)  # it may have been long
         self._check_free(made.caller, made.robot)
-        now_ns = self._clock.wall_ns()
-        async with self._changes.turn() as turn:
-            await turn.write((self._decided(made, "strategy", now_ns),))
+        before = self._standing.get(made.robot)
+        await self._stand(made, before)
         made.sent = True
         heard = self._post.send(
             made.robot,
             {"kind": "strategy", "id": made.ident, "name": made.chosen.name,
              "values": made.chosen.values},
         )  # fmt: skip
+        answered = await self._answered(made) if heard else None
         if not heard:
+            await self._write(made.robot, before)
             self._tell(made, words.strategy_unheard(shown, what))
-            return
-        answered = await self._answered(made)
-        if answered is None:
-            await self._stand(made, known=False)
+        elif answered is None:  # what was written before it was sent stays: nobody knows
             self._tell(made, words.strategy_unknown(shown, what))
         elif answered[0]:
-            await self._stand(made, known=True)
+            standing = self._standing[made.robot]
+            await self._write(made.robot, msgspec.structs.replace(standing, known=True))
             self._tell(made, words.strategy_acknowledged(shown, what))
         else:
+            await self._write(made.robot, before)
             self._tell(made, words.strategy_declined(shown, what, answered[1]))
 
     async def _is_idle(self, robot: RobotId) -> bool:
@@ -208,16 +212,25 @@ class Strategies:
             raise NotUnderstood(words.not_asked())
         made.answer.set_result((ok, why))
 
-    async def _stand(self, made: _Change, *, known: bool) -> None:
-        before = self._standing.get(made.robot)
-        last = Chosen() if before is None else before.now
-        standing = Standing(made.chosen, last, made.caller.principal, self._clock.wall_ns(), known)
-        async with self._changes.turn() as turn:
-            await turn.act((Fact(kind=KIND, key=made.robot, body=_encode(standing)),))
+    async def _stand(self, made: _Change, before: Standing | None) -> None:
+        """Write down what the robot is told before it is: as something that nobody knows yet.
 
-    def _decided(self, made: _Change, act: str, now_ns: int) -> Decided:
-        return Decided(act=act, by=made.caller.principal, about=made.robot, at_ns=now_ns,
-                       digest=made.ident.encode())  # fmt: skip
+        Raises:
+            RecordUnavailable: Not written; it is not told.
+        """
+        now_ns, by = self._clock.wall_ns(), made.caller.principal
+        decided = Decided(
+            act="strategy", by=by, about=made.robot, at_ns=now_ns, digest=made.ident.encode()
+        )
+        standing = Standing(made.chosen, _last(before), by, now_ns, known=False)
+        async with self._changes.turn() as turn:
+            fact = Fact(kind=KIND, key=made.robot, body=_encode(standing))
+            await turn.write((decided, fact))
+
+    async def _write(self, robot: RobotId, standing: Standing | None) -> None:
+        body = b"" if standing is None else _encode(standing)
+        async with self._changes.turn() as turn:
+            await turn.act((Fact(kind=KIND, key=robot, body=body),))
 
     # ---- saying ----
 
@@ -249,6 +262,9 @@ class Strategies:
 
     def apply(self, fact: Fact) -> None:
         """Let a fact be so."""
+        if not fact.body:
+            self._standing.pop(fact.key, None)
+            return
         try:
             self._standing[fact.key] = _read(fact.body)
         except msgspec.MsgspecError:
@@ -259,3 +275,10 @@ class Strategies:
         for made in self._changing.values():
             if made.task is not None:
                 made.task.cancel()
+
+
+def _last(standing: Standing | None) -> Chosen:
+    """Return what a robot is known to have taken on last."""
+    if standing is None:
+        return Chosen()
+    return standing.now if standing.known else standing.before

@@ -207,6 +207,11 @@ def asks_enough(most: int) -> str:
     )
 
 
+def calls_often() -> str:
+    """Return to a robot that it calls people too often."""
+    return said("You ask for help too often; wait a minute.")
+
+
 def accepted_already(name: str) -> str:
     """Return that somebody else was faster."""
     return said("That was accepted already, by {name}. Nothing was changed.", name=clean(name))
@@ -357,6 +362,12 @@ def strategy_unknown(shown: str, what: str) -> str:
 def strategy_unheard(shown: str, what: str) -> str:
     """Return that nobody listens there."""
     return said("{robot} does not listen now. {strategy} was not sent.", robot=shown, strategy=what)
+
+
+def strategy_unanswered(shown: str, what: str) -> str:
+    """Return that a robot was told, and has not said anything yet."""
+    return said("{robot} was told to take on {strategy}, and has not answered.",
+                robot=shown, strategy=what)  # fmt: skip
 
 
 def strategy_late(shown: str, what: str) -> str:

@@ -138,6 +138,29 @@ async def test_asking_the_same_again_is_no_second_request_and_three_are_enough()
         assert len(here.heard("cf1", "help")) == 3
 
 
+async def test_a_robot_does_not_call_people_together_all_the_time() -> None:
+    async with Fellows().open() as here:
+        refused = []
+        for number in range(20):
+            answer = await here.says("omni", "help", what=f"wolf {number}")
+            if answer["ok"]:
+                await here.says("omni", "over", id=answer["id"])
+            else:
+                refused.append(answer["why"])
+            await here.clock.advance(0.2)
+        assert len(refused) >= 13
+        assert set(refused) == {"You ask for help too often; wait a minute."}
+
+
+async def test_a_robot_is_not_told_the_names_of_people() -> None:
+    async with Fellows().open() as here:
+        ident = await asked(here)
+        await here.say(f"/assist {ident}", account=BO, chat=BO)
+        refused = await here.says("cf1", "accept", id=ident)
+        assert refused["why"] == "That was accepted already, by a person. Nothing was changed."
+        assert here.heard("omni", "helped")[-1]["by"] == "a person"
+
+
 async def test_what_was_accepted_stays_so_over_a_restart() -> None:
     store = MemoryStore()
     async with Fellows(store).open() as here:

@@ -48,7 +48,9 @@ async def test_it_is_checked_sent_acknowledged_and_undone() -> None:
         )
         sent = await asked(here)
         assert (sent["name"], sent["values"]) == ("careful", {"speed": 0.3, "spacing": 1.0})
-        assert "as usual" in await say(here, "/strategy omni"), "not before it has answered"
+        shown = await say(here, "/strategy omni")
+        assert shown.startswith("omni: as usual."), "not before it has answered"
+        assert "was told to take on Careful (speed 0.3 m/s, spacing 1 m)" in shown
         assert await answered(here) == ("omni has taken on: Careful (speed 0.3 m/s, spacing 1 m).")
         await say(here, "/strategy omni brisk manner=brave")
         await here.clock.advance(0.3)
@@ -132,6 +134,7 @@ async def test_a_robot_that_declines_or_does_not_answer_is_not_said_to_have_done
         await here.clock.advance(ANSWER_WITHIN_S + 1)
         told = "\n".join(t.outbound.text for t in list(here.chat.told)[before:])
         assert "may or may not have done so" in told
+        assert "and has not answered." in await say(here, "/strategy omni")
         here.robot("omni").listens = False
         before = len(here.chat.told)
         await say(here, "/strategy omni brisk manner=calm now")
