@@ -41,9 +41,9 @@ def fellowship_of(gateway: Gateway, parts: Parts, teller: Teller, memory: Memory
     rooms, changes, reach = gateway.rooms, gateway.access.changes, gateway.furnishing.reach
     clock, entropy = parts.clock, parts.entropy
     rights, guard = FellowRights(rooms), Guard()
-    board = Board(clock.wall_ns, rights.container)
+    board = Board(clock.wall_ns)
     post = Post(rights, board, guard, clock)
-    book = HelpBook(clock.wall_ns, rights.container)
+    book = HelpBook(clock.wall_ns)
     around = Around(rights, rooms, changes, reach, post, parts.store, clock, entropy)
     circle = Circle(
         around,

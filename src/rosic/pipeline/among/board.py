@@ -36,14 +36,11 @@ _read = msgspec.msgpack.Decoder(_Body).decode
 class Board:
     """Every robot's topics. What is too old counts as forgotten before it is.
 
-    Args:
-        wall_ns: The clock.
-        container_of: Whose container seals what a robot shares.
+    It is sealed in the container of the robot that shares it.
     """
 
-    def __init__(self, wall_ns: Callable[[], int], container_of: Callable[[RobotId], str]) -> None:
+    def __init__(self, wall_ns: Callable[[], int]) -> None:
         self._wall_ns = wall_ns
-        self._container_of = container_of
         self._shared: dict[RobotId, dict[str, Shared]] = {}
         self._unwritten: dict[tuple[RobotId, str], None] = {}
 
@@ -89,6 +86,11 @@ class Board:
             del topics[name]
             self._unwritten[robot, name] = None
 
+    def forget(self, robot: RobotId) -> None:
+        """Forget all that a robot shares: its container was erased."""
+        for name in self._shared.pop(robot, {}):
+            self._unwritten[robot, name] = None
+
     # ---- over a restart ----
 
     def due(self) -> list[Fact]:
@@ -104,7 +106,7 @@ class Board:
         if shared is None:
             return Fact(kind=KIND, key=key, body=b"")
         body = _Body(shared.at_ns, shared.until_ns, shared.id, shared.hops)
-        letter = Letter(self._container_of(robot), shared.data)
+        letter = Letter(robot, shared.data)
         return Fact(kind=KIND, key=key, body=_encode(body), letter=letter)
 
     def restore(self, facts: Iterable[Fact]) -> None:

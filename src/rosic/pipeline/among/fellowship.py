@@ -121,6 +121,13 @@ class Fellowship:
             for fact in facts.get(kind, ()):
                 apply(fact)
             changes.keep(kind, apply)
+        changes.watch(Decided, self._decided)
+
+    def _decided(self, decided: Decided) -> None:
+        """Forget what was in a container that is erased."""
+        if decided.act == "erase" and decided.about in self.inboxes:
+            self.circle.board.forget(decided.about)
+            self.circle.desk.book.forget(decided.about)
 
     def join(self, robot: RobotId, fellow: Fellow) -> None:
         """Let a robot take part; before it is opened."""

@@ -158,7 +158,7 @@ class HelpDesk:
         return text
 
     def _is(self, caller: Caller, robot: RobotId) -> bool:
-        return self._rights.container(robot) == caller.principal
+        return self._rights.principal(robot) == caller.principal
 
     async def _adjust(self, made: Help) -> str:
         if self.tasks is None or not made.helper:

@@ -74,14 +74,11 @@ _read = msgspec.msgpack.Decoder(_Body).decode
 class HelpBook:
     """Every request of the last day. Pure state: whoever decides something writes it down.
 
-    Args:
-        wall_ns: The clock.
-        container_of: Whose container seals what a robot says.
+    The robot's words are sealed in its own container.
     """
 
-    def __init__(self, wall_ns: Callable[[], int], container_of: Callable[[RobotId], str]) -> None:
+    def __init__(self, wall_ns: Callable[[], int]) -> None:
         self._wall_ns = wall_ns
-        self._container_of = container_of
         self._helps: dict[str, Help] = {}
 
     # ---- looking ----
@@ -173,8 +170,14 @@ class HelpBook:
             made.robot, made.at_ns, made.until_ns, made.by, made.helper, made.accepted_ns,
             made.over_ns,
         )  # fmt: skip
-        letter = Letter(self._container_of(made.robot), made.what.encode(errors="ignore"))
+        letter = Letter(made.robot, made.what.encode(errors="ignore"))
         return Fact(kind=KIND, key=made.id, body=_encode(body), letter=letter)
+
+    def forget(self, robot: RobotId) -> None:
+        """Forget a robot's words: its container was erased. What was decided stays so."""
+        for ident, made in self._helps.items():
+            if made.robot == robot:
+                self._helps[ident] = msgspec.structs.replace(made, what="")
 
     # ---- what is so ----
 

@@ -106,8 +106,7 @@ class Post:
                      robot=self._rights.shown(ear.robot)),
                 retry_after_s=0.0,
             )  # fmt: skip
-        container = ear.who or self._rights.container(ear.fellow)
-        letter = Letter(container, _encode(where)) if where is not None else None
+        letter = Letter(ear.who, _encode(where)) if where is not None else None
         return Fact(kind=KIND, key=key, body=_encode(ear), letter=letter)
 
     def unfollow(self, ear: Ear, where: Where | None = None) -> Fact | None:

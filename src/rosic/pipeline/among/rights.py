@@ -87,10 +87,10 @@ class FellowRights:
             if self._rooms.authoriser.directory.at(Address(ROBOT, robot)) is not None:
                 yield robot
 
-    def container(self, robot: RobotId) -> PrincipalId:
-        """Return whose container holds what a robot says: its own."""
+    def principal(self, robot: RobotId) -> PrincipalId:
+        """Return who a robot is; empty if it is nobody here."""
         found = self._rooms.authoriser.directory.at(Address(ROBOT, robot))
-        return robot if found is None else found[0].id
+        return "" if found is None else found[0].id
 
     def name_for(self, caller: Caller, other: PrincipalId) -> str:
         """Return how somebody is named to a caller: people's names are not for robots' nodes."""

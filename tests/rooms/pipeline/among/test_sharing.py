@@ -202,3 +202,23 @@ async def test_a_chat_that_follows_reads_a_digest_and_can_interrupt() -> None:
         assert set(told.split("\n")) == {"omni is heard among the robots again."}
         assert (await here.says("omni", "share", topic="road", data=1))["ok"] is True
         assert await say(here, "/quiet omni", VI) == "Only who may operate omni silences it."
+
+
+async def test_what_a_robot_shares_lies_in_its_own_container_and_goes_with_it() -> None:
+    store = MemoryStore()
+    async with Fellows(store).open() as here:
+        await here.says("omni", "share", topic="road", data="where I was")
+        await here.says("omni", "help", what="stuck at the back door")
+        await here.clock.advance(6)
+        letters = [fact.letter for fact in await store.belongings("omni") if fact.letter]
+        assert {bytes(letter.content) for letter in letters} == {
+            b'"where I was"', b"stuck at the back door",
+        }  # fmt: skip
+        erasing = here.gateway.holding.erasing
+        assert erasing is not None
+        await erasing.erase_other("omni", "operator")
+        assert (await here.says("cf1", "get", robot="omni"))["found"] is False
+        assert "back door" not in await say(here, "/assist")
+        await here.clock.advance(6)
+    async with Fellows(store).open() as here:
+        assert (await here.says("cf1", "get", robot="omni"))["found"] is False
