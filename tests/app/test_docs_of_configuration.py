@@ -21,7 +21,9 @@ def blocks(page: str, language: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("text", blocks("configuration.md", "toml"))
+@pytest.mark.parametrize(
+    "text", [*blocks("configuration.md", "toml"), *blocks("robots/among.md", "toml")]
+)
 def test_a_configuration_that_is_shown_is_good(text: str, tmp_path: Path) -> None:
     token = write(tmp_path, "secret\n", "token.txt")
     token.chmod(0o600)
@@ -31,7 +33,12 @@ def test_a_configuration_that_is_shown_is_good(text: str, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize(
-    "text", [*blocks("robots/profiles.md", "yaml"), *blocks("robots/alerts.md", "yaml")]
+    "text",
+    [
+        *blocks("robots/profiles.md", "yaml"),
+        *blocks("robots/alerts.md", "yaml"),
+        *blocks("robots/among.md", "yaml"),
+    ],
 )
 def test_a_profile_that_is_shown_is_good(text: str, tmp_path: Path) -> None:
     assert [str(error) for error in check_profile(write(tmp_path, text))] == []

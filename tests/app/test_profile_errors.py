@@ -34,7 +34,8 @@ CASES = [
          "'linkloss' is not known here.", "Did you mean link_loss?"),
     Case("unknown key", "kind: ros2, namespace: /rover }",
          "kind: ros2, namespace: /rover, zz: 1 } #!",
-         "'zz' is not known here.", "Known here: dialogue, heartbeat_s, kind, model, namespace."),
+         "'zz' is not known here.", "Known here: among, dialogue, heartbeat_s, kind, model, "
+         "namespace."),
     Case("the id of a skill is its key", "    title: Move\n", "    id: other #!\n",
          "'id' is not known here.", "Known here: action, class, "),
     Case("missing id", "id: rover\n", "", "'id' is missing in this file."),

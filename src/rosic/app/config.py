@@ -23,6 +23,7 @@ from rosic.app.config_file import (
     said_addresses,
     said_roles,
 )
+from rosic.app.fellows import robot_findings
 from rosic.app.people import Seed
 from rosic.app.profiles import find_profile, fleet_findings, known_units, read_profile
 from rosic.app.retention import Keep
@@ -221,6 +222,7 @@ class _Reading:
             if not self.errors:
                 self._note(rule_findings(self._file, robots, table))
                 self._note(author_findings(self._file, robots))
+                self._note(robot_findings(self._file, robots))
         return tuple(robots)
 
     def _note(self, findings: Iterable[Finding]) -> None:

@@ -12,6 +12,7 @@ import msgspec
 
 from rosic.app.access import Access
 from rosic.app.authority import Authority, key_of
+from rosic.app.fellows import fellowship_of
 from rosic.app.furnishing import Furnishing
 from rosic.app.gates import robots_of, stops_of
 from rosic.app.gathering import gathering_of
@@ -117,7 +118,7 @@ class Gateway:
 
     Attributes:
         pipeline, rooms, stop_lane, robots: Made by ``open``.
-        authority, access, furnishing, holding, languages, seeing, alarms: Likewise.
+        authority, access, furnishing, holding, languages, seeing, alarms, among: Likewise.
     """
 
     pipeline: Pipeline
@@ -221,6 +222,7 @@ class Gateway:
         self.alarms.watch(self._messengers)
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
+        self.among = fellowship_of(self, parts, self._teller, memory)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
@@ -263,6 +265,7 @@ class Gateway:
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
             asyncio.create_task(self.seeing.sampler.run()), asyncio.create_task(self.alarms.run()),
+            asyncio.create_task(self.among.run()),
             asyncio.create_task(
                 save_now_and_then(self.rooms.organiser.rates, self._parts.store, self._parts.clock)
             ),

@@ -30,6 +30,7 @@ from rosic.core.skill import (
     TopicBinding,
     Trajectory,
 )
+from rosic.core.strategy import Strategy
 
 _NAME = r"[a-z][a-z0-9_]{0,31}"
 _GRAPH_NAME = r"/[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*"
@@ -127,6 +128,8 @@ FORMS: Final[dict[Field, Form]] = {
     (Skill, "parameters"): NAMED,
     (Parameter, "choices"): WORD,
     (Parameter, "means"): WORD._replace(empty=True),
+    (Profile, "strategies"): NAMED,
+    (Strategy, "parameters"): NAMED,
     (Link, "kind"): NAMED,
     (Link, "namespace"): _GRAPH._replace(pattern=rf"/|{_GRAPH_NAME}", empty=True),
     (StopBinding, "service"): _GRAPH_OR_NONE,

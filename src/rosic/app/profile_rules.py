@@ -11,7 +11,7 @@ from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.profile_poses import meant, moved, of_trajectory
 from rosic.app.shape import Finding, Rules
 from rosic.app.source import Place, nearest
-from rosic.core.authority import FILES, READ, RESUME
+from rosic.core.authority import AMONG, FILES, READ, RESUME
 from rosic.core.language import UnitTable, Vocabulary
 from rosic.core.robot import Files, Profile, Telemetry
 from rosic.core.rule import Wrong, compile_rule, read_run, rules_of
@@ -24,8 +24,9 @@ STREAMED: Final = "duration"
 # One message of these keeps a robot moving until something else is said.
 VELOCITIES: Final = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
 # These words have a meaning for every robot, and are rights of their own.
-RESERVED: Final = frozenset({READ, RESUME, FILES, "stop"})
+RESERVED: Final = frozenset({READ, RESUME, FILES, *AMONG, "stop"})
 FLEET: Final = "fleet"
+NO_STRATEGY: Final = frozenset({"back", "now", "idle"})
 TWICE: Final = 2.0
 
 
@@ -66,6 +67,7 @@ def profile_rules(units: UnitTable) -> Rules:
                 _watched,
                 _stoppable,
                 moved,
+                _strategies,
                 words,
                 alerts,
             ),
@@ -278,6 +280,27 @@ def _stoppable(profile: Profile) -> Iterator[Finding]:
             (),
             "'at_rest' is missing: a stop of this robot could never be confirmed.",
             "Name a topic and the fields that are near zero when it stands still.",
+        )
+
+
+def _strategies(profile: Profile) -> Iterator[Finding]:
+    for name, strategy in profile.strategies.items():
+        if name in NO_STRATEGY:
+            yield Finding(
+                ("strategies", name), f"'{name}' cannot be a strategy: it has a meaning already."
+            )
+        for key, parameter in strategy.parameters.items():
+            if parameter.text:
+                yield Finding(
+                    ("strategies", name, "parameters", key),
+                    "Free text goes to a robot only over its dialogue.",
+                    "Give choices instead of text.",
+                )
+    if profile.strategies and profile.link.kind == "ros2" and not profile.link.among:
+        yield Finding(
+            ("strategies",),
+            "A strategy reaches the robot over its link to other robots.",
+            "Set link.among to true.",
         )
 
 

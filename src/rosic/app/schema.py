@@ -1,4 +1,4 @@
-"""The published JSON Schemas of a profile and of the configuration.
+"""The published JSON Schemas of a profile, of the configuration, and of what robots say.
 
 ``python -m rosic.app.schema FOLDER`` writes them. Editors check and complete with them while a file
 is written; ROSIC itself checks more, and says it better.
@@ -19,6 +19,7 @@ from rosic.app.config_file import BOUNDS as CONFIG_BOUNDS
 from rosic.app.config_file import FORMS as CONFIG_FORMS
 from rosic.app.config_file import ConfigFile
 from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
+from rosic.core.among import Utterance
 from rosic.core.robot import Profile
 
 if TYPE_CHECKING:
@@ -68,6 +69,16 @@ def config_schema() -> dict[str, Any]:
     schema["properties"]["messenger"]["items"] = MESSENGER
     schema["$defs"]["Reference"] = REFERENCE
     return schema
+
+
+def among_schema() -> dict[str, Any]:
+    """Return the schema of what a robot's nodes say to other robots."""
+    ((top,), made) = msgspec.json.schema_components((Utterance,), ref_template="#/$defs/{name}")
+    _describe(made)
+    return {
+        "$schema": DIALECT, **top, "title": "What a robot says through ROSIC",
+        "$defs": dict(sorted(made.items())),
+    }  # fmt: skip
 
 
 def _schema(top: type, title: str) -> dict[str, Any]:
@@ -156,6 +167,7 @@ def render(schema: dict[str, Any]) -> str:
 def published() -> dict[str, str]:
     """Return every schema by the name of its file."""
     return {
+        "among.schema.json": render(among_schema()),
         "robot.schema.json": render(robot_schema()),
         "rosic.schema.json": render(config_schema()),
     }

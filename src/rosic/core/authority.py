@@ -12,6 +12,16 @@ READ = "read"
 RESUME = "resume"
 FILES = "files"
 """The right to put files into a robot's inbox, and to fetch those it gives."""
+SHARE = "share"
+"""The right to share data in a robot's name: its own, and nobody else's."""
+ASK = "ask"
+"""Of itself: to ask for help. Of another: to speak to it."""
+HELP = "help"
+"""The right to accept a robot's request for help."""
+STRATEGY = "strategy"
+"""The right to change a robot's strategy."""
+AMONG = (SHARE, ASK, HELP, STRATEGY)
+"""What robots may be to each other (Algorithm 5); people who help or adjust hold the same."""
 
 SCOPE = re.compile(r"[a-z0-9_*?-]+:[a-z0-9_*?-]+\Z")
 

@@ -20,6 +20,10 @@ OPERATOR: PrincipalId = "operator"
 """Whoever owns the machine: seeds people, uses the control socket. No chat speaks for them."""
 
 
+ROBOT = "robot"
+"""Platform of a robot's address: ``robot:omni``. No messenger is called so."""
+
+
 class Address(msgspec.Struct, frozen=True, gc=False):
     """A principal's account on a messenger.
 
@@ -66,6 +70,11 @@ class Principal(msgspec.Struct, frozen=True, kw_only=True):
     name: str
     roles: tuple[str, ...] = ()
     addresses: tuple[Address, ...] = ()
+
+    @property
+    def is_robot(self) -> bool:
+        """Whether it is a robot, whom nobody can tell anything in a chat."""
+        return any(address.platform == ROBOT for address in self.addresses)
 
 
 class Caller(msgspec.Struct, frozen=True, gc=False):

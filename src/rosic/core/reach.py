@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.authority import FILES, READ, RESUME, Scope
+from rosic.core.authority import AMONG, FILES, READ, RESUME, Scope
 from rosic.core.robot import RobotId
 from rosic.core.skill import Skill, SkillClass
 
@@ -40,7 +40,7 @@ class Fleet(msgspec.Struct, frozen=True):
         if robot == FLEET:
             return self.verbs
         skills = self.skills.get(robot)
-        return () if skills is None else (*skills, READ, RESUME, FILES, GRANT)
+        return () if skills is None else (*skills, READ, RESUME, FILES, *AMONG, GRANT)
 
     def robots(self, said: str) -> tuple[RobotId, ...]:
         """Return whom a pattern, a robot's name or a group's plain name means."""

@@ -12,6 +12,7 @@ from rosic.core.alert_rule import Alert
 from rosic.core.geography import GeographicFrame
 from rosic.core.joints import Joints
 from rosic.core.skill import Skill
+from rosic.core.strategy import Strategy
 from rosic.core.view import Pose, Sight
 
 RobotId: TypeAlias = str
@@ -49,6 +50,7 @@ class Link(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         namespace: ROS namespace, for presence: ``/kuka1``; ``/`` for a robot alone on its graph.
         model: For ``simulated``: which machine.
         dialogue: The paper's text link over ``to_robot_topic`` and ``from_robot_topic``.
+        among: The robot's own nodes speak with other robots, over ``among/say`` and ``among/hear``.
         heartbeat_s: A robot whose telemetry is older than this is offline.
     """
 
@@ -56,6 +58,7 @@ class Link(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     namespace: str = ""
     model: str = ""
     dialogue: bool = False
+    among: bool = False
     heartbeat_s: float = 3.0
 
 
@@ -175,6 +178,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         joints: What a trajectory controller moves; skills with a ``trajectory`` need it.
         rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
         alerts: Rules about what the robot reports: whom to tell, and what to run.
+        strategies: Ways to work that it can be told to take on, by name.
     """
 
     id: RobotId
@@ -201,6 +205,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     frame: GeographicFrame | None = None
     go_to: str = ""
     alerts: tuple[Alert, ...] = ()
+    strategies: dict[str, Strategy] = {}
 
     def __post_init__(self) -> None:
         for name in (self.id, *self.groups):

@@ -291,7 +291,15 @@ class Organiser:
         Raises:
             NotPermitted: Not this person.
         """
-        decision = self.decision(caller, robot, FILES)
+        self.check_word(caller, robot, FILES)
+
+    def check_word(self, caller: Caller, robot: RobotId, word: str) -> None:
+        """Decide whether somebody, a person or a robot, has a right that is no skill.
+
+        Raises:
+            NotPermitted, Unrecognised: Not they.
+        """
+        decision = self.decision(caller, robot, word)
         if isinstance(decision, Denied):
             raise self._refusing.denial(decision)
 

@@ -16,6 +16,7 @@ from rosic.errors import NothingToSee, RobotOffline
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Generator
 
+    from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
     from rosic.core.gate import Gate
@@ -40,6 +41,9 @@ class MemoryRobot:
         pose: Where it says that it is.
         values: What it reports.
         age_s: Since it reported.
+        speak: Says something to other robots, as its own nodes would.
+        heard: What it was told by ROSIC and other robots, newest last, bounded.
+        listens: Whether its nodes hear anything.
     """
 
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
@@ -53,6 +57,9 @@ class MemoryRobot:
         self.pose: Pose | None = None
         self.values: dict[str, float | str] = {}
         self.age_s: float | None = 0.0
+        self.speak: Speak = _to_nobody
+        self.heard: deque[bytes] = deque(maxlen=1_000)
+        self.listens = True
         self._clock = clock
         self._doing: Order | None = None
         self._end: asyncio.Future[None] | None = None
@@ -62,6 +69,16 @@ class MemoryRobot:
 
     async def close(self) -> None:
         """Nothing moves."""
+
+    def meet(self, speak: Speak) -> None:
+        """Take what it says to other robots by."""
+        self.speak = speak
+
+    def hear(self, words: bytes) -> bool:
+        """Remember what it was told."""
+        if self.listens:
+            self.heard.append(words)
+        return self.listens
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Act once. See the contract."""
@@ -128,6 +145,10 @@ class MemoryRobot:
                 await self._clock.sleep(LOOK_EVERY_S)
         finally:
             self.looked -= 1
+
+
+def _to_nobody(_words: bytes, _dropped: int) -> None:
+    """Nobody hears it before it has met anybody."""
 
 
 @coroutine

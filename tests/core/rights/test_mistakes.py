@@ -45,7 +45,8 @@ def test_the_default_roles_and_a_good_junior_are_without_mistake() -> None:
             Role(scopes=("*:fly",)),
             "scopes.0",
             ("No robot of '*' has a skill 'fly'. "
-            "Known here: files, grant, grasp, home, look, move, read, resume."),
+            "Known here: ask, files, grant, grasp, help, home, look, move, read, resume, share, "
+            "strategy."),
         ),
         (
             Role(scopes=("kuka1",)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.people import Seed
@@ -188,7 +188,7 @@ class Place:
         return len(self.robot(name).acted)
 
     @asynccontextmanager
-    async def open(self) -> AsyncIterator[Place]:
+    async def open(self) -> AsyncIterator[Self]:
         """Run it."""
         await self.gateway.open()
         running = asyncio.create_task(self.gateway.run())

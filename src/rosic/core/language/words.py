@@ -8,11 +8,13 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 # name.
 ERRANDS = frozenset(
     {
-        "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "cancel", "card",
-        "channel", "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
+        "again", "alerts", "approve", "archive", "ask", "assist", "authenticator", "book", "cancel",
+        "card", "channel", "chart", "clip", "code", "data", "decline", "end", "files", "forget",
+        "grant",
         "information", "invite", "language", "lock", "map", "me", "mute", "mydata", "path",
-        "people", "picture", "plan", "revoke", "role", "security", "seen", "settings", "share",
-        "shelf", "slots", "take", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
+        "people", "picture", "plan", "quiet", "revoke", "role", "security", "seen", "settings",
+        "share", "shared", "shelf", "slots", "strategy", "take", "topic", "trajectory", "unlock",
+        "unmute", "wait", "wish",
     }
 )  # fmt: skip
 

@@ -43,6 +43,8 @@ class Circles:
     def _within(self, robot: RobotId, circle: Circle) -> Iterator[PrincipalId]:
         belongs = self._belongs[circle]
         for person in self._authoriser.directory.people():
+            if person.is_robot:
+                continue
             if self.may_hear(person.id, robot) and belongs(person.id, robot):
                 yield person.id
 

@@ -11,6 +11,7 @@ from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot import Presence, Profile
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError
+from rosic.robots.ros2.among import Among
 from rosic.robots.ros2.by_action import ByAction
 from rosic.robots.ros2.by_parameters import ByParameters
 from rosic.robots.ros2.by_service import ByService
@@ -30,6 +31,7 @@ from rosic.robots.ros2.station import others_under, station_of
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Iterator
 
+    from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
     from rosic.core.gate import Gate
@@ -77,6 +79,7 @@ class Ros2Robot:
         self._sights = Sights(profile, clock)
         self._meetings = Meetings(profile.id)
         self._dialogue = self._text_link()
+        self._among = self._fellow_link()
         self._carriers = {name: self._carrier(name, s) for name, s in profile.skills.items()}
         self._opened_ns: int | None = None
         self._appeared_ns = 0
@@ -92,6 +95,15 @@ class Ros2Robot:
                 f"{self.profile.id}: a dialogue needs a namespace.", hint="For example /talker."
             )
         return Dialogue(self.profile.shown, self._namespace, self._clock)
+
+    def _fellow_link(self) -> Among | None:
+        if not self.profile.link.among:
+            return None
+        if not self._namespace:
+            raise ConfigurationError(
+                f"{self.profile.id}: among needs a namespace.", hint="For example /omni."
+            )
+        return Among(self._namespace)
 
     def _carrier(self, name: str, skill: Skill) -> Carrier:
         if skill.action is not None:
@@ -145,7 +157,7 @@ class Ros2Robot:
             except Exception:  # noqa: BLE001 - a contract: it never raises
                 _log.exception("%s was not closed cleanly", self.profile.id)
 
-    def _parts(self) -> Iterator[Measurements | Brakes | Heartbeat | Carrier | Sights]:
+    def _parts(self) -> Iterator[Measurements | Brakes | Heartbeat | Carrier | Sights | Among]:
         """Yield everything to be opened: first what stops the robot, last what moves it."""
         yield self._measured
         yield self._brakes
@@ -156,6 +168,19 @@ class Ros2Robot:
             if carrier is not self._dialogue:
                 yield carrier
         yield self._sights
+        if self._among is not None:
+            yield self._among
+
+    # ---- other robots ----
+
+    def meet(self, speak: Speak) -> None:
+        """Let the robot's own nodes be heard by other robots, if its profile says ``among``."""
+        if self._among is not None:
+            self._among.meet(speak)
+
+    def hear(self, words: bytes) -> bool:
+        """Bring words to the robot's own nodes."""
+        return self._among is not None and self._among.hear(words)
 
     # ---- orders ----
 

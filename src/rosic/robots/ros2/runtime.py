@@ -9,6 +9,7 @@ from rosic.robots.ros2.actions import ActionLink
 from rosic.robots.ros2.faults import BadName, NotSent
 from rosic.robots.ros2.names import check_graph_name, check_node_name
 from rosic.robots.ros2.no_events import publisher_events, subscription_events
+from rosic.robots.ros2.paced import PacedWords
 from rosic.robots.ros2.services import ServiceLink
 from rosic.robots.ros2.thread import RosThread
 from rosic.robots.ros2.topics import Latest, Publisher, Quality, Stream
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 NODE_NAME = "chat_interface"
+TEXT = "std_msgs/msg/String"
 MAX_DOMAIN_ID = 232
 MAX_ENDPOINTS = 1024
 
@@ -162,6 +164,22 @@ class RosRuntime:
         stream = Stream(self, name, cls, on_message, quality.depth)
         stream.handle = await self._subscribe(cls, name, stream.arrived, quality)
         return stream
+
+    async def paced_words(
+        self,
+        topic: str,
+        on_words: Callable[[bytes, int], None],
+        at_most: int,
+        quality: Quality = _RELIABLE,
+    ) -> PacedWords:
+        """Subscribe to texts that may come at any rate and length; see `PacedWords`.
+
+        Raises as `publisher` does.
+        """
+        cls, name = self.types.message(TEXT), check_graph_name(topic)
+        words = PacedWords(self, name, cls, on_words, at_most)
+        words.handle = await self._subscribe(cls, name, words.arrived, quality)
+        return words
 
     async def service(self, name: str, type_name: str) -> ServiceLink:
         """Open a client of a service. Raises as `publisher` does."""

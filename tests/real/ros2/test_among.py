@@ -1,0 +1,155 @@
+"""Robots' own ROS 2 nodes, in another process, share, ask, answer and are told how to work."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from msgspec.structs import replace
+
+from rosic.core.robot import Link, Profile
+from rosic.errors import ConfigurationError
+from rosic.pipeline.among.inbox import PACE
+from rosic.robots.ros2.robot import Ros2Robot
+from tests.real.ros2.simulated import until
+from tests.rooms.pipeline.among.fellows import CAREFUL, Fellows
+from tests.rooms.pipeline.among.test_storm import RealClock
+from tests.rooms.pipeline.place import BO
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.testing.ros2.graph import RosGraph, RosProcess
+
+PEER = Path(__file__).with_name("fellow_peer.py")
+PATIENCE_S = 30.0
+
+
+def fellow(name: str) -> Profile:
+    link = Link(kind="ros2", namespace=f"/{name}", among=True)
+    return Profile(id=name, link=link, strategies={"careful": CAREFUL})
+
+
+class OnRos(Fellows):
+    """omni and cf1, reached over ROS 2."""
+
+    kind = Ros2Robot
+
+    def __init__(self) -> None:
+        super().__init__(clock=RealClock(), fleet=(fellow("omni"), fellow("cf1"), fellow("cf2")))
+
+
+class Brain:
+    """One robot's own node."""
+
+    def __init__(self, process: RosProcess, robot: str) -> None:
+        self._process = process
+        self._robot = robot
+
+    async def do(self, verb: str, rest: str = "-") -> None:
+        self._process.say(f"{verb} {self._robot} {rest}")
+        await asyncio.to_thread(self._process.expect, f"ok {verb}", timeout_s=PATIENCE_S)
+
+    async def say(self, kind: str, **said: object) -> None:
+        await self.do("say", json.dumps({"kind": kind, **said}))
+
+    async def heard(self, kind: str) -> dict[str, Any]:
+        """Wait for the next of a kind."""
+        while True:
+            line = await asyncio.to_thread(
+                self._process.expect, f"heard {self._robot} ", timeout_s=PATIENCE_S
+            )
+            found: dict[str, Any] = json.loads(line)
+            if found["kind"] == kind:
+                return found
+
+
+async def brains(graph: RosGraph) -> tuple[Brain, Brain]:
+    """Return the nodes of omni and cf1, in a process each, heard by ROSIC."""
+    found = []
+    for robot in ("omni", "cf1"):
+        brain = Brain(await asyncio.to_thread(graph.start, PEER, robot), robot)
+        await brain.do("meet")
+        found.append(brain)
+    return found[0], found[1]
+
+
+async def test_they_share_ask_help_answer_and_take_on_a_strategy(graph: RosGraph) -> None:
+    async with OnRos().open() as here:
+        omni, cf1 = await brains(graph)
+        await cf1.say("follow", robot="omni", topic="road", ref="f")
+        assert (await cf1.heard("result"))["ok"] is True
+        await omni.say("share", topic="road", data={"wet": True}, ref="s")
+        assert (await omni.heard("result"))["ok"] is True
+        shared = await cf1.heard("shared")
+        assert (shared["from"], shared["topic"], shared["data"]) == ("omni", "road", {"wet": True})
+        await cf1.say("get", robot="omni", ref="g")
+        got = await cf1.heard("result")
+        assert (got["found"], got["data"], got["age_s"] < PATIENCE_S) == (True, {"wet": True}, True)
+
+        await omni.say("help", what="stuck at aisle 4")
+        request = await cf1.heard("help")
+        await cf1.say("accept", id=request["id"])
+        assert (await omni.heard("helped"))["by"] == "cf1"
+        await until(lambda: any("cf1 helps omni" in t.outbound.text for t in here.chat.told))
+
+        await omni.say("tell", to="cf1", data="where are you?")
+        told = await cf1.heard("told")
+        await cf1.say("tell", to="omni", data=[1.5, 2.5], re=told["id"])
+        assert (await omni.heard("told"))["data"] == [1.5, 2.5]
+
+        here.chat.say("/strategy omni careful speed=0.1 now", account=BO, chat=BO)
+        strategy = await omni.heard("strategy")
+        assert strategy["values"] == {"speed": 0.1, "spacing": 1.0}
+        await omni.say("ack", id=strategy["id"], ok=True)
+        await until(lambda: any("omni has taken on" in t.outbound.text for t in here.chat.told))
+
+
+async def test_a_robot_cannot_speak_for_another_and_10_mb_are_refused(graph: RosGraph) -> None:
+    async with OnRos().open() as here:
+        omni, _cf1 = await brains(graph)
+        await omni.do("large", "10000000")
+        refused = await omni.heard("result")
+        assert (refused["ok"], refused["code"]) == (False, "out-of-bounds")
+        assert "at most 64 KiB" in refused["why"]
+        await omni.say("share", topic="road", data=1, **{"from": "cf1"})
+        assert (await omni.heard("result"))["code"] == "not-understood"
+        board = here.gateway.among.circle.board
+        assert (board.of("omni"), board.of("cf1")) == ((), ())
+
+
+async def test_a_node_that_shares_10_000_times_a_second_hinders_nobody(
+    graph: RosGraph, record_property: Callable[[str, object], None]
+) -> None:
+    async with OnRos().open() as here:
+        omni, cf1 = await brains(graph)
+        inbox = here.gateway.among.inboxes["omni"]
+        storm = asyncio.create_task(omni.do("flood", "2"))
+        await until(lambda: inbox.dropped > 0)
+        seconds: list[float] = []
+        while not storm.done():
+            begun = time.perf_counter()
+            await cf1.say("get", robot="omni", ref="g")
+            assert (await cf1.heard("result"))["ok"] is True
+            seconds.append(time.perf_counter() - begun)
+            await asyncio.sleep(0.1)
+        await storm
+        board = here.gateway.among.circle.board
+        await until(lambda: any(s.data == b'"last"' for s in board.of("omni")))
+        taken, dropped = inbox.taken, inbox.dropped
+        record_property("storm", f"{taken} taken, {dropped} dropped, others {max(seconds):.3f} s")
+        assert taken <= PACE.burst + PACE.per_s * 20
+        assert dropped > taken
+        assert sorted(seconds)[len(seconds) // 2] < 1.0
+
+
+async def test_a_profile_without_a_namespace_is_refused(graph: RosGraph) -> None:
+    assert graph is not None
+    lonely = replace(fellow("omni"), link=Link(kind="ros2", among=True))
+    place = Fellows(fleet=(lonely,))
+    with pytest.raises(ConfigurationError, match="among needs a namespace"):
+        Ros2Robot(lonely, place.gateway, place.clock)  # type: ignore[arg-type]
