@@ -61,8 +61,8 @@ OF_FLEET = (
     Fault(
         name="what may have been done is repeated after a crash",
         file=REACTING,
-        guard="after = replace(_free(task, State.UNKNOWN, now_ns), why=Why.RESTARTED)",
-        without="after = replace(_free(task, State.QUEUED, now_ns), why=Why.RESTARTED)",
+        guard="        return _doubted(task, Why.RESTARTED, now_ns)\n",
+        without="        return _left(fleet, task, Why.TAKEN, now_ns)\n",
         caught_by=(HISTORIES,),
     ),
     Fault(

@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.app.alarming import Alarms
+from rosic.app.fleeting import Fleeting
 from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
@@ -85,6 +86,7 @@ class Furnishing:
         granting: Gives rights for a while.
         keeper: Follows the calendar.
         live_cards: Shows in chats how robots are.
+        fleet: Brings tasks to robots.
     """
 
     def __init__(
@@ -123,6 +125,7 @@ class Furnishing:
         self.reach = Reach(rooms.authoriser, self._teller, messengers)
         self.handover = Handover(rooms, self._pipeline.lives, self._stop_lane, self.reach, clock)
         self.consent = Consent(rooms.organiser, self.reach, clock, entropy)
+        self._zone = zone
         self._say_times_in(zone)
         reception.consent = self.consent
         going = Going(rooms)
@@ -138,17 +141,20 @@ class Furnishing:
         reception.office.employ("end", self.handover.give_back)
 
     def alarms(self, memory: Memory, people: Iterable[Seed], clock: Clock, face: Face) -> Alarms:
-        """Return what follows the rules about alarms, as the record left them."""
+        """Return what follows the rules about alarms, as the record left them; tasks likewise."""
         lives = self._pipeline.lives
         hands = Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face)
         alarms = Alarms(self._rooms, self._access, clock, hands)
         alarms.furnish(self._pipeline, memory, people)
+        self.fleet = Fleeting(self._rooms, self._access.changes, clock, hands)
+        self.fleet.furnish(self._pipeline, memory, self._zone)
         return alarms
 
     async def close(self) -> None:
         """Follow nothing any more; wait for robots that come to rest, briefly."""
         await self.keeper.close()
         await self.live_cards.close()
+        await self.fleet.close()
 
     # ---- people ----
 

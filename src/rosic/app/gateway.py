@@ -241,6 +241,7 @@ class Gateway:
         messengers = {messenger.name: messenger for messenger in self._messengers}
         recovery = Recovery(parts.store, self.rooms.linker, self._teller, parts.clock, messengers)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
+        await self.furnishing.fleet.settle(memory, parts.store)
         outbox = owe_over_crashes(parts, self.furnishing, self.stop_lane, self._teller)
         outbox.restore(memory.facts, messengers)
         if count:
@@ -264,6 +265,7 @@ class Gateway:
                 save_now_and_then(self.rooms.organiser.rates, self._parts.store, self._parts.clock)
             ),
         ]  # fmt: skip
+        self.furnishing.fleet.run()
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
             for task in done:

@@ -102,7 +102,7 @@ def _nearest(one: Floor) -> list[tuple[TaskId, RobotId]]:
 
 
 def _solved(one: Floor) -> list[tuple[TaskId, RobotId]]:
-    return assign(one.fleet, one.glances, NOW_NS).pairs
+    return assign(one.fleet, by_priority(one.fleet, NOW_NS), one.glances, NOW_NS).pairs
 
 
 WAYS = {"solver": _solved, "nearest idle": _nearest, "every way tried": best_pairs}

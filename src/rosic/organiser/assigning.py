@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.fleet.planning import (
-    by_priority,
     may,
     nearest_idle,
     robot_cost,
@@ -18,7 +17,7 @@ from rosic.core.fleet.planning import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from rosic.core.fleet.planning import Glance
     from rosic.core.fleet.state import FleetState
@@ -41,18 +40,22 @@ class Assignment(NamedTuple):
     best: bool
 
 
-def assign(fleet: FleetState, glances: Mapping[RobotId, Glance], now_ns: int) -> Assignment:
+def assign(
+    fleet: FleetState, levels: Iterable[Sequence[Task]], glances: Mapping[RobotId, Glance],
+    now_ns: int,
+) -> Assignment:  # fmt: skip
     """Choose robots for the tasks that wait, as many as can be given now.
 
     Args:
         fleet: As it is now; not changed.
+        levels: Tasks that may begin, the most urgent together, as `by_priority` returns them.
         glances: How each robot is.
         now_ns: Wall clock.
     """
     left = {robot: glance for robot, glance in glances.items() if glance.free}
     pairs: list[tuple[TaskId, RobotId]] = []
     best = True
-    for tasks in by_priority(fleet, now_ns):
+    for tasks in levels:
         if not left:
             break
         found = _solved(fleet, tasks, left, now_ns)

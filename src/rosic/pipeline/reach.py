@@ -26,6 +26,7 @@ class Reach:
     not spoken since the start.
 
     Attributes:
+        messengers: Through which people are reached.
         outbox: Keeps what is said over a crash; without one it is only said.
     """
 
@@ -34,7 +35,7 @@ class Reach:
     ) -> None:
         self._authoriser = authoriser
         self._teller = teller
-        self._messengers = tuple(messengers)
+        self.messengers = tuple(messengers)
         self.outbox: Outbox | None = None
 
     def tell(
@@ -85,6 +86,6 @@ class Reach:
     def _chats(self, principal: PrincipalId) -> Iterable[tuple[Messenger, Chat]]:
         person = self._authoriser.directory.person(principal)
         for address in person.addresses if person is not None else ():
-            for messenger in self._messengers:
+            for messenger in self.messengers:
                 if messenger.platform == address.platform:
                     yield messenger, Chat(address.platform, address.account)

@@ -65,8 +65,6 @@ class World:
         self.doubted: dict[str, int] = {}
         self.steps_told: list[str] = []
 
-    # ---- the fleet ----
-
     def feed(self, event: e.Event) -> None:
         """Let an event happen: decided, written, so; what is to be done comes later."""
         self.now_ns += SECOND_NS

@@ -10,11 +10,16 @@ from msgspec.structs import replace
 
 from rosic.bench.fleet import NOW_NS, SMALL, best_pairs, floor
 from rosic.core.fleet.events import Given, Stood
-from rosic.core.fleet.planning import Glance
+from rosic.core.fleet.planning import Glance, by_priority
 from rosic.core.fleet.reacting import react
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import Need, Standing, Task
-from rosic.organiser.assigning import assign
+from rosic.organiser.assigning import Assignment
+from rosic.organiser.assigning import assign as choose
+
+
+def assign(fleet: FleetState, glances: dict[str, Glance], now_ns: int) -> Assignment:
+    return choose(fleet, by_priority(fleet, now_ns), glances, now_ns)
 
 
 def fleet_of(*tasks: Task) -> FleetState:

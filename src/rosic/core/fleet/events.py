@@ -28,6 +28,8 @@ class End(enum.Enum):
     """Not admitted, and no robot has moved: this robot will not be asked again."""
     UNKNOWN = "unknown"
     """It may or may not have been carried out."""
+    SENT = "sent"
+    """It was sent, and this robot never says what came of it."""
     SHUT_DOWN = "shut down"
 
 

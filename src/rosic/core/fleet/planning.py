@@ -12,7 +12,7 @@ from rosic.core.identity import PrincipalId
 from rosic.core.robot import RobotId
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Container, Iterable, Mapping
 
     from rosic.core.fleet.state import FleetState
 
@@ -89,14 +89,28 @@ def waiting_credit(task: Task, now_ns: int) -> float:
     return WAITING_M_S * max(0, now_ns - task.given_ns) / 1e9
 
 
-def by_priority(fleet: FleetState, now_ns: int) -> list[list[Task]]:
-    """Return the tasks that may begin now, the most urgent together, the oldest first."""
+def by_priority(
+    fleet: FleetState, now_ns: int, *, leave: Container[TaskId] = (), at_most: int = 10_000
+) -> list[list[Task]]:
+    """Return the tasks that may begin now, the most urgent together, the oldest first.
+
+    Args:
+        fleet: As it is now.
+        now_ns: Wall clock.
+        leave: Tasks that are not to be given now.
+        at_most: So many altogether, the most urgent ones.
+    """
     levels: dict[int, list[Task]] = {}
     for key in fleet.waiting:
         task = fleet.tasks[key]
-        if fleet.ready(task) and (not task.until_ns or now_ns <= task.until_ns):
+        begins = key not in leave and (not task.until_ns or now_ns <= task.until_ns)
+        if begins and fleet.ready(task):
             levels.setdefault(task.priority, []).append(task)
-    return [levels[priority] for priority in sorted(levels, reverse=True)]
+    found: list[list[Task]] = []
+    for priority in sorted(levels, reverse=True):
+        found.append(levels[priority][:at_most])
+        at_most -= len(found[-1])
+    return [level for level in found if level]
 
 
 def nearest_idle(

@@ -118,6 +118,8 @@ def _ended(fleet: FleetState, task: Task, event: e.Ended, now_ns: int) -> e.Step
         return e.NOTHING  # it is being brought to rest already, and goes on from there
     if end is e.End.BUSY:
         return e.Step(tasks=(_free(task, State.QUEUED, now_ns),))
+    if end is e.End.SENT:
+        return _doubted(task, task.why, now_ns)
     if end in _LEFT:
         return _left(fleet, task, _LEFT[end], now_ns)
     return _leave(task, _LEAVES[end], now_ns)
@@ -154,6 +156,11 @@ def _rested(fleet: FleetState, task: Task, _event: e.Rested, now_ns: int) -> e.S
 def _left(fleet: FleetState, task: Task, why: Why, now_ns: int) -> e.Step:
     """Settle what becomes of a task whose robot does nothing for it any more."""
     after = _settled(fleet, task, why, now_ns)
+    return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+
+
+def _doubted(task: Task, why: Why, now_ns: int) -> e.Step:
+    after = replace(_free(task, State.UNKNOWN, now_ns), why=why)
     return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
 
 
@@ -245,9 +252,9 @@ def _found(fleet: FleetState, task: Task, event: e.Found, now_ns: int) -> e.Step
     """Settle a task that had a robot when the last run ended. No robot begins because of it."""
     if task.state not in HELD:
         return e.NOTHING
-    if event.end is None or event.end is e.End.UNKNOWN:
-        after = replace(_free(task, State.UNKNOWN, now_ns), why=Why.RESTARTED)
-    elif event.end in {e.End.BUSY, e.End.REFUSED} and not task.leaving:
+    if event.end in {None, e.End.UNKNOWN, e.End.SENT}:
+        return _doubted(task, Why.RESTARTED, now_ns)
+    if event.end in {e.End.BUSY, e.End.REFUSED} and not task.leaving:
         after = _free(task, State.QUEUED, now_ns)  # nothing was claimed: it waits as before
     else:
         counts = event.end is e.End.DONE and task.done == task.asked

@@ -12,7 +12,7 @@ ERRANDS = frozenset(
         "card", "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
         "information", "invite", "language", "lock", "map", "me", "mute", "mydata", "people",
         "picture", "plan", "revoke", "role", "security", "seen", "settings", "share", "shelf",
-        "slots", "take", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
+        "slots", "take", "task", "tasks", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
     }
 )  # fmt: skip
 
