@@ -13,10 +13,15 @@ from rosic.errors import Repeated, StoreFault
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.fleet.attempting import Attempting, attempt_id
 from rosic.pipeline.fleet.clerks import TaskClerk
+from rosic.pipeline.fleet.company import CompanyClerk
 from rosic.pipeline.fleet.dispatching import Dispatching
+from rosic.pipeline.fleet.handing import HandoverClerk
 from rosic.pipeline.fleet.letters import KIND as LETTER
+from rosic.pipeline.fleet.overview import Overview
 from rosic.pipeline.fleet.recalling import Recalling
+from rosic.pipeline.fleet.robots_clerk import RobotClerk
 from rosic.pipeline.fleet.telling import Telling
+from rosic.pipeline.fleet.usage import Usage
 from rosic.pipeline.fleet.watching import Watching
 
 if TYPE_CHECKING:
@@ -58,6 +63,8 @@ class Fleeting:
         self.telling = Telling(rooms, hands.reach, self.dispatching)
         self.dispatching.tell = self.telling.tell
         self.dispatching.changed = self._changed
+        self._usage = Usage(clock.monotonic_ns())
+        self._hands = hands
         self._planning: asyncio.Task[None] | None = None
 
     def furnish(self, pipeline: Pipeline, memory: Memory, zone: str) -> None:
@@ -66,8 +73,16 @@ class Fleeting:
         for kind, keeper in ((TASK, fleet), (STANDING, fleet), (LETTER, letters)):
             keeper.restore(memory.facts.get(kind, ()))
             self._changes.keep(kind, keeper.apply)
-        clerk = TaskClerk(self._rooms, self.dispatching, self.telling, zone_named(zone))
-        clerk.employ(pipeline.reception.office)
+        office, rooms, dispatching = pipeline.reception.office, self._rooms, self.dispatching
+        TaskClerk(rooms, dispatching, self.telling, zone_named(zone)).employ(office)
+        robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
+        robots.employ(office)
+        pipeline.resuming.barred = robots.barred
+        HandoverClerk(rooms, dispatching, self._hands.reach, self._clock).employ(office)
+        CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
+            office
+        )
+        Overview(rooms, dispatching, self.watching, self.telling, self._usage).employ(office)
 
     # ---- after an interruption ----
 
@@ -101,6 +116,7 @@ class Fleeting:
     # ---- while it runs ----
 
     def _changed(self) -> None:
+        self._usage.note(self.dispatching.fleet.holds, self._clock.monotonic_ns())
         self.watching.begin()
         if self._planning is None:
             self._planning = asyncio.create_task(self._plan())

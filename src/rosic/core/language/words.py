@@ -8,11 +8,12 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 # name.
 ERRANDS = frozenset(
     {
-        "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "cancel",
-        "card", "chart", "clip", "code", "data", "decline", "end", "files", "forget", "grant",
-        "information", "invite", "language", "lock", "map", "me", "mute", "mydata", "people",
-        "picture", "plan", "revoke", "role", "security", "seen", "settings", "share", "shelf",
-        "slots", "take", "task", "tasks", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
+        "again", "alerts", "approve", "archive", "ask", "authenticator", "book", "broadcast",
+        "cancel", "card", "chart", "clip", "code", "data", "decline", "end", "files", "fleet",
+        "forget", "grant", "handover", "information", "invite", "language", "lock", "map", "me",
+        "mission", "missions", "mute", "mydata", "people", "picture", "plan", "revoke", "robot",
+        "role", "security", "seen", "settings", "share", "shelf", "slots", "take", "task", "tasks",
+        "together", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
     }
 )  # fmt: skip
 
@@ -21,7 +22,6 @@ HINTS: dict[str, str] = {
     "?": "help",
     "commands": "help",
     "continue": "resume",
-    "fleet": "robots",
     "go-on": "resume",
     "list": "robots",
     "menu": "help",

@@ -173,6 +173,9 @@ class Dispatching:
         if self._closing:
             self._note(e.Ended(task.id, number, e.End.SHUT_DOWN), outcome)
             return
+        current = self.fleet.tasks.get(task.id)
+        if current is not None and current.author != task.author:
+            self._give_back(robot, task.author)  # it was handed over meanwhile
         end = end_after(outcome, stopped=self._rooms.board[robot].latched)
         if outcome.note:
             self.why[task.id] = outcome.note

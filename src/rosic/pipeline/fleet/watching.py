@@ -43,6 +43,7 @@ class Watching:
 
     def __init__(self, rooms: Rooms, dispatching: Dispatching, clock: Clock) -> None:
         self.expected_s: Callable[[RobotId, str], float | None] = _unknown
+        self.monotonic_ns = clock.monotonic_ns
         self._rooms = rooms
         self._dispatching = dispatching
         self._clock = clock
