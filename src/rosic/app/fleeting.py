@@ -17,6 +17,7 @@ from rosic.pipeline.fleet.company import CompanyClerk
 from rosic.pipeline.fleet.dispatching import Dispatching
 from rosic.pipeline.fleet.handing import HandoverClerk
 from rosic.pipeline.fleet.letters import KIND as LETTER
+from rosic.pipeline.fleet.missions import MissionClerk
 from rosic.pipeline.fleet.overview import Overview
 from rosic.pipeline.fleet.recalling import Recalling
 from rosic.pipeline.fleet.robots_clerk import RobotClerk
@@ -25,6 +26,7 @@ from rosic.pipeline.fleet.usage import Usage
 from rosic.pipeline.fleet.watching import Watching
 
 if TYPE_CHECKING:
+    from rosic.app.gateway import Settings
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
     from rosic.core.fleet.task import Task
@@ -67,14 +69,16 @@ class Fleeting:
         self._hands = hands
         self._planning: asyncio.Task[None] | None = None
 
-    def furnish(self, pipeline: Pipeline, memory: Memory, zone: str) -> None:
+    def furnish(self, pipeline: Pipeline, memory: Memory, settings: Settings) -> None:
         """Take over what earlier runs wrote, and take the errands."""
         fleet, letters = self.dispatching.fleet, self.dispatching.letters
         for kind, keeper in ((TASK, fleet), (STANDING, fleet), (LETTER, letters)):
             keeper.restore(memory.facts.get(kind, ()))
             self._changes.keep(kind, keeper.apply)
         office, rooms, dispatching = pipeline.reception.office, self._rooms, self.dispatching
-        TaskClerk(rooms, dispatching, self.telling, zone_named(zone)).employ(office)
+        tasks = TaskClerk(rooms, dispatching, self.telling, zone_named(settings.zone))
+        tasks.employ(office)
+        MissionClerk(rooms, dispatching, tasks, settings.missions).employ(office)
         robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
         robots.employ(office)
         pipeline.resuming.barred = robots.barred

@@ -50,11 +50,11 @@ from rosic.pipeline.times.naming import Naming
 from rosic.pipeline.times.parts import Sides, Times
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
-    from rosic.app.people import Seed
+    from rosic.app.gateway import Settings
     from rosic.authoriser.misuse import Invalidate
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
@@ -125,7 +125,6 @@ class Furnishing:
         self.reach = Reach(rooms.authoriser, self._teller, messengers)
         self.handover = Handover(rooms, self._pipeline.lives, self._stop_lane, self.reach, clock)
         self.consent = Consent(rooms.organiser, self.reach, clock, entropy)
-        self._zone = zone
         self._say_times_in(zone)
         reception.consent = self.consent
         going = Going(rooms)
@@ -140,14 +139,14 @@ class Furnishing:
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
 
-    def alarms(self, memory: Memory, people: Iterable[Seed], clock: Clock, face: Face) -> Alarms:
+    def alarms(self, memory: Memory, settings: Settings, clock: Clock, face: Face) -> Alarms:
         """Return what follows the rules about alarms, as the record left them; tasks likewise."""
         lives = self._pipeline.lives
         hands = Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face)
         alarms = Alarms(self._rooms, self._access, clock, hands)
-        alarms.furnish(self._pipeline, memory, people)
+        alarms.furnish(self._pipeline, memory, settings.people)
         self.fleet = Fleeting(self._rooms, self._access.changes, clock, hands)
-        self.fleet.furnish(self._pipeline, memory, self._zone)
+        self.fleet.furnish(self._pipeline, memory, settings)
         return alarms
 
     async def close(self) -> None:

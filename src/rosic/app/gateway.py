@@ -34,6 +34,7 @@ from rosic.contracts.entropy import Entropy
 from rosic.contracts.messenger import Messenger
 from rosic.contracts.painter import Painter
 from rosic.contracts.store import Latch, Store
+from rosic.core.fleet.mission import Mission
 from rosic.core.language import UnitTable, Vocabulary, clean
 from rosic.core.life import Face
 from rosic.core.message import Outbound
@@ -76,10 +77,10 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
         rulebook: Roles, care and pre-emption.
         place: Name of this place, as people see it.
         zone: Of the place, an IANA name.
-        limit: Of each person.
-        robot_limits: Of robots that have one, for everybody together.
+        limit, robot_limits: Of each person; of robots that have one, for everybody together.
         lease_idle_s: How long a robot stays somebody's after their last order ended.
         keep: How long what is over is kept.
+        missions: What several robots do when somebody says so.
     """
 
     profiles: tuple[Profile, ...]
@@ -91,6 +92,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     robot_limits: Mapping[RobotId, RateLimit] = {}
     lease_idle_s: float = 60.0
     keep: Keep = Keep()
+    missions: tuple[Mission, ...] = ()
 
 
 class Parts(msgspec.Struct, frozen=True, kw_only=True):
@@ -215,7 +217,7 @@ class Gateway:
         self.seeing = furnish_seeing(
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
-        self.alarms = self.furnishing.alarms(memory, self._settings.people, time, parts.face)
+        self.alarms = self.furnishing.alarms(memory, self._settings, time, parts.face)
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
         if isinstance(parts.store, Vault):

@@ -94,6 +94,7 @@ def settings_of(config: Config) -> Settings:
         robot_limits=config.robot_limits,
         keep=config.keep,
         lease_idle_s=config.lease_idle_s,
+        missions=config.missions,
     )
 
 
