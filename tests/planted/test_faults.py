@@ -14,6 +14,7 @@ from tests.planted.faults import FAULTS, Fault
 from tests.planted.faults_of_alerts import OF_ALERTS
 from tests.planted.faults_of_among import OF_AMONG
 from tests.planted.faults_of_cards import OF_CARDS
+from tests.planted.faults_of_fleet import OF_FLEET
 from tests.planted.faults_of_telling import OF_TELLING
 from tests.planted.messenger_faults import MESSENGER_FAULTS
 
@@ -28,7 +29,9 @@ def pytest_terminal_summary(terminalreporter):
     terminalreporter.write_line(f"source: {rosic.__file__}")
 """
 
-ALL = (*FAULTS, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *OF_AMONG, *MESSENGER_FAULTS)
+ALL = (
+    *FAULTS, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *OF_AMONG, *OF_FLEET, *MESSENGER_FAULTS,
+)  # fmt: skip
 
 
 pytestmark = pytest.mark.limit(WITHIN_S + 10)

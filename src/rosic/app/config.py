@@ -24,12 +24,14 @@ from rosic.app.config_file import (
     said_roles,
 )
 from rosic.app.fellows import robot_findings
+from rosic.app.missions import Missions
 from rosic.app.people import Seed
 from rosic.app.profiles import find_profile, fleet_findings, known_units, read_profile
 from rosic.app.retention import Keep
 from rosic.app.secret_settings import SecretSettings
 from rosic.app.shape import Finding, Walker
 from rosic.app.toml_file import read_toml
+from rosic.core.fleet.mission import Mission
 from rosic.core.rate import RateLimit, parse_rate
 from rosic.core.robot import Profile, RobotId
 from rosic.core.roles import Rulebook
@@ -69,6 +71,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         zone: Of the place.
         limits: Of each person.
         robot_limits: Of robots that have one.
+        missions: What several robots do when somebody says so.
     """
 
     path: Path
@@ -84,6 +87,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     limits: RateLimit
     robot_limits: dict[RobotId, RateLimit]
     keep: Keep
+    missions: tuple[Mission, ...] = ()
 
 
 class ReadConfig(NamedTuple):
@@ -148,6 +152,7 @@ def read_config(
     reading = _Reading(source, Path(path), file)
     messengers = reading.messengers(os.environ if environ is None else environ)
     robots = reading.robots(units)
+    missions = () if reading.errors else reading.missions(robots, units)
     if reading.errors:
         return ReadConfig(None, reading.errors, reading.advice)
     config = Config(
@@ -164,6 +169,7 @@ def read_config(
         limits=RateLimit(burst=file.limits.burst, per_s=file.limits.per_s),
         robot_limits=_robot_limits(file, robots),
         keep=file.keep,
+        missions=missions,
     )
     return ReadConfig(config, [], reading.advice)
 
@@ -224,6 +230,21 @@ class _Reading:
                 self._note(author_findings(self._file, robots))
                 self._note(robot_findings(self._file, robots))
         return tuple(robots)
+
+    def missions(self, robots: Sequence[Profile], units: UnitTable | None) -> tuple[Mission, ...]:
+        if not self._file.mission:
+            return ()
+        missions = Missions(robots, known_units() if units is None else units)
+        for index, table in enumerate(self._file.mission):
+            path = self._folder / Path(table.file).expanduser()
+            if path.exists():
+                missions.read(path)
+            else:
+                place = ("mission", index, "file")
+                self._note([Finding(place, f"There is no mission at {table.file}.")])
+        found = missions.found()
+        self.errors += missions.errors
+        return found
 
     def _note(self, findings: Iterable[Finding]) -> None:
         self.errors += [self._source.error(*finding) for finding in findings]

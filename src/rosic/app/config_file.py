@@ -70,6 +70,16 @@ class RobotTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     rate: str = ""
 
 
+class MissionTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One mission.
+
+    Attributes:
+        file: Where it is written down, relative to the configuration file.
+    """
+
+    file: str
+
+
 class LimitsTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How fast commands may come.
 
@@ -107,6 +117,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
     Attributes:
         messenger: Accounts on messengers; besides kind and name, what the adapter asks for.
+        mission: What several robots do, step by step, when somebody says so.
         role: What a role may do; beside the default roles, or instead of one.
         care: Skills that want more than the right to them.
         limits: How fast commands may come.
@@ -117,6 +128,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     messenger: tuple[dict[str, Any], ...] = ()
     robot: tuple[RobotTable, ...] = ()
     principal: tuple[PrincipalTable, ...] = ()
+    mission: tuple[MissionTable, ...] = ()
     role: dict[str, Role] = {}
     care: tuple[Care, ...] = ()
     limits: LimitsTable = LimitsTable()

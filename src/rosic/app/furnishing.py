@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.app.alarming import Alarms
+from rosic.app.fleeting import Fleeting
 from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
 from rosic.core.language import clean_name
@@ -49,11 +50,11 @@ from rosic.pipeline.times.naming import Naming
 from rosic.pipeline.times.parts import Sides, Times
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
-    from rosic.app.people import Seed
+    from rosic.app.parts import Settings
     from rosic.authoriser.misuse import Invalidate
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
@@ -85,6 +86,7 @@ class Furnishing:
         granting: Gives rights for a while.
         keeper: Follows the calendar.
         live_cards: Shows in chats how robots are.
+        fleet: Brings tasks to robots.
     """
 
     def __init__(
@@ -137,18 +139,21 @@ class Furnishing:
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
 
-    def alarms(self, memory: Memory, people: Iterable[Seed], clock: Clock, face: Face) -> Alarms:
-        """Return what follows the rules about alarms, as the record left them."""
+    def alarms(self, memory: Memory, settings: Settings, clock: Clock, face: Face) -> Alarms:
+        """Return what follows the rules about alarms, as the record left them; tasks likewise."""
         lives = self._pipeline.lives
         hands = Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face)
         alarms = Alarms(self._rooms, self._access, clock, hands)
-        alarms.furnish(self._pipeline, memory, people)
+        alarms.furnish(self._pipeline, memory, settings.people)
+        self.fleet = Fleeting(self._rooms, self._access.changes, clock, hands)
+        self.fleet.furnish(self._pipeline, memory, settings)
         return alarms
 
     async def close(self) -> None:
         """Follow nothing any more; wait for robots that come to rest, briefly."""
         await self.keeper.close()
         await self.live_cards.close()
+        await self.fleet.close()
 
     # ---- people ----
 

@@ -9,7 +9,7 @@ from rosic.core.gate import Gate
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rosic.app.gateway import Parts
+    from rosic.app.parts import Parts
     from rosic.contracts.robot import Robot
     from rosic.core.robot import Profile, RobotId
     from rosic.core.stopboard import StopBoard

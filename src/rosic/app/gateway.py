@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
-
-import msgspec
 
 from rosic.app.access import Access
 from rosic.app.authority import Authority, key_of
@@ -21,26 +18,17 @@ from rosic.app.languages import LANGUAGES, catalogue, whose
 from rosic.app.minding import Minder
 from rosic.app.owing import owe_over_crashes
 from rosic.app.painting import furnish_seeing
-from rosic.app.people import Seed, remember, seed
-from rosic.app.retention import Keep, Ledger, Retention
+from rosic.app.parts import Parts, Settings
+from rosic.app.people import remember, seed
+from rosic.app.retention import Ledger, Retention
 from rosic.app.saving import limit_rates, save, save_now_and_then
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.container.words_container import SETTINGS_DAMAGED
-from rosic.contracts.adapter import RobotFactory
-from rosic.contracts.clock import Clock
-from rosic.contracts.entropy import Entropy
-from rosic.contracts.messenger import Messenger
-from rosic.contracts.painter import Painter
-from rosic.contracts.store import Latch, Store
-from rosic.core.language import UnitTable, Vocabulary, clean
-from rosic.core.life import Face
+from rosic.core.language import Vocabulary, clean
 from rosic.core.message import Outbound
-from rosic.core.rate import RateLimit
-from rosic.core.robot import Profile, RobotId
-from rosic.core.roles import DEFAULT_ROLES, Rulebook
 from rosic.core.stopboard import StopBoard
 from rosic.errors import ConfigurationError
 from rosic.linker.linker import Linker
@@ -56,10 +44,16 @@ from rosic.pipeline.stopping import StopLane
 from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Robot
     from rosic.core.identity import PrincipalId
     from rosic.core.record import Memory
+    from rosic.core.robot import Profile, RobotId
     from rosic.pipeline.seeing.parts import Seeing
+
+__all__ = ["Gateway", "Parts", "Settings"]
 
 log = logging.getLogger("rosic.gateway")
 
@@ -69,48 +63,6 @@ DEAF_WITHIN_S = 1.5
 FLUSH_AT_LEAST_S = 0.2
 TOLD_BY_S = 3.8
 HOLD_WITHIN_S = 0.3
-
-
-class Settings(msgspec.Struct, frozen=True, kw_only=True):
-    """What a gateway is made with, besides its adapters.
-
-    Attributes:
-        rulebook: Roles, care and pre-emption.
-        place: Name of this place, as people see it.
-        zone: Of the place, an IANA name.
-        limit: Of each person.
-        robot_limits: Of robots that have one, for everybody together.
-        lease_idle_s: How long a robot stays somebody's after their last order ended.
-        keep: How long what is over is kept.
-    """
-
-    profiles: tuple[Profile, ...]
-    people: tuple[Seed, ...] = ()
-    rulebook: Rulebook = Rulebook(roles=DEFAULT_ROLES)
-    place: str = "rosic"
-    zone: str = "UTC"
-    limit: RateLimit = RateLimit()
-    robot_limits: Mapping[RobotId, RateLimit] = {}
-    lease_idle_s: float = 60.0
-    keep: Keep = Keep()
-
-
-class Parts(msgspec.Struct, frozen=True, kw_only=True):
-    """The adapters of a gateway; a test owns each of them.
-
-    Attributes:
-        painter: Draws what is seen; None: people are told that nobody here can.
-    """
-
-    messengers: tuple[Messenger, ...]
-    robot_factory: Callable[[str], RobotFactory]
-    store: Store
-    latch: Latch
-    clock: Clock
-    entropy: Entropy
-    units: UnitTable
-    face: Face
-    painter: Painter | None = None
 
 
 class Gateway:
@@ -218,7 +170,7 @@ class Gateway:
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
         self.furnishing.live_cards.drawing.picturing.camera = CardCamera(self.seeing)
-        self.alarms = self.furnishing.alarms(memory, self._settings.people, time, parts.face)
+        self.alarms = self.furnishing.alarms(memory, self._settings, time, parts.face)
         self.alarms.watch(self._messengers)
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
@@ -246,6 +198,7 @@ class Gateway:
         messengers = {messenger.name: messenger for messenger in self._messengers}
         recovery = Recovery(parts.store, self.rooms.linker, self._teller, parts.clock, messengers)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
+        await self.furnishing.fleet.settle(memory, parts.store)
         outbox = owe_over_crashes(parts, self.furnishing, self.stop_lane, self._teller)
         outbox.restore(memory.facts, messengers)
         if count:
@@ -270,6 +223,7 @@ class Gateway:
                 save_now_and_then(self.rooms.organiser.rates, self._parts.store, self._parts.clock)
             ),
         ]  # fmt: skip
+        self.furnishing.fleet.run()
         try:
             done, _ = await asyncio.wait(self._listening, return_when=asyncio.FIRST_EXCEPTION)
             for task in done:

@@ -9,7 +9,7 @@ from rosic.pipeline.outbox import Outbox
 
 if TYPE_CHECKING:
     from rosic.app.furnishing import Furnishing
-    from rosic.app.gateway import Parts
+    from rosic.app.parts import Parts
     from rosic.errors import MessengerFault
     from rosic.pipeline.stopping import StopLane
     from rosic.pipeline.telling import Teller

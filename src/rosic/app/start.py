@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from rosic.app.adapters import messenger_factory, robot_factory
 from rosic.app.face import face_of
-from rosic.app.gateway import Parts, Settings
 from rosic.app.painting import painter
+from rosic.app.parts import Parts, Settings
 from rosic.app.profiles import known_units
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
@@ -94,6 +94,7 @@ def settings_of(config: Config) -> Settings:
         robot_limits=config.robot_limits,
         keep=config.keep,
         lease_idle_s=config.lease_idle_s,
+        missions=config.missions,
     )
 
 

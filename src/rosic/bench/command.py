@@ -36,7 +36,14 @@ def _telegram(quick: bool) -> Report:
     return measure(quick=quick)
 
 
+def _fleet(quick: bool) -> Report:
+    from rosic.bench.fleet import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick)
+
+
 BENCHES: dict[str, Callable[[bool], Report]] = {
+    "fleet": _fleet,
     "pipeline": _pipeline,
     "schedule": _schedule,
     "stop": _stop,

@@ -23,6 +23,7 @@ class Case(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
         rate_per_s, p50_us, p99_us: Of what, the report's method says.
         permitted_share: Of what a platform permits, how much was used; left out elsewhere.
         bytes_each: Memory of each of many, where that is what a case is about; else not shown.
+        cost_m: What a choice costs, where that is what a case is about; else not shown.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Case(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     p99_us: float
     permitted_share: float | msgspec.UnsetType = msgspec.UNSET
     bytes_each: float | None = None
+    cost_m: float | None = None
 
 
 class Report(msgspec.Struct, frozen=True, kw_only=True):
@@ -90,6 +92,7 @@ def as_text(report: Report) -> str:
         f"{case.name:<{width}}  {case.rate_per_s:>10.0f} /s   p50 {_us(case.p50_us)} us   "
         f"p99 {_us(case.p99_us)} us{_share(case)}"
         + ("" if case.bytes_each is None else f"   {case.bytes_each:.0f} bytes each")
+        + ("" if case.cost_m is None else f"   costs {case.cost_m:.2f} m a pair")
         for case in report.cases
     ]
     return "\n".join(lines)

@@ -97,12 +97,16 @@ class Card:
     def add(self, cid: CommandId, where: str, title: str, at_ns: int) -> Life:
         """Show one more life, which begins now."""
         life = Life(where, title, self._face, at_ns, self.words)
+        self.show(cid, life)
+        return life
+
+    def show(self, cid: CommandId, life: Life) -> None:
+        """Show a life that was made elsewhere."""
         self.cids.append(cid)
         self._lives.append(life)
         self.open += 1
         if not self.in_place:
             self.lines.append(life.line(ACCEPTED))
-        return life
 
     def step(self, life: Life, report: Report, at_ns: int) -> bool:
         """Take a report in. Return whether the chat is to hear of it.

@@ -50,6 +50,12 @@ class Changes:
         """Call something after each change, in the same turn of the event loop."""
         self._after.append(settle)
 
+    def note(self, records: Iterable[Record]) -> None:
+        """Let it be so at once and write it soon: at the end, when nothing is waited for."""
+        records = tuple(records)
+        self._apply(records)
+        self._store.note(*records)
+
     @asynccontextmanager
     async def turn(self) -> AsyncIterator[Turn]:
         """Let nothing else change meanwhile."""

@@ -47,6 +47,7 @@ class Reach:
     not spoken since the start.
 
     Attributes:
+        messengers: Through which people are reached.
         outbox: Keeps what is said over a crash; without one it is only said.
     """
 
@@ -55,7 +56,7 @@ class Reach:
     ) -> None:
         self._authoriser = authoriser
         self._teller = teller
-        self._messengers = tuple(messengers)
+        self.messengers = tuple(messengers)
         self.outbox: Outbox | None = None
 
     def tell(
@@ -115,6 +116,6 @@ class Reach:
     def _chats(self, principal: PrincipalId) -> Iterable[tuple[Messenger, Chat]]:
         person = self._authoriser.directory.person(principal)
         for address in person.addresses if person is not None else ():
-            for messenger in self._messengers:
+            for messenger in self.messengers:
                 if messenger.platform == address.platform:
                     yield messenger, Chat(address.platform, address.account)

@@ -10,11 +10,14 @@ from rosic.core.saying import said
 from rosic.errors import Expired, Fault, NotUnderstood, RecordUnavailable, RobotStopped
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.container.container import Containers
     from rosic.core.language import Resume
     from rosic.core.message import Inbound
     from rosic.core.robot import RobotId
     from rosic.core.stopboard import StopBoard
+    from rosic.errors import Refusal
     from rosic.linker.linker import Linker
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.said import Said
@@ -25,11 +28,16 @@ SECOND_NS = 1_000_000_000
 
 
 class Resuming:
-    """Undoes stops."""
+    """Undoes stops.
+
+    Attributes:
+        barred: Returns why a robot must stay stopped, whoever asks; None if it need not.
+    """
 
     def __init__(
         self, organiser: Organiser, container: Containers, linker: Linker, board: StopBoard
     ) -> None:
+        self.barred: Callable[[RobotId], Refusal | None] | None = None
         self._organiser = organiser
         self._container = container
         self._linker = linker
@@ -50,6 +58,7 @@ class Resuming:
         for robot in stopped:
             self._organiser.check_resume(caller, robot, asked.grounds())
             self._check_later(inbound, robot)
+            self._check_not_barred(robot)
         # As they were when this was asked: what is stopped meanwhile stays stopped.
         generations = {robot: self._board[robot].generation for robot in stopped}
         for robot, generation in generations.items():
@@ -71,6 +80,11 @@ class Resuming:
         if not stopped:
             return said("Nothing is stopped there.")
         return words.resumed([self._linker.profile(robot).shown for robot in stopped])
+
+    def _check_not_barred(self, robot: RobotId) -> None:
+        why = None if self.barred is None else self.barred(robot)
+        if why is not None:
+            raise why
 
     def _check_later(self, inbound: Inbound, robot: RobotId) -> None:
         old = inbound.received_ns - inbound.sent_ns > RESUME_LIFETIME_NS

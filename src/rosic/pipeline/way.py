@@ -78,6 +78,7 @@ class Pipeline:
         lives: The orders under way.
         audience: Who hears what robots say of their own accord.
         reception: Who receives what is no order.
+        resuming: Undoes stops.
         arrears: Answers to what was sent while nobody listened.
         face: What a clock on the wall shows here.
     """
@@ -100,7 +101,7 @@ class Pipeline:
         self._followed: OrderedDict[CommandId, None] = OrderedDict()
         self._replies = Replies(rooms, teller, clock)
         self._expiring = Expiring(teller, clock)
-        self._resuming = Resuming(organiser, container, linker, rooms.board)
+        self.resuming = Resuming(organiser, container, linker, rooms.board)
         self.habits = Habits()
         self._choosing = Choosing(self._reader, self.habits)
         self.arrears = self._replies.arrears
@@ -251,7 +252,7 @@ class Pipeline:
     async def _answer(self, said: Said, line: Line, cid: CommandId) -> None:
         """Do what is asked beside orders, and say so."""
         if isinstance(line, Resume):
-            text = await self._resuming.resume(said, line, cid)
+            text = await self.resuming.resume(said, line, cid)
             self._replies.say(said.messenger, said.inbound, text)
         elif isinstance(line, Errand):
             asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid)

@@ -1,0 +1,147 @@
+"""Puts the fleet in its place: tasks of earlier runs, who looks after them, who is asked."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from rosic.core.fleet import events as e
+from rosic.core.fleet.state import STANDING, TASK
+from rosic.core.order import Ending
+from rosic.core.record import Refused, Told
+from rosic.errors import Repeated, StoreFault
+from rosic.organiser.zones import zone_named
+from rosic.pipeline.fleet.attempting import Attempting, attempt_id
+from rosic.pipeline.fleet.clerks import TaskClerk
+from rosic.pipeline.fleet.company import CompanyClerk
+from rosic.pipeline.fleet.dispatching import Dispatching
+from rosic.pipeline.fleet.handing import HandoverClerk
+from rosic.pipeline.fleet.letters import KIND as LETTER
+from rosic.pipeline.fleet.missions import MissionClerk
+from rosic.pipeline.fleet.overview import Overview
+from rosic.pipeline.fleet.recalling import Recalling
+from rosic.pipeline.fleet.robots_clerk import RobotClerk
+from rosic.pipeline.fleet.telling import Telling
+from rosic.pipeline.fleet.usage import Usage
+from rosic.pipeline.fleet.watching import Watching
+
+if TYPE_CHECKING:
+    from rosic.app.parts import Settings
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.store import Store
+    from rosic.core.fleet.task import Task
+    from rosic.core.record import Memory
+    from rosic.pipeline import Pipeline
+    from rosic.pipeline.alerts.running import Hands
+    from rosic.pipeline.changes import Changes
+    from rosic.pipeline.rooms import Rooms
+
+_ENDS = {
+    Ending.DONE.value: e.End.DONE,
+    Ending.FAILED.value: e.End.FAILED,
+    Ending.CANCELLED.value: e.End.SHUT_DOWN,
+    Ending.REFUSED.value: e.End.BUSY,
+    Ending.SENT.value: e.End.SENT,
+}
+
+
+class Fleeting:
+    """The fleet of one gateway.
+
+    Attributes:
+        dispatching: Where it changes.
+        watching: Looks after it.
+        telling: Tells people.
+    """
+
+    def __init__(self, rooms: Rooms, changes: Changes, clock: Clock, hands: Hands) -> None:
+        self._rooms = rooms
+        self._changes = changes
+        self._clock = clock
+        attempting = Attempting(rooms, hands, clock)
+        recalling = Recalling(rooms, hands, clock)
+        self.dispatching = Dispatching(rooms, changes, clock, attempting, recalling)
+        self.watching = Watching(rooms, self.dispatching, clock)
+        self.telling = Telling(rooms, hands.reach, self.dispatching)
+        self.dispatching.tell = self.telling.tell
+        self.dispatching.changed = self._changed
+        self._usage = Usage(clock.monotonic_ns())
+        self._hands = hands
+        self._planning: asyncio.Task[None] | None = None
+
+    def furnish(self, pipeline: Pipeline, memory: Memory, settings: Settings) -> None:
+        """Take over what earlier runs wrote, and take the errands."""
+        fleet, letters = self.dispatching.fleet, self.dispatching.letters
+        for kind, keeper in ((TASK, fleet), (STANDING, fleet), (LETTER, letters)):
+            keeper.restore(memory.facts.get(kind, ()))
+            self._changes.keep(kind, keeper.apply)
+        office, rooms, dispatching = pipeline.reception.office, self._rooms, self.dispatching
+        tasks = TaskClerk(rooms, dispatching, self.telling, zone_named(settings.zone))
+        tasks.employ(office)
+        MissionClerk(rooms, dispatching, tasks, settings.missions).employ(office)
+        robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
+        robots.employ(office)
+        pipeline.resuming.barred = robots.barred
+        HandoverClerk(rooms, dispatching, self._hands.reach, self._clock).employ(office)
+        CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
+            office
+        )
+        Overview(rooms, dispatching, self.watching, self.telling, self._usage).employ(office)
+
+    # ---- after an interruption ----
+
+    async def settle(self, memory: Memory, store: Store) -> None:
+        """Say what became of the tasks that had a robot when the last run ended."""
+        known = {life.cid: life.ending for life in memory.unfinished}
+        held = [self.dispatching.fleet.tasks[key] for key in self.dispatching.fleet.holds.values()]
+        ends = {task.id: await self._end(task, known, store) for task in held}
+        await self.dispatching.settle(lambda task: ends[task.id])
+
+    async def _end(self, task: Task, known: dict[bytes, str | None], store: Store) -> e.End | None:
+        """Return what is known of the order of a task's newest attempt.
+
+        What is not among the unfinished lives was told already, or never claimed. A refusal in its
+        place finds out which, and sees to it that it never will be.
+        """
+        cid = attempt_id(task, task.attempt)
+        if cid in known:
+            ending = known[cid]
+            return None if ending is None else _ENDS.get(ending)
+        refused = Refused(
+            cid=cid, principal=task.author, code="restarted", at_ns=self._clock.wall_ns()
+        )
+        try:
+            await store.write(refused)
+        except (Repeated, StoreFault):
+            return None
+        store.note(Told(cid, self._clock.wall_ns()))
+        return e.End.BUSY
+
+    # ---- while it runs ----
+
+    def _changed(self) -> None:
+        self._usage.note(self.dispatching.fleet.holds, self._clock.monotonic_ns())
+        self.watching.begin()
+        if self._planning is None:
+            self._planning = asyncio.create_task(self._plan())
+
+    async def _plan(self) -> None:
+        """Choose once for all that has changed in one turn of the event loop."""
+        try:
+            await self.watching.plan()
+        finally:
+            self._planning = None
+
+    def run(self) -> None:
+        """Let robots begin from now on."""
+        self.watching.run()
+        self._changed()
+
+    async def close(self) -> None:
+        """Nothing begins any more; what ends is noted until the record is closed."""
+        self.dispatching.shut()
+        await self.watching.close()
+        if self._planning is not None:
+            self._planning.cancel()
+            await asyncio.gather(self._planning, return_exceptions=True)
+        await self.dispatching.close()

@@ -1,0 +1,65 @@
+"""What a gateway is made with: what its place has set, and its adapters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import msgspec
+
+from rosic.app.people import Seed
+from rosic.app.retention import Keep
+from rosic.contracts.adapter import RobotFactory
+from rosic.contracts.clock import Clock
+from rosic.contracts.entropy import Entropy
+from rosic.contracts.messenger import Messenger
+from rosic.contracts.painter import Painter
+from rosic.contracts.store import Latch, Store
+from rosic.core.fleet.mission import Mission
+from rosic.core.language import UnitTable
+from rosic.core.life import Face
+from rosic.core.rate import RateLimit
+from rosic.core.robot import Profile, RobotId
+from rosic.core.roles import DEFAULT_ROLES, Rulebook
+
+
+class Settings(msgspec.Struct, frozen=True, kw_only=True):
+    """What a gateway is made with, besides its adapters.
+
+    Attributes:
+        rulebook: Roles, care and pre-emption.
+        place: Name of this place, as people see it.
+        zone: Of the place, an IANA name.
+        limit, robot_limits: Of each person; of robots that have one, for everybody together.
+        lease_idle_s: How long a robot stays somebody's after their last order ended.
+        keep: How long what is over is kept.
+        missions: What several robots do when somebody says so.
+    """
+
+    profiles: tuple[Profile, ...]
+    people: tuple[Seed, ...] = ()
+    rulebook: Rulebook = Rulebook(roles=DEFAULT_ROLES)
+    place: str = "rosic"
+    zone: str = "UTC"
+    limit: RateLimit = RateLimit()
+    robot_limits: Mapping[RobotId, RateLimit] = {}
+    lease_idle_s: float = 60.0
+    keep: Keep = Keep()
+    missions: tuple[Mission, ...] = ()
+
+
+class Parts(msgspec.Struct, frozen=True, kw_only=True):
+    """The adapters of a gateway; a test owns each of them.
+
+    Attributes:
+        painter: Draws what is seen; None: people are told that nobody here can.
+    """
+
+    messengers: tuple[Messenger, ...]
+    robot_factory: Callable[[str], RobotFactory]
+    store: Store
+    latch: Latch
+    clock: Clock
+    entropy: Entropy
+    units: UnitTable
+    face: Face
+    painter: Painter | None = None

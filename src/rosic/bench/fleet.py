@@ -1,0 +1,142 @@
+"""``rosic bench fleet``: how long choosing robots for tasks takes, and how good the choice is."""
+
+from __future__ import annotations
+
+from itertools import permutations
+from random import Random
+from statistics import mean
+from time import perf_counter_ns
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.bench.report import Case, Report, case_of, machine
+from rosic.core.fleet.events import Given
+from rosic.core.fleet.planning import Glance, by_priority, cost, nearest_idle
+from rosic.core.fleet.reacting import react
+from rosic.core.fleet.state import FleetState
+from rosic.core.fleet.task import Task
+from rosic.core.robot import RobotId
+from rosic.organiser.assigning import assign
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.core.fleet.task import TaskId
+
+TASKS, ROBOTS = 1_000, 200
+SMALL = 6  # so few that every way of assigning them can be tried
+RUNS, QUICK_RUNS = 10, 3
+SMALL_RUNS, QUICK_SMALL_RUNS = 50, 10
+SIDE_M = 100.0
+NOW_NS = 1_800_000_000_000_000_000
+METHOD = (
+    "Assigning tasks to robots by way, battery, load and waiting, on a floor of 100 m by 100 m "
+    "({runs} generated floors; {small} small ones). Times: one whole assignment. Rate: assignments "
+    "a second. Beside each way, what its choice costs on the average, a pair, in metres of way."
+)
+
+
+class Assigned(Case, frozen=True, kw_only=True):
+    """One way of assigning, and what it chose.
+
+    Attributes:
+        pairs: How many tasks got a robot, on the average.
+    """
+
+    pairs: float
+
+
+class Floor(msgspec.Struct, frozen=True):
+    """Tasks that wait, and robots that are free."""
+
+    fleet: FleetState
+    glances: dict[RobotId, Glance]
+
+    def cost_m(self, pairs: Sequence[tuple[TaskId, RobotId]]) -> float:
+        """Return the mean cost of a pair."""
+        tasks, glances = self.fleet.tasks, self.glances
+        return mean(cost(tasks[task], glances[robot], NOW_NS) for task, robot in pairs)
+
+
+def floor(seed: int, tasks: int, robots: int) -> Floor:
+    """Return a floor; the same seed gives the same."""
+    chance = Random(seed)  # noqa: S311 - a made-up floor, nothing to guess
+    names = [f"robot{n}" for n in range(robots)]
+    glances = {
+        name: Glance(
+            robot=name,
+            battery=chance.uniform(20, 100),
+            place=(chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M)),
+            load=chance.randrange(5),
+        )
+        for name in names
+    }
+    fleet = FleetState()
+    for n in range(tasks):
+        # Some tasks want one of a few; most are for any.
+        among = tuple(names) if chance.random() < 0.8 else tuple(chance.sample(names, robots // 2))  # noqa: PLR2004
+        task = Task(
+            id=str(n + 1), author="p", among=among, given_ns=NOW_NS - chance.randrange(10**11),
+            place=(chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M)),
+        )  # fmt: skip
+        for fact in fleet.facts(react(fleet, Given(task), NOW_NS)):
+            fleet.apply(fact)
+    return Floor(fleet, glances)
+
+
+def best_pairs(small: Floor) -> list[tuple[TaskId, RobotId]]:
+    """Try every way of assigning as many tasks as there are robots; return the cheapest."""
+    [tasks] = by_priority(small.fleet, NOW_NS)
+    ways = (
+        [(task.id, robot) for task, robot in zip(tasks, order, strict=True)]
+        for order in permutations(small.glances)
+        if all(robot in task.among for task, robot in zip(tasks, order, strict=True))
+    )
+    return min(ways, key=small.cost_m)
+
+
+def _nearest(one: Floor) -> list[tuple[TaskId, RobotId]]:
+    [tasks] = by_priority(one.fleet, NOW_NS)
+    return nearest_idle(one.fleet, tasks, one.glances, NOW_NS)
+
+
+def _solved(one: Floor) -> list[tuple[TaskId, RobotId]]:
+    return assign(one.fleet, by_priority(one.fleet, NOW_NS), one.glances, NOW_NS).pairs
+
+
+WAYS = {"solver": _solved, "nearest idle": _nearest, "every way tried": best_pairs}
+
+
+def _case(name: str, way: str, floors: Sequence[Floor]) -> Assigned:
+    times: list[int] = []
+    pairs: list[int] = []
+    costs: list[float] = []
+    for one in floors:
+        began = perf_counter_ns()
+        found = WAYS[way](one)
+        times.append(perf_counter_ns() - began)
+        pairs.append(len(found))
+        costs.append(one.cost_m(found))
+    case = case_of(f"{name}: {way}", [(1e9 / mean(times), times)])
+    known = msgspec.structs.asdict(case) | {"cost_m": round(mean(costs), 3)}
+    return Assigned(**known, pairs=round(mean(pairs), 1))
+
+
+def measure(*, quick: bool = False) -> Report:
+    """Return what ``rosic bench fleet`` prints."""
+    runs, small_runs = (QUICK_RUNS, QUICK_SMALL_RUNS) if quick else (RUNS, SMALL_RUNS)
+    _solved(floor(0, 2, 2))  # the solver is loaded before anything is timed
+    large = [floor(seed, TASKS, ROBOTS) for seed in range(runs)]
+    small = [one for seed in range(small_runs) if _full(one := floor(seed, SMALL, SMALL))]
+    cases = [
+        *(_case(f"{SMALL} to {SMALL}", way, small) for way in WAYS),
+        *(_case(f"{TASKS} to {ROBOTS}", way, large) for way in ("solver", "nearest idle")),
+    ]
+    method = METHOD.format(runs=runs, small=len(small))
+    return Report(machine=machine(), method=method, cases=tuple(cases))
+
+
+def _full(one: Floor) -> bool:
+    """Whether each task can have a robot, so that ways may be compared by what they cost."""
+    return all(len(way(one)) == SMALL for way in (_solved, _nearest))

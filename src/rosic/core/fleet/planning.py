@@ -1,0 +1,128 @@
+"""Who could carry out what now, and what it would cost; choosing the best of it is a solver's."""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.core.fleet.task import Standing, Task, TaskId
+from rosic.core.identity import PrincipalId
+from rosic.core.robot import RobotId
+
+if TYPE_CHECKING:
+    from collections.abc import Container, Iterable, Mapping
+
+    from rosic.core.fleet.state import FleetState
+
+# Everything is counted in metres of way.
+EMPTY_BATTERY_M: Final = 20.0
+"""What an empty battery costs beside a full one."""
+LOAD_M: Final = 2.0
+"""What each task of late costs, so that the same robot is not always the nearest."""
+UNKNOWN_WAY_M: Final = 10.0
+UNKNOWN_BATTERY: Final = 50.0
+WAITING_M_S: Final = 0.05
+"""What a second of waiting is worth: no task waits for ever because it is far away."""
+
+
+class Glance(msgspec.Struct, frozen=True, kw_only=True):
+    """What a look at one robot showed.
+
+    Attributes:
+        free: It is there, not stopped, does nothing for anybody, and is not known to move.
+        holder: Who has it, or whose time it is; None: nobody.
+        battery: In percent; None when it does not say.
+        place: Where it is, in m; None when it does not know.
+        load: Tasks that it carried out of late.
+    """
+
+    robot: RobotId
+    free: bool = True
+    holder: PrincipalId | None = None
+    battery: float | None = None
+    place: tuple[float, float] | None = None
+    load: float = 0.0
+
+
+def may(fleet: FleetState, task: Task, glance: Glance) -> bool:
+    """Whether a robot that can carry out a task may be asked now, as far as can be seen."""
+    robot = glance.robot
+    if not glance.free or robot in fleet.holds:
+        return False
+    if glance.holder is not None and glance.holder != task.author:
+        return False  # somebody's time is nobody else's to spend
+    if fleet.standing(robot) is not Standing.ACTIVE:
+        return False
+    return fits(task, glance)
+
+
+def fits(task: Task, glance: Glance) -> bool:
+    """Whether a robot has what a task needs before it begins."""
+    need = task.need
+    if need.localised and glance.place is None:
+        return False
+    return not need.battery or (glance.battery is not None and glance.battery >= need.battery)
+
+
+def cost(task: Task, glance: Glance, now_ns: int) -> float:
+    """Return what it costs to let a robot carry out a task, in metres of way; may be negative."""
+    return robot_cost(glance) + way_cost(task, glance) - waiting_credit(task, now_ns)
+
+
+def robot_cost(glance: Glance) -> float:
+    """Return what a robot costs whatever it does: its battery, and what it has done of late."""
+    battery = UNKNOWN_BATTERY if glance.battery is None else glance.battery
+    return EMPTY_BATTERY_M * (1.0 - battery / 100.0) + LOAD_M * glance.load
+
+
+def way_cost(task: Task, glance: Glance) -> float:
+    """Return the way to a task."""
+    if task.place is None or glance.place is None:
+        return UNKNOWN_WAY_M
+    return hypot(task.place[0] - glance.place[0], task.place[1] - glance.place[1])
+
+
+def waiting_credit(task: Task, now_ns: int) -> float:
+    """Return what it is worth that a task has waited."""
+    return WAITING_M_S * max(0, now_ns - task.given_ns) / 1e9
+
+
+def by_priority(
+    fleet: FleetState, now_ns: int, *, leave: Container[TaskId] = (), at_most: int = 10_000
+) -> list[list[Task]]:
+    """Return the tasks that may begin now, the most urgent together, the oldest first.
+
+    Args:
+        fleet: As it is now.
+        now_ns: Wall clock.
+        leave: Tasks that are not to be given now.
+        at_most: So many altogether, the most urgent ones.
+    """
+    levels: dict[int, list[Task]] = {}
+    for key in fleet.waiting:
+        task = fleet.tasks[key]
+        begins = key not in leave and (not task.until_ns or now_ns <= task.until_ns)
+        if begins and fleet.ready(task):
+            levels.setdefault(task.priority, []).append(task)
+    found: list[list[Task]] = []
+    for priority in sorted(levels, reverse=True):
+        found.append(levels[priority][:at_most])
+        at_most -= len(found[-1])
+    return [level for level in found if level]
+
+
+def nearest_idle(
+    fleet: FleetState, tasks: Iterable[Task], glances: Mapping[RobotId, Glance], now_ns: int
+) -> list[tuple[TaskId, RobotId]]:
+    """Give each task, one after another, the best robot that is left: simple, and often good."""
+    left = dict(glances)
+    chosen: list[tuple[TaskId, RobotId]] = []
+    for task in tasks:
+        able = [left[r] for r in task.left if r in left and may(fleet, task, left[r])]
+        if able:
+            best = min(able, key=lambda glance: cost(task, glance, now_ns))
+            chosen.append((task.id, best.robot))
+            del left[best.robot]
+    return chosen

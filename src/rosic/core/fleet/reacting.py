@@ -1,0 +1,277 @@
+"""The whole of what a fleet does by itself: an event in, what follows from it out.
+
+An event about an attempt that is not the newest changes nothing: what comes late, twice or after
+its robot was cut off finds a task that has moved on.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rosic.core.fleet import events as e
+from rosic.core.fleet.task import (
+    HELD,
+    MOVES_AT_MOST,
+    OVER,
+    RESTING,
+    Standing,
+    State,
+    Task,
+    Why,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.core.fleet.state import FleetState
+
+_LEAVES = {
+    e.End.FAILED: Why.FAILED,
+    e.End.UNKNOWN: Why.LOST,
+    e.End.STOPPED: Why.STOPPED,
+}
+# Nothing moves, or whoever has the robot now has seen it at rest.
+_LEFT = {
+    e.End.TAKEN: Why.TAKEN,
+    e.End.REFUSED: Why.REFUSED,
+    e.End.SHUT_DOWN: Why.RESTARTED,
+}
+_RESTS_AS = {
+    Why.PAUSED: State.PAUSED,
+    Why.STOPPED: State.PAUSED,
+    Why.RESTARTED: State.PAUSED,
+    Why.CANCELLED: State.CANCELLED,
+}
+_EXCLUDED = frozenset({Why.FAILED, Why.LATE, Why.LOST, Why.REFUSED})
+_IN_DOUBT = frozenset({Why.LATE, Why.LOST, Why.FAILED, Why.TAKEN, Why.WITHDRAWN})
+_OF_ATTEMPTS = (e.Begun, e.Ended, e.Deviated, e.Rested)
+
+
+def react(fleet: FleetState, event: e.Event, now_ns: int) -> e.Step:
+    """Return what follows from an event. Nothing is changed here.
+
+    Args:
+        fleet: As it is now.
+        event: What happened. One that does not fit how things are has no consequences.
+        now_ns: Wall clock.
+    """
+    if isinstance(event, e.Given):
+        known = event.task.id in fleet.tasks
+        return e.NOTHING if known else e.Step(tasks=(replace(event.task, since_ns=now_ns),))
+    if isinstance(event, e.Stood):
+        return _stood(fleet, event, now_ns)
+    task = fleet.tasks.get(event.task)
+    if task is None:
+        return e.NOTHING
+    if isinstance(event, _OF_ATTEMPTS) and not _newest(task, event.attempt):
+        return e.NOTHING
+    return _OF[type(event)](fleet, task, event, now_ns)
+
+
+def _newest(task: Task, attempt: int) -> bool:
+    return attempt == task.attempt and task.state in HELD
+
+
+# ---- a robot is chosen, and begins ----
+
+
+def _chosen(fleet: FleetState, task: Task, event: e.Chosen, now_ns: int) -> e.Step:
+    robot = event.robot
+    fits = (
+        task.state is State.QUEUED
+        and robot in task.left
+        and robot not in fleet.holds
+        and fleet.standing(robot) is Standing.ACTIVE
+        and fleet.ready(task)
+        and (not task.until_ns or now_ns <= task.until_ns)
+    )
+    return _begin(task, robot, now_ns) if fits else e.NOTHING
+
+
+def _begin(task: Task, robot: str, now_ns: int) -> e.Step:
+    """Give a task to a robot, or go on with its next step there."""
+    after = replace(
+        task, state=State.ASSIGNED, robot=robot, attempt=task.attempt + 1,
+        asked=task.done, why=Why.NONE, leaving=False, since_ns=now_ns,
+    )  # fmt: skip
+    doing = e.Begin(task.id, robot, after.attempt, task.done)
+    return e.Step(tasks=(after,), doings=(doing,))
+
+
+def _begun(_fleet: FleetState, task: Task, _event: e.Begun, now_ns: int) -> e.Step:
+    if task.state is not State.ASSIGNED:
+        return e.NOTHING
+    after = replace(task, state=State.RUNNING, since_ns=now_ns)
+    return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+
+
+# ---- it ends, or ought to ----
+
+
+def _ended(fleet: FleetState, task: Task, event: e.Ended, now_ns: int) -> e.Step:
+    end = event.end
+    if end is e.End.DONE:
+        return _step_done(task, now_ns)
+    if task.leaving:
+        return e.NOTHING  # it is being brought to rest already, and goes on from there
+    if end is e.End.BUSY:
+        return e.Step(tasks=(_free(task, State.QUEUED, now_ns),))
+    if end is e.End.SENT:
+        return _doubted(task, task.why, now_ns)
+    if end in _LEFT:
+        return _left(fleet, task, _LEFT[end], now_ns)
+    return _leave(task, _LEAVES[end], now_ns)
+
+
+def _step_done(task: Task, now_ns: int) -> e.Step:
+    """Count a step, once: later attempts are about later steps."""
+    if task.done != task.asked:
+        return e.NOTHING
+    after = replace(task, done=task.done + 1, since_ns=now_ns)
+    if task.leaving:  # told just before its robot was at rest: nobody does this step again
+        return e.Step(tasks=(after,))
+    if after.done == task.steps:
+        over = _free(after, State.DONE, now_ns)
+        return e.Step(tasks=(over,), doings=(e.Tell(task, over),))
+    return _begin(after, task.robot, now_ns)
+
+
+def _deviated(_fleet: FleetState, task: Task, event: e.Deviated, now_ns: int) -> e.Step:
+    return e.NOTHING if task.leaving else _leave(task, event.why, now_ns)
+
+
+def _leave(task: Task, why: Why, now_ns: int) -> e.Step:
+    """Take a task from its robot: first that one comes to rest, or is cut off for good."""
+    after = replace(task, why=why, leaving=True, since_ns=now_ns)
+    recall = e.Recall(task.id, task.robot, task.attempt, why)
+    return e.Step(tasks=(after,), doings=(recall, e.Tell(task, after)))
+
+
+def _rested(fleet: FleetState, task: Task, _event: e.Rested, now_ns: int) -> e.Step:
+    return _left(fleet, task, task.why, now_ns) if task.leaving else e.NOTHING
+
+
+def _left(fleet: FleetState, task: Task, why: Why, now_ns: int) -> e.Step:
+    """Settle what becomes of a task whose robot does nothing for it any more."""
+    after = _settled(fleet, task, why, now_ns)
+    return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+
+
+def _doubted(task: Task, why: Why, now_ns: int) -> e.Step:
+    after = replace(_free(task, State.UNKNOWN, now_ns), why=why)
+    return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+
+
+def _settled(fleet: FleetState, task: Task, why: Why, now_ns: int) -> Task:
+    if task.done == task.steps:
+        return _free(task, State.DONE, now_ns)
+    if why in _RESTS_AS:
+        return replace(_free(task, _RESTS_AS[why], now_ns), why=why)
+    if task.once and why in _IN_DOUBT:
+        return replace(_free(task, State.UNKNOWN, now_ns), why=why)
+    tried = (*task.tried, task.robot) if why in _EXCLUDED else task.tried
+    after = replace(_free(task, State.QUEUED, now_ns), why=why, tried=tried, moves=task.moves + 1)
+    if after.moves > MOVES_AT_MOST or not _anybody(fleet, after):
+        return replace(after, state=State.FAILED)
+    return after
+
+
+def _anybody(fleet: FleetState, task: Task) -> bool:
+    """Whether a robot is left that might do it, if not now."""
+    return any(fleet.standing(robot) is not Standing.RETIRED for robot in task.left)
+
+
+def _free(task: Task, state: State, now_ns: int) -> Task:
+    """Return a task that has no robot any more."""
+    return replace(task, state=state, robot="", leaving=False, since_ns=now_ns)
+
+
+# ---- people ----
+
+
+def _held(_fleet: FleetState, task: Task, event: e.Held, now_ns: int) -> e.Step:
+    cancelled = event.why is Why.CANCELLED
+    if task.state in HELD:
+        if task.leaving and not cancelled:
+            return e.NOTHING
+        if task.leaving:  # on its way out already: only where it goes changes
+            after = replace(task, why=Why.CANCELLED, since_ns=now_ns)
+            return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+        return _leave(task, event.why, now_ns)
+    if task.state in OVER or (not cancelled and task.state is not State.QUEUED):
+        return e.NOTHING
+    state = State.CANCELLED if cancelled else State.PAUSED
+    after = replace(task, state=state, why=event.why, since_ns=now_ns)
+    return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+
+
+def _released(_fleet: FleetState, task: Task, event: e.Released, now_ns: int) -> e.Step:
+    if task.state not in RESTING:
+        return e.NOTHING
+    skip = event.skip and task.state is State.UNKNOWN
+    after = replace(
+        task, state=State.QUEUED, why=Why.NONE, tried=(), moves=0, since_ns=now_ns,
+        done=task.done + skip,
+    )  # fmt: skip
+    if after.done == task.steps:
+        after = replace(after, state=State.DONE)
+    return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+
+
+def _expired(_fleet: FleetState, task: Task, _event: e.Expired, now_ns: int) -> e.Step:
+    late = task.state is State.QUEUED and task.until_ns and now_ns > task.until_ns
+    if not late:
+        return e.NOTHING
+    after = replace(task, state=State.FAILED, why=Why.EXPIRED, since_ns=now_ns)
+    return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+
+
+def _handed(_fleet: FleetState, task: Task, event: e.Handed, now_ns: int) -> e.Step:
+    if task.over:
+        return e.NOTHING
+    return e.Step(tasks=(replace(task, author=event.author, since_ns=now_ns),))
+
+
+def _stood(fleet: FleetState, event: e.Stood, now_ns: int) -> e.Step:
+    """Let a robot take part or not; what it has is taken from it first."""
+    if fleet.standing(event.robot) is event.standing:
+        return e.NOTHING
+    standings = ((event.robot, event.standing),)
+    task = fleet.tasks.get(fleet.holds.get(event.robot, ""))
+    if event.standing is Standing.ACTIVE or task is None or task.leaving:
+        return e.Step(standings=standings)
+    return replace(_leave(task, Why.WITHDRAWN, now_ns), standings=standings)
+
+
+# ---- after an interruption ----
+
+
+def _found(fleet: FleetState, task: Task, event: e.Found, now_ns: int) -> e.Step:
+    """Settle a task that had a robot when the last run ended. No robot begins because of it."""
+    if task.state not in HELD:
+        return e.NOTHING
+    if event.end in {None, e.End.UNKNOWN, e.End.SENT}:
+        return _doubted(task, Why.RESTARTED, now_ns)
+    if event.end in {e.End.BUSY, e.End.REFUSED} and not task.leaving:
+        after = _free(task, State.QUEUED, now_ns)  # nothing was claimed: it waits as before
+    else:
+        counts = event.end is e.End.DONE and task.done == task.asked
+        why = task.why if task.leaving else Why.RESTARTED
+        after = _settled(fleet, replace(task, done=task.done + counts), why, now_ns)
+    return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+
+
+_OF: dict[type, Callable[..., e.Step]] = {
+    e.Chosen: _chosen,
+    e.Begun: _begun,
+    e.Ended: _ended,
+    e.Deviated: _deviated,
+    e.Rested: _rested,
+    e.Held: _held,
+    e.Released: _released,
+    e.Expired: _expired,
+    e.Handed: _handed,
+    e.Found: _found,
+}

@@ -1,0 +1,221 @@
+"""One attempt at a step of a task: an order like any other, as the task's author.
+
+The rights are those of that moment. Nobody is asked to confirm anything, and nobody is made to
+give a robot up: what would want that is refused, and said.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.container.letters import ReplyTo
+from rosic.core.fleet.events import End
+from rosic.core.identity import command_id
+from rosic.core.life import ENGLISH, Life, wording_in
+from rosic.core.order import Ending, Outcome, Request
+from rosic.core.saying import in_language
+from rosic.errors import (
+    FirstNeeded,
+    NotPermitted,
+    NotUnderstood,
+    OutOfBounds,
+    Refusal,
+    Repeated,
+    Unrecognised,
+)
+from rosic.organiser.grounds import NOTHING
+from rosic.pipeline.alerts.running import ByRule
+from rosic.pipeline.cards import Card, stop_button
+from rosic.pipeline.fleet import words_fleet as words
+from rosic.pipeline.fleet.reading import step_for
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.fleet.events import Begin
+    from rosic.core.fleet.task import Task
+    from rosic.core.identity import Caller, CommandId, PrincipalId
+    from rosic.core.language import Do
+    from rosic.core.life import Face, Wording
+    from rosic.core.message import Chat
+    from rosic.core.order import Order, Permit
+    from rosic.pipeline.alerts.running import Hands
+    from rosic.pipeline.fleet.letters import Said
+    from rosic.pipeline.rooms import Rooms
+
+NEVER = (NotPermitted, OutOfBounds, NotUnderstood, FirstNeeded)
+"""What a robot will refuse the next time as well."""
+
+
+class AwaitedLife(Life):
+    """A life whose end somebody waits for: told once it is on disk, with what the robot did."""
+
+    __slots__ = ("_outcome", "over")
+
+    def __init__(
+        self, where: str, title: str, face: Face, at_ns: int, words: Wording = ENGLISH
+    ) -> None:
+        super().__init__(where, title, face, at_ns, words)
+        self.over: Callable[[Outcome], None] = _unheard
+        self._outcome: Outcome | None = None
+
+    def wording(self, outcome: Outcome, at_ns: int) -> str:
+        """Return how an outcome reads, and remember it."""
+        self._outcome = outcome
+        return super().wording(outcome, at_ns)
+
+    def end(self, words: str) -> None:
+        """The life is over, and that is on disk."""
+        super().end(words)
+        if self._outcome is not None:
+            self.over(self._outcome)
+
+
+class Attempt(NamedTuple):
+    """One attempt that was begun.
+
+    Attributes:
+        skill: Of the step.
+        began_ns: Monotonic clock.
+        took: It has the robot because of this, and not because its author had it before.
+    """
+
+    number: int
+    skill: str
+    began_ns: int
+    took: bool
+
+
+class Attempting:
+    """Gives the orders of tasks."""
+
+    def __init__(self, rooms: Rooms, hands: Hands, clock: Clock) -> None:
+        self._rooms = rooms
+        self._hands = hands
+        self._clock = clock
+
+    def check_author(self, author: PrincipalId) -> Caller:
+        """Return whoever a task acts for.
+
+        Raises:
+            Refusal: They have no access any more, or are locked.
+        """
+        caller = self._rooms.authoriser.stand_for(author)
+        self._rooms.organiser.check_unlocked(caller)
+        return caller
+
+    async def attempt(
+        self, task: Task, doing: Begin, said: Said, over: Callable[[Outcome], None]
+    ) -> Attempt:
+        """Ask a robot for one step. On return its order is on disk and under way.
+
+        Args:
+            task: Which; its author asks.
+            doing: Which step, of whom.
+            said: What was said for the task.
+            over: Called once the order has ended and that is on disk.
+
+        Raises:
+            Refusal: Why not. No robot has moved because of it.
+        """
+        rooms = self._rooms
+        caller = self.check_author(task.author)
+        line = step_for(rooms, doing.robot, said.lines[doing.step])
+        request = self._request(doing, line, attempt_id(task, doing.attempt))
+        complete = rooms.container.complete
+        permits = rooms.organiser.admit(
+            caller, [request], lambda one: complete(one).arguments, lambda: NOTHING
+        )
+        try:
+            messenger, chat = self._where(task, said)
+            shown = rooms.profiles[doing.robot].shown
+            title = str(words.order_title(f"{shown}: {request.text}", task))
+            origin = ReplyTo(messenger.name, chat, "", title)
+            [order] = await rooms.container.prepare(permits, [request], origin)
+        except BaseException:
+            rooms.organiser.abandon(permits)
+            raise
+        self._begin(order, caller, (messenger, chat), task, over)
+        return Attempt(doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits))
+
+    def _request(self, doing: Begin, line: Do, cid: CommandId) -> Request:
+        [skill] = line.skills
+        deadline_ns = self._clock.monotonic_ns() + skill.order_lifetime_ns
+        return Request(
+            cid, doing.robot, skill, line.spoken, line.text, self._clock.wall_ns(), 0, deadline_ns
+        )
+
+    def _where(self, task: Task, said: Said) -> tuple[Messenger, Chat]:
+        """Return where the order is shown: where the task was given, or else in private."""
+        places = self._hands.reach.chats(task.author)
+        for messenger in self._hands.reach.messengers:
+            if messenger.name == said.messenger:
+                return messenger, said.chat
+        if not places:
+            raise NotPermitted(words.no_chat(self._rooms.organiser.name_of(task.author)))
+        return places[0]
+
+    def _begin(
+        self, order: Order, caller: Caller, where: tuple[Messenger, Chat], task: Task,
+        over: Callable[[Outcome], None],
+    ) -> None:  # fmt: skip
+        """RELAYCOMMAND goes on in a life of its own."""
+        hands, shown = self._hands, self._rooms.profiles[order.robot].shown
+        catalogue = hands.teller.languages.of(caller.principal)
+        wording = ENGLISH if catalogue is None else wording_in(catalogue)
+        card = Card(*where, "", caller.principal, hands.face, wording)
+        card.about = order.robot
+        card.buttons = stop_button(order.robot)
+        what = in_language(order.words, catalogue)
+        title = in_language(words.order_title(f"{shown}: {what}", task), catalogue)
+        life = AwaitedLife(shown, title, hands.face, self._clock.wall_ns(), wording)
+        life.over = over
+        card.show(order.cid, life)
+        hands.lives.begin(order, ByRule(caller), card, life)
+        hands.teller.show(card)
+
+
+def attempt_id(task: Task, attempt: int) -> CommandId:
+    """Return the identity of an attempt's order: asked twice, it is the same order."""
+    return command_id("task", task.id, str(task.given_ns), str(attempt))
+
+
+def end_of(refusal: Refusal) -> End:
+    """Return what a refusal means for a task."""
+    if isinstance(refusal, Repeated):
+        return End.UNKNOWN  # it was claimed before, and nobody here saw its end
+    return End.REFUSED if isinstance(refusal, NEVER) else End.BUSY
+
+
+def end_after(outcome: Outcome, *, stopped: bool) -> End:
+    """Return what the outcome of an order means for a task.
+
+    Args:
+        outcome: What the robot did.
+        stopped: Somebody has stopped it meanwhile.
+    """
+    ending = outcome.ending
+    if ending is Ending.CANCELLED or (ending is Ending.REFUSED and stopped):
+        return End.STOPPED if stopped else End.TAKEN
+    if ending is Ending.REFUSED:
+        never = {refusal.code for refusal in NEVER} | {Unrecognised.code}
+        return End.REFUSED if outcome.code in never else End.BUSY
+    return _ENDS[ending]
+
+
+_ENDS = {
+    Ending.DONE: End.DONE,
+    Ending.FAILED: End.FAILED,
+    Ending.SENT: End.SENT,
+    Ending.UNKNOWN: End.UNKNOWN,
+}
+
+
+def _took(permits: tuple[Permit, ...]) -> bool:
+    return any(permit.new_fence for permit in permits)
+
+
+def _unheard(_outcome: Outcome) -> None:
+    return None

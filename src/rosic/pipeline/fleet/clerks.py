@@ -1,0 +1,214 @@
+"""``/task`` and ``/tasks``: what people ask about tasks, and of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.fleet import events as e
+from rosic.core.fleet.task import HELD, OVER, RESTING, Need, State, Task, Why
+from rosic.core.language.suggestions import did_you_mean
+from rosic.core.reach import FLEET
+from rosic.core.record import Decided
+from rosic.core.saying import joined
+from rosic.errors import NotPermitted, NotUnderstood, TooManyRequests
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.fleet import words_fleet as words
+from rosic.pipeline.fleet.letters import Said
+from rosic.pipeline.fleet.reading import able
+from rosic.pipeline.fleet.task_line import read_wish
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.organiser.zones import Zone
+    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.fleet.task_line import Wish
+    from rosic.pipeline.fleet.telling import Telling
+    from rosic.pipeline.office import Asked, Office
+    from rosic.pipeline.rooms import Rooms
+
+OPEN_AT_MOST: Final = 2_000
+SHOWN_AT_MOST: Final = 20
+ANY: Final = frozenset({"any", "anybody", "anyone"})
+ASSIGN: Final = "assign"
+
+
+class TaskClerk:
+    """The clerk of tasks."""
+
+    def __init__(
+        self, rooms: Rooms, dispatching: Dispatching, telling: Telling, zone: Zone
+    ) -> None:
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._telling = telling
+        self._zone = zone
+        self._acts = {"pause": self._pause, "cancel": self._cancel, "go": self._go,
+                      "resume": self._go, "retry": self._go, "done": self._was_done}  # fmt: skip
+
+    def employ(self, office: Office) -> None:
+        """Take these errands."""
+        office.employ("task", self.task)
+        office.employ("tasks", self.tasks)
+
+    # ---- looking ----
+
+    async def tasks(self, asked: Asked) -> Reply:
+        """List the tasks that are open, as far as their robots may be seen."""
+        return Reply(self._list(asked.caller.principal))
+
+    def _list(self, who: PrincipalId) -> str:
+        visible = self._rooms.organiser.visible(who)
+        found = [t for t in self._dispatching.fleet.open() if self._sees(who, t, visible)]
+        found.sort(key=lambda task: (task.state not in HELD, -task.priority))
+        if not found:
+            return words.NONE_OPEN
+        lines = [self.line(task) for task in found[:SHOWN_AT_MOST]]
+        if len(found) > SHOWN_AT_MOST:
+            lines.append(words.and_more(len(found) - SHOWN_AT_MOST))
+        return joined("\n", lines)
+
+    def _sees(self, who: PrincipalId, task: Task, visible: frozenset[RobotId]) -> bool:
+        return task.author == who or not visible.isdisjoint(task.among)
+
+    def line(self, task: Task) -> str:
+        """Return one task in a list."""
+        shown = self._telling.shown(task.robot) if task.robot else ""
+        waits = task.state is State.QUEUED and not self._dispatching.fleet.ready(task)
+        why = words.waits_for(task.after) if waits else ""
+        return words.line(task, self._telling.what(task), shown or task.wanted, why)
+
+    # ---- giving ----
+
+    async def task(self, asked: Asked) -> Reply:
+        """Give a task, or do something with one: ``/task pause 7``.
+
+        Raises:
+            NotUnderstood: No such robot, group, skill or task.
+            NotPermitted: Not theirs to ask for.
+            OutOfBounds: A value, a number or a time that makes no sense.
+            TooManyRequests: There are too many.
+        """
+        first, *rest = asked.rest.split() or [""]
+        act = self._acts.get(first.casefold())
+        if act is not None and len(rest) == 1 and rest[0].isdecimal():
+            return await act(asked, self._named(asked, rest[0]))
+        if not first:
+            return Reply(joined("\n", (words.HOW_TO, self._list(asked.caller.principal))))
+        if first.isdecimal() and not rest:
+            task = self._named(asked, first)
+            return Reply(self.line(task), words.choices(task))
+        return await self._give(asked)
+
+    async def _give(self, asked: Asked) -> Reply:
+        fleet, who = self._dispatching.fleet, asked.caller.principal
+        if sum(1 for _ in fleet.open()) >= OPEN_AT_MOST:
+            raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
+        now_ns = self._rooms.organiser.wall_ns()
+        wish = read_wish(asked.rest, now_ns, self._zone)
+        wanted, robots, used = self._target(wish, who)
+        lines = wish.lines(used)
+        found = able(self._rooms, who, robots, lines)
+        if not found.robots:
+            raise self._nobody(wanted, found.why)
+        task = Task(
+            id=fleet.next_id(),
+            author=who,
+            among=found.robots,
+            wanted=wanted,
+            steps=len(lines),
+            priority=wish.priority,
+            given_ns=now_ns,
+            until_ns=wish.until_ns,
+            expected_ns=int(wish.expected_s * 1e9),
+            once=wish.once,
+            need=Need(wish.battery, wish.localised),
+            place=found.place,
+        )
+        said = Said(lines, asked.messenger.name, asked.inbound.chat)
+        decided = Decided(act="task", by=who, about=task.id, at_ns=now_ns, digest=asked.cid)
+        await self._dispatching.give(((task, said),), decided)
+        names = [self._telling.shown(robot) for robot in found.robots]
+        return Reply(words.given(task, said.shown, words.one_of(names)))
+
+    def _nobody(self, wanted: str, why: Exception | None) -> Exception:
+        if why is None:
+            return NotUnderstood(words.no_such_target(wanted or "?"))
+        if wanted in self._rooms.profiles:
+            return why
+        return NotUnderstood(words.nobody_can(wanted or words.ANY, getattr(why, "sentence", "")))
+
+    def _target(self, wish: Wish, who: PrincipalId) -> tuple[str, tuple[RobotId, ...], int]:
+        """Return whom the first words mean, and how many words they are.
+
+        Raises:
+            NotUnderstood: No robot or group that this person sees.
+        """
+        visible, vocabulary = self._rooms.organiser.visible(who), self._rooms.vocabulary
+        low = [word.casefold() for word in wish.words]
+        if low[:1] and low[0] in ANY:
+            return "", tuple(sorted(visible)), 1
+        for used in range(min(len(low), 4), 0, -1):
+            name = " ".join(low[:used])
+            profile = vocabulary.robot(name)
+            meant = vocabulary.members(name) if profile is None else (profile.id,)
+            seen = tuple(robot for robot in meant if robot in visible)
+            if seen:
+                return (profile.id if profile else name), seen, used
+        known = [name for name in vocabulary.names if name not in vocabulary.profiles]
+        close = did_you_mean(low[0], (*sorted(visible), *known)) if low else ()
+        rest = " ".join(wish.words[1:])
+        offers = tuple(f"/task {name} {rest}".strip() for name in close)
+        raise NotUnderstood(words.no_such_target(wish.words[0] if low else "?"), offers=offers)
+
+    # ---- what people do to one ----
+
+    def _named(self, asked: Asked, number: str) -> Task:
+        who = asked.caller.principal
+        task = self._dispatching.fleet.tasks.get(number)
+        if task is None or not self._sees(who, task, self._rooms.organiser.visible(who)):
+            raise NotUnderstood(words.no_such_task(number))
+        return task
+
+    def check_theirs(self, asked: Asked, task: Task) -> None:
+        """See that somebody may decide about a task.
+
+        Raises:
+            NotPermitted: It is somebody else's.
+        """
+        organiser, who = self._rooms.organiser, asked.caller.principal
+        if task.author != who and not organiser.rights.holds(
+            who, FLEET, ASSIGN, organiser.wall_ns()
+        ):
+            raise NotPermitted(words.not_yours(task, organiser.name_of(task.author)))
+
+    async def _act(self, asked: Asked, task: Task, event: e.Event, act: str) -> Reply:
+        self.check_theirs(asked, task)
+        decided = Decided(
+            act=f"task-{act}", by=asked.caller.principal, about=task.id,
+            at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
+        )  # fmt: skip
+        if not await self._dispatching.feed(event, decided):
+            raise NotUnderstood(words.does_not_fit(self._dispatching.fleet.tasks[task.id]))
+        now = self._dispatching.fleet.tasks[task.id]
+        if now.leaving:
+            return Reply(words.being_held(now, self._telling.shown(now.robot)))
+        return Reply(words.now_is(now))
+
+    async def _pause(self, asked: Asked, task: Task) -> Reply:
+        return await self._act(asked, task, e.Held(task.id, Why.PAUSED), "pause")
+
+    async def _cancel(self, asked: Asked, task: Task) -> Reply:
+        if task.state in OVER:
+            raise NotUnderstood(words.does_not_fit(task))
+        return await self._act(asked, task, e.Held(task.id, Why.CANCELLED), "cancel")
+
+    async def _go(self, asked: Asked, task: Task) -> Reply:
+        if task.state not in RESTING:
+            raise NotUnderstood(words.does_not_fit(task))
+        return await self._act(asked, task, e.Released(task.id), "go")
+
+    async def _was_done(self, asked: Asked, task: Task) -> Reply:
+        if task.state is not State.UNKNOWN:
+            raise NotUnderstood(words.does_not_fit(task))
+        return await self._act(asked, task, e.Released(task.id, skip=True), "done")

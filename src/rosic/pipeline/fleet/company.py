@@ -1,0 +1,228 @@
+"""``/together`` and ``/broadcast``: one command to many robots, all of them or as many as can.
+
+Together: if one is not ready, none begins; all begin at one moment. Broadcast: each is asked for
+itself, and one message shows of each whether it has received it, and what it does.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rosic.container.letters import ReplyTo
+from rosic.core.fleet.task import Standing
+from rosic.core.identity import robot_command_id
+from rosic.core.language import Do
+from rosic.core.life import ENGLISH, wording_in
+from rosic.core.saying import in_language, joined
+from rosic.errors import NotUnderstood, Refusal
+from rosic.pipeline.cards import Card, stop_button
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.fleet import words_company as words
+from rosic.pipeline.fleet.reading import step_for
+from rosic.pipeline.replies import reply_id
+from rosic.pipeline.requesting import Requesting
+from rosic.pipeline.said import Said
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.order import Order, Permit, Request
+    from rosic.core.robot import RobotId
+    from rosic.core.skill import Argument
+    from rosic.pipeline.alerts.running import Hands
+    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.office import Asked, Office
+    from rosic.pipeline.reception import Reception
+    from rosic.pipeline.rooms import Rooms
+
+TOGETHER_NS: Final = 500_000_000
+"""Far enough ahead for all of them to have heard."""
+ROBOTS_AT_MOST: Final = 200
+JOINED: Final = "+"
+
+
+class Meant(NamedTuple):
+    """Whom a command means, and what."""
+
+    name: str
+    robots: tuple[RobotId, ...]
+    line: str
+
+
+class CompanyClerk:
+    """The clerk of commands to many."""
+
+    def __init__(
+        self, rooms: Rooms, dispatching: Dispatching, hands: Hands, clock: Clock,
+        reception: Reception,
+    ) -> None:  # fmt: skip
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._hands = hands
+        self._clock = clock
+        self._reception = reception
+        self._requesting = Requesting(rooms, clock)
+
+    def employ(self, office: Office) -> None:
+        """Take these errands."""
+        office.employ("together", self.together)
+        office.employ("broadcast", self.broadcast)
+
+    # ---- all or none ----
+
+    async def together(self, asked: Asked) -> Reply:
+        """Let all robots of a group begin at one moment, or none.
+
+        Raises:
+            NotUnderstood: No such group, or nothing that all of them can do.
+            Refusal: Why one of them may not; none has moved.
+        """
+        meant = self._meant(asked)
+        states = {robot: self.why_not_ready(asked, robot) for robot in meant.robots}
+        if any(states.values()):
+            return self._none(meant, states)
+        said = self._said(asked)
+        steps = [step_for(self._rooms, robot, meant.line) for robot in meant.robots]
+        requests = self._requests(said, asked, meant, steps)
+        permits = self._rooms.organiser.admit(
+            asked.caller, requests, self._arguments_of, said.grounds
+        )
+        start_ns = self._clock.monotonic_ns() + TOGETHER_NS
+        orders = await self._prepare(asked, meant, permits, requests, start_ns)
+        self._begin(asked, said, meant, orders)
+        return Reply("")
+
+    def _none(self, meant: Meant, states: Mapping[RobotId, str]) -> Reply:
+        """Say who is not ready, and offer to begin with the others."""
+        lines = [words.state(self._shown(robot), why) for robot, why in states.items()]
+        ready = [robot for robot, why in states.items() if not why]
+        text = joined("\n", [words.none_begins(meant.name), *lines])
+        command = f"/together {JOINED.join(ready)} {meant.line}"
+        row = words.begin_with([self._shown(robot) for robot in ready], command)
+        return Reply(text, row if ready else ())
+
+    def why_not_ready(self, asked: Asked, robot: RobotId) -> str:
+        """Return why a robot would not begin at once; empty if it would."""
+        rooms = self._rooms
+        presence, profile = rooms.linker.presence(robot), rooms.profiles[robot]
+        holder = rooms.organiser.whose(robot)
+        battery, described = presence.values.get("battery"), profile.telemetry.get("battery")
+        least = described.alert_below if described is not None else None
+        low = least is not None and isinstance(battery, int | float) and battery < least
+        hindrances = (
+            (presence.online is False, words.NOT_THERE),
+            (self._dispatching.fleet.standing(robot) is not Standing.ACTIVE, words.NO_PART),
+            (rooms.board[robot].latched, words.STOPPED),
+            (holder is not None and holder != asked.caller.principal, words.ANOTHERS),
+            (rooms.linker.current(robot) is not None, words.AT_WORK),
+            (presence.at_rest is False, words.NOT_AT_REST),
+            (low, words.BATTERY_LOW),
+        )
+        return next((why for so, why in hindrances if so), "")
+
+    # ---- as many as can ----
+
+    async def broadcast(self, asked: Asked) -> Reply:
+        """Ask every robot of a group for itself; say at once who is not asked, and why.
+
+        Raises:
+            NotUnderstood: No such group.
+        """
+        meant, said = self._meant(asked), self._said(asked)
+        orders: list[Order] = []
+        left_out: list[str] = []
+        for robot in meant.robots:
+            try:
+                orders += await self._one(asked, said, meant._replace(robots=(robot,)))
+            except Refusal as refusal:
+                left_out.append(words.state(self._shown(robot), refusal.sentence))
+        if orders:
+            self._begin(asked, said, meant, tuple(orders))
+        if not left_out:
+            return Reply("")
+        asked_of = words.asked_of(len(orders), len(meant.robots))
+        return Reply(joined("\n", [asked_of, *left_out]))
+
+    async def _one(self, asked: Asked, said: Said, meant: Meant) -> tuple[Order, ...]:
+        [robot] = meant.robots
+        self._rooms.linker.check_free(robot)
+        requests = self._requests(said, asked, meant, [step_for(self._rooms, robot, meant.line)])
+        permits = self._rooms.organiser.admit(
+            asked.caller, requests, self._arguments_of, said.grounds
+        )
+        return await self._prepare(asked, meant, permits, requests, None)
+
+    # ---- the way of any order ----
+
+    def _meant(self, asked: Asked) -> Meant:
+        """Return whom and what.
+
+        Raises:
+            NotUnderstood: Nobody whom this person sees, or nothing is said.
+        """
+        name, _, line = asked.rest.strip().partition(" ")
+        visible = self._rooms.organiser.visible(asked.caller.principal)
+        vocabulary, robots = self._rooms.vocabulary, dict[str, None]()
+        for part in name.casefold().split(JOINED):
+            profile = vocabulary.robot(part)
+            members = vocabulary.members(part) if profile is None else (profile.id,)
+            robots.update(dict.fromkeys(robot for robot in members if robot in visible))
+        if not robots or not line.strip() or len(robots) > ROBOTS_AT_MOST:
+            raise NotUnderstood(words.HOW_TO if robots or not name else words.no_group(name))
+        return Meant(name, tuple(robots), " ".join(line.split()))
+
+    def _said(self, asked: Asked) -> Said:
+        now_ns = self._clock.monotonic_ns()
+        stepup = self._reception.stepped_up
+        return Said(asked.messenger, asked.inbound, asked.caller, now_ns, stepup)
+
+    def _requests(
+        self, said: Said, asked: Asked, meant: Meant, steps: Sequence[Do]
+    ) -> list[Request]:
+        """Return what is asked of each; fresh, and each with an identity of its own."""
+        requests: list[Request] = []
+        now_ns = self._clock.monotonic_ns()
+        for robot, step in zip(meant.robots, steps, strict=True):
+            line = Do(
+                robots=(robot,), skills=step.skills, spoken=step.spoken, text=meant.line,
+                group=meant.name,
+            )  # fmt: skip
+            cid = robot_command_id(asked.cid, robot)
+            requests += self._requesting.requests(said, line, cid, now_ns)
+        return requests
+
+    def _arguments_of(self, request: Request) -> Mapping[str, Argument]:
+        return self._rooms.container.complete(request).arguments
+
+    async def _prepare(
+        self, asked: Asked, meant: Meant, permits: tuple[Permit, ...],
+        requests: Sequence[Request], start_ns: int | None,
+    ) -> tuple[Order, ...]:  # fmt: skip
+        title = f"{meant.name}: {meant.line}"
+        origin = ReplyTo(asked.messenger.name, asked.inbound.chat, reply_id(asked.inbound), title)
+        try:
+            for request in requests:
+                self._rooms.linker.check_free(request.robot)
+            return await self._rooms.container.prepare(permits, requests, origin, start_ns=start_ns)
+        except BaseException:
+            self._rooms.organiser.abandon(permits)
+            raise
+
+    def _begin(self, asked: Asked, said: Said, meant: Meant, orders: tuple[Order, ...]) -> None:
+        hands, chat = self._hands, asked.inbound.chat
+        catalogue = hands.teller.languages.of(asked.caller.principal)
+        wording = ENGLISH if catalogue is None else wording_in(catalogue)
+        who = asked.caller.principal
+        card = Card(asked.messenger, chat, reply_id(asked.inbound), who, hands.face, wording)
+        card.about = meant.name
+        card.buttons = stop_button(meant.name.replace(JOINED, " "))
+        for order in orders:
+            shown = self._shown(order.robot)
+            what = in_language(order.words, catalogue)
+            life = card.add(order.cid, shown, f"{shown}: {what}", self._clock.wall_ns())
+            hands.lives.begin(order, said, card, life)
+        hands.teller.show(card)
+
+    def _shown(self, robot: RobotId) -> str:
+        return self._rooms.profiles[robot].shown

@@ -1,0 +1,258 @@
+"""Carries out what a fleet decides: written down first, then done, each attempt once.
+
+Whatever happens is an event; `react` says what follows. Nothing here decides anything itself.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from functools import partial
+from typing import TYPE_CHECKING
+
+from rosic.core.fleet import events as e
+from rosic.core.fleet.reacting import react
+from rosic.core.fleet.state import FleetState
+from rosic.core.fleet.task import HELD, Why
+from rosic.core.order import Ending
+from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
+from rosic.pipeline.fleet.attempting import attempt_id, end_after, end_of
+from rosic.pipeline.fleet.letters import Letters
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Coroutine, Iterable
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.fleet.task import Task, TaskId
+    from rosic.core.order import Outcome
+    from rosic.core.record import Record
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.changes import Changes
+    from rosic.pipeline.fleet.attempting import Attempt, Attempting
+    from rosic.pipeline.fleet.letters import Said
+    from rosic.pipeline.fleet.recalling import Recalling
+    from rosic.pipeline.rooms import Rooms
+
+AGAIN_NS = 2_000_000_000
+"""A task that no robot took just now is not offered again at once."""
+
+log = logging.getLogger("rosic.fleet")
+
+
+class Dispatching:
+    """The one place where a fleet changes.
+
+    Attributes:
+        fleet: As it is.
+        letters: What was said for each task.
+        begun: The newest attempt of each task that has a robot.
+        why: What a robot or a room said last about a task that did not go on.
+        rested: Whether the robot that a task left last was seen at rest.
+        finished: How many steps each robot has done since the start.
+        tell: Hears of a task before and after a change that people may want to know.
+        changed: Called after every change: there may be something to choose.
+    """
+
+    def __init__(
+        self, rooms: Rooms, changes: Changes, clock: Clock, attempting: Attempting,
+        recalling: Recalling,
+    ) -> None:  # fmt: skip
+        self.fleet = FleetState()
+        self.letters = Letters()
+        self.begun: dict[TaskId, Attempt] = {}
+        self.why: dict[TaskId, str] = {}
+        self.rested: dict[TaskId, bool] = {}
+        self.finished: dict[RobotId, int] = {}
+        self.tell: Callable[[Task, Task], object] = _unheard
+        self.changed: Callable[[], object] = _nothing
+        self._again_ns: dict[TaskId, int] = {}
+        self._rooms = rooms
+        self._changes = changes
+        self._clock = clock
+        self._attempting = attempting
+        self._recalling = recalling
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._closing = False
+
+    # ---- what happens ----
+
+    async def feed(self, event: e.Event, *records: Record, happened: bool = False) -> bool:
+        """Let an event happen: decided, written down, so; then what follows is begun.
+
+        Args:
+            event: What happened.
+            records: Written with it.
+            happened: It is so already, written down or not: what a robot did, whom it lost.
+
+        Returns:
+            Whether it changed anything.
+
+        Raises:
+            RecordUnavailable: It could not be written, and nothing has changed.
+        """
+        if self._closing:
+            return False
+        async with self._changes.turn() as turn:
+            step = react(self.fleet, event, self._clock.wall_ns())
+            facts = self.fleet.facts(step)
+            if not facts:
+                return False
+            if happened:
+                await turn.act((*records, *facts))
+            else:
+                await turn.write((*records, *facts))
+        self._do(step.doings)
+        self.changed()
+        return True
+
+    async def give(self, given: Iterable[tuple[Task, Said]], *records: Record) -> None:
+        """Take tasks in: all of them or none. What need not be known any more is let go.
+
+        Raises:
+            RecordUnavailable: Nothing was taken in.
+        """
+        now_ns = self._clock.wall_ns()
+        async with self._changes.turn() as turn:
+            stale = self.fleet.stale()
+            facts = [*self.fleet.forgotten(stale), *self.letters.forgotten(stale)]
+            for task, said in given:
+                facts.append(self.letters.fact(task.id, task.author, said))
+                facts += self.fleet.facts(react(self.fleet, e.Given(task), now_ns))
+            await turn.write((*records, *facts))
+        self.changed()
+
+    def _do(self, doings: Iterable[e.Doing]) -> None:
+        for doing in doings:
+            if isinstance(doing, e.Begin):
+                self._spawn(self._begin(doing))
+            elif isinstance(doing, e.Recall):
+                self._spawn(self._recall(doing))
+            else:
+                self._forget_attempt(doing.after)
+                self.tell(doing.before, doing.after)
+
+    def _forget_attempt(self, task: Task) -> None:
+        if task.state not in HELD:
+            self.begun.pop(task.id, None)
+
+    def _spawn(self, work: Coroutine[object, object, None]) -> None:
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    # ---- what follows ----
+
+    async def _begin(self, doing: e.Begin) -> None:
+        task = self.fleet.tasks.get(doing.task)
+        if task is None or task.attempt != doing.attempt or task.leaving:
+            return  # called back before it began: the recall says what becomes of it
+        said = self.letters.get(task.id)
+        if said is None:
+            await self._feed(e.Held(task.id, Why.CANCELLED))
+            return
+        over = partial(self._over, task, doing.robot)
+        try:
+            self.begun[task.id] = await self._attempting.attempt(task, doing, said, over)
+        except Refusal as refusal:
+            self.why[task.id] = refusal.sentence
+            self._again_ns[task.id] = self._clock.monotonic_ns() + AGAIN_NS
+            if isinstance(refusal, Unrecognised):
+                await self._feed(e.Held(task.id, Why.PAUSED))
+            else:
+                await self._feed(e.Ended(task.id, doing.attempt, end_of(refusal)))
+        except (RosicError, Exception):
+            log.exception("task %s could not be given to %s", task.id, doing.robot)
+            await self._feed(e.Ended(task.id, doing.attempt, e.End.UNKNOWN))
+        else:
+            await self._feed(e.Begun(task.id, doing.attempt))
+
+    def _over(self, task: Task, robot: RobotId, outcome: Outcome) -> None:
+        """An order has ended, and that is on disk."""
+        attempt = self.begun.get(task.id)
+        number = task.attempt
+        if self._closing:
+            self._note(e.Ended(task.id, number, e.End.SHUT_DOWN), outcome)
+            return
+        current = self.fleet.tasks.get(task.id)
+        if current is not None and current.author != task.author:
+            self._give_back(robot, task.author)  # it was handed over meanwhile
+        end = end_after(outcome, stopped=self._rooms.board[robot].latched)
+        if outcome.note:
+            self.why[task.id] = outcome.note
+        if end is e.End.DONE:
+            self.finished[robot] = self.finished.get(robot, 0) + 1
+        if end is e.End.BUSY:
+            self._again_ns[task.id] = self._clock.monotonic_ns() + AGAIN_NS
+        self._spawn(self._ended(e.Ended(task.id, number, end), robot, attempt))
+
+    async def _ended(self, event: e.Ended, robot: RobotId, attempt: Attempt | None) -> None:
+        await self._feed(event)
+        took = attempt is not None and attempt.number == event.attempt and attempt.took
+        if took and robot not in self.fleet.holds:
+            self._give_back(robot, self.fleet.tasks[event.task].author)
+
+    def _give_back(self, robot: RobotId, author: str) -> None:
+        """Let others have a robot at once that was taken for a task alone."""
+        organiser = self._rooms.organiser
+        if organiser.holder(robot) == author and not organiser.lease(robot).active:
+            organiser.release(robot)
+            self.changed()
+
+    def _note(self, event: e.Ended, outcome: Outcome) -> None:
+        """ROSIC is being shut down: what is known is kept, and nothing begins because of it."""
+        known = self.fleet.tasks.get(event.task)
+        ends: e.Event = event
+        if outcome.ending is Ending.DONE:
+            ends = e.Ended(event.task, event.attempt, e.End.DONE)
+        elif known is not None and known.leaving:
+            ends = e.Rested(event.task, event.attempt)
+        step = react(self.fleet, ends, self._clock.wall_ns())
+        self._changes.note(self.fleet.facts(step))
+
+    async def _recall(self, doing: e.Recall) -> None:
+        task = self.fleet.tasks[doing.task]
+        cid = attempt_id(task, doing.attempt)
+        self.rested[task.id] = await self._recalling.recall(doing, task.author, cid)
+        await self._feed(e.Rested(doing.task, doing.attempt))
+
+    async def _feed(self, event: e.Event) -> None:
+        try:
+            await self.feed(event, happened=True)
+        except RecordUnavailable:
+            log.warning("what became of task %s could not be written down", event)
+
+    # ---- beginning and ending ----
+
+    def not_now(self) -> frozenset[TaskId]:
+        """Return the tasks that were refused just now."""
+        now_ns = self._clock.monotonic_ns()
+        self._again_ns = {task: at for task, at in self._again_ns.items() if at > now_ns}
+        return frozenset(self._again_ns)
+
+    async def settle(self, ends: Callable[[Task], e.End | None]) -> None:
+        """Settle tasks that had a robot when the last run ended.
+
+        Args:
+            ends: Returns what is known of the order of such a task; None: it was claimed, and
+                nobody saw its end.
+        """
+        for key in tuple(self.fleet.holds.values()):
+            await self._feed(e.Found(key, ends(self.fleet.tasks[key])))
+
+    def shut(self) -> None:
+        """From now on nothing begins; what ends is still noted."""
+        self._closing = True
+
+    async def close(self) -> None:
+        """Give up what is still being asked for."""
+        for task in tuple(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+
+def _unheard(_before: Task, _after: Task) -> None:
+    return None
+
+
+def _nothing() -> None:
+    return None

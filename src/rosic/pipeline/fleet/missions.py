@@ -1,0 +1,219 @@
+"""``/mission`` and ``/missions``: what several robots do, begun, paused and cancelled as one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.condition import seconds
+from rosic.core.fleet import events as e
+from rosic.core.fleet.mission import Mission, lay_out
+from rosic.core.fleet.task import OVER, RESTING, Need, State, Task, Why
+from rosic.core.language.suggestions import did_you_mean
+from rosic.core.record import Decided
+from rosic.core.saying import joined
+from rosic.errors import NotUnderstood, TooManyRequests
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.fleet import words_missions as words
+from rosic.pipeline.fleet.clerks import ANY, OPEN_AT_MOST
+from rosic.pipeline.fleet.letters import Said
+from rosic.pipeline.fleet.reading import able
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.core.fleet.mission import Leaf
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.fleet.clerks import TaskClerk
+    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.office import Asked, Office
+    from rosic.pipeline.rooms import Rooms
+
+NUMBERED: Final = "-"
+"""Between the name of a mission and the number of its first task: it may run more than once."""
+ACTS: Final[dict[str, Why | None]] = {
+    "pause": Why.PAUSED, "cancel": Why.CANCELLED, "go": None, "resume": None,
+}  # fmt: skip
+
+
+class MissionClerk:
+    """The clerk of missions."""
+
+    def __init__(
+        self, rooms: Rooms, dispatching: Dispatching, tasks: TaskClerk, missions: Iterable[Mission]
+    ) -> None:
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._tasks = tasks
+        self._missions = {mission.name: mission for mission in missions}
+
+    def employ(self, office: Office) -> None:
+        """Take these errands."""
+        office.employ("mission", self.mission)
+        office.employ("missions", self.missions)
+
+    async def missions(self, asked: Asked) -> Reply:
+        """List what there is, and what runs."""
+        runs = [self._run_line(run) for run in self._open_runs(asked.caller.principal)]
+        known = [words.known(mission.name, mission.title) for mission in self._missions.values()]
+        if not known and not runs:
+            return Reply(words.NONE)
+        return Reply(joined("\n", [*runs, *known]), words.start_buttons(self._missions))
+
+    async def mission(self, asked: Asked) -> Reply:
+        """Start a mission, or do something with one that runs.
+
+        Raises:
+            NotUnderstood: No such mission, or nothing to do.
+            NotPermitted: Somebody else's.
+        """
+        verb, _, name = asked.rest.strip().casefold().partition(" ")
+        name = name.strip()
+        if not verb:
+            return await self.missions(asked)
+        if verb == "start" and name:
+            return await self._start(asked, self._named(name))
+        if verb in ACTS and name:
+            return await self._act(asked, verb, self._running(asked, name))
+        if not name and (verb in self._missions or self._runs_of(verb)):
+            return self._show(asked, verb)
+        raise NotUnderstood(words.HOW_TO)
+
+    async def _act(self, asked: Asked, verb: str, run: str) -> Reply:
+        """Do something with every task of a mission; those for which it makes no sense stay."""
+        tasks = self._dispatching.fleet.mission(run)
+        for task in tasks:
+            self._tasks.check_theirs(asked, task)
+        changed = 0
+        for task in tasks:
+            if ACTS[verb] is not None:
+                changed += await self._feed(asked, e.Held(task.id, ACTS[verb] or Why.NONE))
+            elif task.state is not State.UNKNOWN:  # whether it was done is asked task by task
+                changed += await self._feed(asked, e.Released(task.id))
+        return Reply(joined("\n", [words.changed(changed), *self._tasks_of(run)]))
+
+    async def _feed(self, asked: Asked, event: e.Held | e.Released) -> bool:
+        decided = Decided(
+            act="mission", by=asked.caller.principal, about=event.task,
+            at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
+        )  # fmt: skip
+        return await self._dispatching.feed(event, decided)
+
+    # ---- which ----
+
+    def _named(self, name: str) -> Mission:
+        mission = self._missions.get(name)
+        if mission is None:
+            close = did_you_mean(name, sorted(self._missions))
+            offers = tuple(f"/mission start {other}" for other in close)
+            raise NotUnderstood(words.no_mission(name), offers=offers)
+        return mission
+
+    def _runs_of(self, name: str) -> list[str]:
+        """Return the runs that a name means, the newest last: ``restock`` or ``restock-7``."""
+        runs = self._dispatching.fleet.missions
+        return [run for run in runs if run == name or run.rpartition(NUMBERED)[0] == name]
+
+    def _running(self, asked: Asked, name: str) -> str:
+        sees = self._open_runs(asked.caller.principal)
+        found = [run for run in self._runs_of(name) if run in sees]
+        if not found:
+            raise NotUnderstood(words.not_running(name))
+        if len(found) > 1:
+            verb = asked.rest.split()[0]
+            raise NotUnderstood(
+                words.which(name), offers=tuple(f"/mission {verb} {r}" for r in found)
+            )
+        return found[0]
+
+    def _open_runs(self, who: PrincipalId) -> list[str]:
+        fleet, visible = self._dispatching.fleet, self._rooms.organiser.visible(who)
+        return [
+            run
+            for run in fleet.missions
+            if not all(task.over for task in fleet.mission(run))
+            and any(t.author == who or not visible.isdisjoint(t.among) for t in fleet.mission(run))
+        ]
+
+    # ---- showing ----
+
+    def _show(self, asked: Asked, name: str) -> Reply:
+        runs = [
+            run for run in self._open_runs(asked.caller.principal) if run in self._runs_of(name)
+        ]
+        lines = [line for run in runs for line in (self._run_line(run), *self._tasks_of(run))]
+        mission = self._missions.get(name)
+        if mission is not None:
+            lines.append(words.known(mission.name, mission.title))
+            lines += [
+                words.leaf(number, leaf.part.on, leaf.part.steps, leaf.after)
+                for number, leaf in enumerate(lay_out(mission, self._missions), 1)
+            ]
+        buttons = words.run_buttons(runs[-1]) if runs else words.start_buttons((name,))
+        return Reply(joined("\n", lines or [words.not_running(name)]), buttons)
+
+    def _run_line(self, run: str) -> str:
+        tasks = self._dispatching.fleet.mission(run)
+        done = sum(task.state is State.DONE for task in tasks)
+        return words.run(run, done, len(tasks), sum(task.state in RESTING for task in tasks))
+
+    def _tasks_of(self, run: str) -> list[str]:
+        tasks = self._dispatching.fleet.mission(run)
+        return [self._tasks.line(task) for task in tasks if task.state not in OVER]
+
+    # ---- starting ----
+
+    async def _start(self, asked: Asked, mission: Mission) -> Reply:
+        """Give all tasks of a mission at once; each waits for those before it."""
+        fleet = self._dispatching.fleet
+        leaves = lay_out(mission, self._missions)
+        if sum(1 for _ in fleet.open()) + len(leaves) > OPEN_AT_MOST:
+            raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
+        first = int(fleet.next_id())
+        run = f"{mission.name}{NUMBERED}{first}"
+        given = [self._task(asked, leaf, run, first, number) for number, leaf in enumerate(leaves)]
+        decided = Decided(
+            act="mission", by=asked.caller.principal, about=run,
+            at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
+        )  # fmt: skip
+        await self._dispatching.give(given, decided)
+        return Reply(words.started(mission.shown, run, len(given)), words.run_buttons(run))
+
+    def _task(
+        self, asked: Asked, leaf: Leaf, run: str, first: int, number: int
+    ) -> tuple[Task, Said]:
+        """Return one task.
+
+        Raises:
+            NotUnderstood: Nobody can carry it out; none of the mission is begun.
+        """
+        part, who = leaf.part, asked.caller.principal
+        found = able(self._rooms, who, self._robots(part.on, who), part.steps)
+        if not found.robots:
+            why = found.why.sentence if found.why is not None else ""
+            raise NotUnderstood(words.nobody_can(number + 1, part.on, why))
+        units = self._rooms.vocabulary.units
+        task = Task(
+            id=str(first + number),
+            author=who,
+            among=found.robots,
+            wanted="" if part.on in ANY else part.on,
+            steps=len(part.steps),
+            priority=part.priority,
+            given_ns=self._rooms.organiser.wall_ns(),
+            expected_ns=int(seconds(part.within, units) * 1e9) if part.within else 0,
+            once=part.once,
+            need=Need(part.battery, part.localised),
+            place=found.place,
+            mission=run,
+            after=tuple(str(first + other) for other in leaf.after),
+        )
+        return task, Said(part.steps, asked.messenger.name, asked.inbound.chat)
+
+    def _robots(self, name: str, who: PrincipalId) -> tuple[RobotId, ...]:
+        visible, vocabulary = self._rooms.organiser.visible(who), self._rooms.vocabulary
+        if name in ANY:
+            return tuple(sorted(visible))
+        profile = vocabulary.robot(name)
+        meant = vocabulary.members(name) if profile is None else (profile.id,)
+        return tuple(robot for robot in meant if robot in visible)

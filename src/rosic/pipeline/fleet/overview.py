@@ -1,0 +1,137 @@
+"""``/fleet``: the bird's-eye view: every robot, every task, and where it does not go on."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.fleet.task import RESTING, Standing, State
+from rosic.core.message import Button
+from rosic.core.saying import joined
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.fleet import words_fleet
+from rosic.pipeline.fleet import words_robots as words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from rosic.core.fleet.task import Task
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.fleet.telling import Telling
+    from rosic.pipeline.fleet.usage import Usage
+    from rosic.pipeline.fleet.watching import Watching
+    from rosic.pipeline.office import Asked, Office
+    from rosic.pipeline.rooms import Rooms
+
+SHOWN_AT_MOST: Final = 25
+"""More robots do not fit into one message; those that need a look come first."""
+LOW: Final = 20.0
+
+
+class Overview:
+    """Looks at what somebody may see of the fleet."""
+
+    def __init__(
+        self, rooms: Rooms, dispatching: Dispatching, watching: Watching, telling: Telling,
+        usage: Usage,
+    ) -> None:  # fmt: skip
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._watching = watching
+        self._telling = telling
+        self._usage = usage
+
+    def employ(self, office: Office) -> None:
+        """Take these errands."""
+        office.employ("fleet", self.fleet)
+
+    async def fleet(self, asked: Asked) -> Reply:
+        """Show the fleet as it is now."""
+        who = asked.caller.principal
+        visible = self._rooms.organiser.visible(who)
+        group = self._rooms.vocabulary.members(asked.rest.strip()) or None
+        robots = tuple(r for r in sorted(visible) if group is None or r in group)
+        text = joined("\n", self.lines(robots, self._rooms.organiser.wall_ns()))
+        again = f"/fleet {asked.rest}".strip()
+        return Reply(text, ((Button(words.REFRESH, again),),))
+
+    def lines(self, robots: Sequence[RobotId], wall_ns: int) -> Iterator[str]:
+        """Yield what there is to say about some robots and their tasks."""
+        fleet = self._dispatching.fleet
+        states = {robot: self._states(robot) for robot in robots}
+        unready = [robot for robot in robots if states[robot][0]]
+        held = [robot for robot in robots if robot in fleet.holds]
+        free = len([r for r in robots if not states[r][0] and r not in fleet.holds])
+        yield words.robots_altogether(len(held), free, len(unready))
+        open_tasks = [task for task in fleet.open() if not set(task.among).isdisjoint(robots)]
+        yield self._tasks(open_tasks, wall_ns)
+        now_ns = self._watching.monotonic_ns()
+        if robots:
+            idle_s = sum(self._usage.idle_s(robot, now_ns) for robot in robots) // len(robots)
+            yield words.use(self._usage.share(robots, now_ns), idle_s)
+        yield from self._bottlenecks(open_tasks, states)
+        # What needs a look first, then what works, then what waits.
+        order = sorted(robots, key=lambda r: (not states[r][0], r not in fleet.holds, r))
+        for robot in order[:SHOWN_AT_MOST]:
+            yield words.one(self._telling.shown(robot), [*states[robot][0], *states[robot][1]])
+        if len(order) > SHOWN_AT_MOST:
+            yield words_fleet.and_more(len(order) - SHOWN_AT_MOST)
+
+    def _tasks(self, tasks: Sequence[Task], wall_ns: int) -> str:
+        fleet = self._dispatching.fleet
+        waiting = [task for task in tasks if task.id in fleet.waiting]
+        longest_s = max((wall_ns - task.since_ns for task in waiting), default=0) // 1_000_000_000
+        resting = sum(task.state in RESTING for task in tasks)
+        held = sum(bool(task.robot) for task in tasks)
+        return words.tasks_altogether(len(waiting), held, resting, max(0, longest_s))
+
+    def _bottlenecks(
+        self, tasks: Sequence[Task], states: dict[RobotId, tuple[list[str], list[str]]]
+    ) -> Iterator[str]:
+        """Yield the groups for which more tasks wait than robots are free."""
+        fleet = self._dispatching.fleet
+        waiting = [task for task in tasks if task.state is State.QUEUED and fleet.ready(task)]
+        counts = Counter(task.wanted for task in waiting)
+        for wanted, count in counts.most_common(3):
+            able = {r for task in waiting if task.wanted == wanted for r in task.left}
+            ready = [r for r in able if r in states and not states[r][0]]
+            free = [r for r in ready if r not in fleet.holds]
+            if count > len(free):
+                yield words.bottleneck(wanted or words.for_any(), count, len(free), len(ready))
+
+    def _states(self, robot: RobotId) -> tuple[list[str], list[str]]:
+        """Return what is not as it should be with a robot, and everything else."""
+        rooms, fleet = self._rooms, self._dispatching.fleet
+        presence = rooms.linker.presence(robot)
+        wrong: list[str] = []
+        standing = fleet.standing(robot)
+        if standing is not Standing.ACTIVE:
+            wrong.append(words.out_of_fleet(standing))
+        elif rooms.board[robot].latched:
+            wrong.append(words.stopped())
+        if presence.online is False:
+            wrong.append(words.not_there())
+        idle = robot not in fleet.holds and not presence.doing
+        if idle and presence.at_rest is False:
+            wrong.append(words.moves())
+        glance = self._watching.glance(robot)
+        if glance.battery is not None and glance.battery < LOW:
+            wrong.append(words.battery(glance.battery, low=True))
+        return wrong, list(self._rest(robot, glance.battery, presence.age_s))
+
+    def _rest(self, robot: RobotId, battery: float | None, age_s: float | None) -> Iterator[str]:
+        task = self._dispatching.fleet.tasks.get(self._dispatching.fleet.holds.get(robot, ""))
+        holder: PrincipalId | None = self._rooms.organiser.whose(robot)
+        if task is not None:
+            yield words.at_task(task.id, self._telling.what(task))
+            yield words_fleet.state(task)
+        elif holder is not None:
+            yield words.theirs(self._rooms.organiser.name_of(holder))
+        else:
+            yield words.free()
+        if battery is not None and battery >= LOW:
+            yield words.battery(battery, low=False)
+        if age_s is not None:
+            yield words.link_of(age_s * 1e3)

@@ -1,0 +1,76 @@
+"""Takes a task from its robot: what it does for the task ends, and it is at rest or cut off."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.fleet.task import Why
+from rosic.pipeline.fleet import words_fleet as words
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.core.fleet.events import Recall
+    from rosic.core.identity import CommandId, PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.alerts.running import Hands
+    from rosic.pipeline.rooms import Rooms
+
+LOOK_S: Final = 0.05
+CUT_OFF: Final = frozenset({Why.LOST})
+"""Nobody can see whether it rests: it is stopped, and stays so until a person has looked."""
+
+
+class Recalling:
+    """Ends what a robot does for a task, and nothing else that it does."""
+
+    def __init__(self, rooms: Rooms, hands: Hands, clock: Clock) -> None:
+        self._rooms = rooms
+        self._hands = hands
+        self._clock = clock
+
+    async def recall(self, doing: Recall, author: PrincipalId, cid: CommandId) -> bool:
+        """Return once the robot rests, or once nothing counts that it does for the task.
+
+        Args:
+            doing: Which robot, and why.
+            author: In whose name it was asked.
+            cid: Of the order.
+
+        Returns:
+            Whether it was seen at rest, or its side cannot say. If not it was stopped: everything
+            that it was asked before is void, however late it hears of it.
+        """
+        robot, linker = doing.robot, self._rooms.linker
+        if doing.why in CUT_OFF or linker.presence(robot).online is False:
+            self._cut_off(robot, author)
+            return False
+        current = linker.current(robot)
+        if current is not None and current.cid == cid:
+            await self._hands.lives.cut(robot, words.reason(doing.task, doing.why))
+        rested = await self._comes_to_rest(robot)
+        if not rested:
+            self._cut_off(robot, author)
+        else:
+            self._give_back(robot, author)
+        return rested
+
+    async def _comes_to_rest(self, robot: RobotId) -> bool:
+        linker = self._rooms.linker
+        patience_ns = int(linker.profile(robot).rest_timeout_s * 1e9)
+        deadline_ns = self._clock.monotonic_ns() + patience_ns
+        while linker.presence(robot).at_rest is False:
+            if self._clock.monotonic_ns() >= deadline_ns:
+                return False
+            await self._clock.sleep(LOOK_S)
+        return True
+
+    def _cut_off(self, robot: RobotId, author: PrincipalId) -> None:
+        """Stop it, and take it from whoever has it: late answers and late orders are void."""
+        self._hands.stop_lane.stop_robots((robot,), "")
+        if self._rooms.organiser.holder(robot) == author:
+            self._rooms.organiser.release(robot)
+
+    def _give_back(self, robot: RobotId, author: PrincipalId) -> None:
+        organiser = self._rooms.organiser
+        if organiser.holder(robot) == author and not organiser.lease(robot).active:
+            organiser.release(robot)

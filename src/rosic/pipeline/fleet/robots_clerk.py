@@ -1,0 +1,112 @@
+"""``/robot``: what one robot can do, and whether it takes part in the fleet."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.core import words as core_words
+from rosic.core.fleet import events as e
+from rosic.core.fleet.task import Standing
+from rosic.core.language.suggestions import did_you_mean
+from rosic.core.reach import FLEET
+from rosic.core.record import Decided
+from rosic.errors import NotPermitted, NotUnderstood, RobotStopped
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.fleet import words_robots as words
+from rosic.pipeline.fleet.clerks import ASSIGN
+
+if TYPE_CHECKING:
+    from rosic.core.robot import RobotId
+    from rosic.errors import Refusal
+    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.office import Asked, Office
+    from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.stopping import StopLane
+
+OUT: Final = {"disable": Standing.DISABLED, "retire": Standing.RETIRED}
+IN: Final = frozenset({"enable", "add"})
+
+
+class RobotClerk:
+    """The clerk of who takes part. Whoever does not is stopped, and nobody can resume it."""
+
+    def __init__(self, rooms: Rooms, dispatching: Dispatching, stop_lane: StopLane) -> None:
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._stop_lane = stop_lane
+
+    def employ(self, office: Office) -> None:
+        """Take these errands."""
+        office.employ("robot", self.robot)
+
+    def barred(self, robot: RobotId) -> Refusal | None:
+        """Return why a robot must stay stopped; None if it need not."""
+        standing = self._dispatching.fleet.standing(robot)
+        if standing is Standing.ACTIVE:
+            return None
+        return RobotStopped(words.barred(self._rooms.profiles[robot].shown, standing))
+
+    async def robot(self, asked: Asked) -> Reply:
+        """Say what a robot can do, or let it take part or not.
+
+        Raises:
+            NotUnderstood: No such robot, or it is so already.
+            NotPermitted: Not theirs to decide.
+        """
+        low = asked.rest.casefold().split()
+        verb = low[0] if low[:1] and (low[0] in OUT or low[0] in IN) else ""
+        robot = self._named(asked, " ".join(low[1:] if verb else low))
+        if not verb:
+            return self._about(robot)
+        organiser, who = self._rooms.organiser, asked.caller.principal
+        if not organiser.rights.holds(who, FLEET, ASSIGN, organiser.wall_ns()):
+            raise NotPermitted(words.MAY_NOT)
+        if verb in OUT:
+            return await self._leaves(asked, robot, OUT[verb])
+        return await self._joins(asked, robot, verb)
+
+    def _named(self, asked: Asked, name: str) -> RobotId:
+        visible = self._rooms.organiser.visible(asked.caller.principal)
+        profile = self._rooms.vocabulary.robot(name)
+        if not name:
+            raise NotUnderstood(words.HOW_TO)
+        if profile is None or profile.id not in visible:
+            close = did_you_mean(name, sorted(visible))
+            raise NotUnderstood(
+                words.no_robot(name), offers=tuple(f"/robot {other}" for other in close)
+            )
+        return profile.id
+
+    def _about(self, robot: RobotId) -> Reply:
+        can = core_words.help_for(self._rooms.profiles[robot])
+        state = words.standing(self._dispatching.fleet.standing(robot))
+        return Reply(words.about(can, state), about=robot)
+
+    async def _leaves(self, asked: Asked, robot: RobotId, standing: Standing) -> Reply:
+        """Stop a robot for good, and take its task from it."""
+        fleet, shown = self._dispatching.fleet, self._rooms.profiles[robot].shown
+        before = fleet.standing(robot)
+        if before is standing or before is Standing.RETIRED:
+            raise NotUnderstood(words.is_out(shown, before))
+        self._stop_lane.stop_robots((robot,), asked.caller.principal)  # waits for no disk
+        await self._stand(asked, robot, standing)
+        task = fleet.holds.get(robot, "")
+        return Reply(words.left(shown, standing, task), about=robot)
+
+    async def _joins(self, asked: Asked, robot: RobotId, verb: str) -> Reply:
+        before, shown = self._dispatching.fleet.standing(robot), self._rooms.profiles[robot].shown
+        if before is Standing.ACTIVE:
+            raise NotUnderstood(words.is_in(shown))
+        if before is Standing.RETIRED and verb != "add":
+            raise NotUnderstood(words.is_retired(shown, robot), offers=(f"/robot add {robot}",))
+        await self._stand(asked, robot, Standing.ACTIVE)
+        can = core_words.help_for(self._rooms.profiles[robot])
+        text = words.about(words.joins(shown), can if verb == "add" else "")
+        return Reply(text, words.resume_button(robot, shown), about=robot)
+
+    async def _stand(self, asked: Asked, robot: RobotId, standing: Standing) -> None:
+        decided = Decided(
+            act=f"robot-{standing.value}", by=asked.caller.principal, about=robot,
+            at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
+        )  # fmt: skip
+        await self._dispatching.feed(e.Stood(robot, standing), decided)

@@ -1,0 +1,146 @@
+"""What is said after ``/task``: for whom, what, step by step, and under which conditions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.fleet.task import PRIORITIES, STEPS_AT_MOST
+from rosic.core.language import clean
+from rosic.core.language.when import When, read_when
+from rosic.errors import NotUnderstood, OutOfBounds
+from rosic.pipeline.fleet import words_fleet as words
+from rosic.pipeline.people.invitation_line import length_said
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.organiser.zones import Zone
+
+LONGEST_LINE = 1_000
+FULL = 100.0
+
+
+class Wish(msgspec.Struct):
+    """What somebody said.
+
+    Attributes:
+        words: Whom and what, before the conditions.
+        until_ns: Wall clock; 0 never passes.
+    """
+
+    words: list[str]
+    priority: int = 1
+    until_ns: int = 0
+    expected_s: float = 0.0
+    battery: float = 0.0
+    localised: bool = False
+    once: bool = False
+
+    def lines(self, after: int) -> tuple[str, ...]:
+        """Return the steps that follow so many words.
+
+        Raises:
+            NotUnderstood, OutOfBounds: There are none, or too many.
+        """
+        said: list[list[str]] = [[]]
+        for word in self.words[after:]:
+            bare = word.rstrip(";")
+            if bare and bare.casefold() != "then":
+                said[-1].append(bare)
+            if bare != word or word.casefold() == "then":
+                said.append([])
+        lines = tuple(" ".join(step) for step in said if step)
+        if not lines:
+            raise NotUnderstood(words.NO_STEPS)
+        if len(lines) > STEPS_AT_MOST:
+            raise OutOfBounds(words.too_many_steps(STEPS_AT_MOST))
+        return lines
+
+
+def read_wish(text: str, now_ns: int, zone: Zone) -> Wish:
+    """Read the conditions off the end of a line, as many as there are.
+
+    Args:
+        text: As typed after the verb.
+        now_ns: Wall clock.
+        zone: In which a time of day is meant.
+
+    Raises:
+        OutOfBounds: A number or a time that makes no sense.
+    """
+    wish = Wish(clean(text).replace("\n", " ")[:LONGEST_LINE].split())
+    while (at := _last(wish.words)) is not None:
+        key, said = wish.words[at].casefold(), [word.casefold() for word in wish.words[at + 1 :]]
+        if not _READ[key](wish, said, now_ns, zone):
+            break
+        del wish.words[at:]
+    return wish
+
+
+def _last(said: list[str]) -> int | None:
+    """Return where the last condition begins; the first words say whom and what."""
+    return next((at for at in range(len(said) - 1, 1, -1) if said[at].casefold() in _READ), None)
+
+
+def _priority(wish: Wish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
+    if len(said) != 1 or not said[0].isdecimal():
+        return False
+    least, most = PRIORITIES
+    if not least <= int(said[0]) <= most:
+        raise OutOfBounds(words.no_priority(least, most))
+    wish.priority = int(said[0])
+    return True
+
+
+def _battery(wish: Wish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
+    number = "".join(said).removesuffix("%")
+    if not number.isdecimal():
+        return False
+    if not 0 < int(number) <= FULL:
+        raise OutOfBounds(words.no_battery())
+    wish.battery = float(number)
+    return True
+
+
+def _localised(wish: Wish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
+    wish.localised = not said
+    return not said
+
+
+def _once(wish: Wish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
+    wish.once = not said
+    return not said
+
+
+def _within(wish: Wish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
+    seconds, used = length_said(said)
+    if not used or used != len(said):
+        return False
+    wish.expected_s = seconds
+    return True
+
+
+def _by(wish: Wish, said: list[str], now_ns: int, zone: Zone) -> bool:
+    when = read_when(f"{' '.join(said)} 1 min", now_ns, zone.local) if said else None
+    if not isinstance(when, When) or when.rrule:
+        return False
+    at_ns = when.start_ns
+    if at_ns is None:
+        at_ns = zone.instant(when.start).start_ns
+    if at_ns <= now_ns:
+        raise OutOfBounds(words.TOO_LATE)
+    wish.until_ns = at_ns
+    return True
+
+
+_READ: dict[str, Callable[[Wish, list[str], int, Zone], bool]] = {
+    "priority": _priority,
+    "battery": _battery,
+    "localised": _localised,
+    "localized": _localised,
+    "once": _once,
+    "within": _within,
+    "by": _by,
+}

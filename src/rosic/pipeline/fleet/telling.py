@@ -1,0 +1,65 @@
+"""Tells whoever gave a task what becomes of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.fleet.task import HELD, State, Why
+from rosic.pipeline.fleet import words_fleet as words
+
+if TYPE_CHECKING:
+    from rosic.core.fleet.task import Task
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.reach import Reach
+    from rosic.pipeline.rooms import Rooms
+
+
+class Telling:
+    """Says it in private, over a crash too; an order itself is shown where the task was given."""
+
+    def __init__(self, rooms: Rooms, reach: Reach, dispatching: Dispatching) -> None:
+        self._rooms = rooms
+        self._reach = reach
+        self._dispatching = dispatching
+
+    def tell(self, before: Task, after: Task) -> None:
+        """Say what has changed, if whoever gave the task would want to know."""
+        text = self._text(before, after)
+        if text:
+            self._reach.tell((after.author,), text, words.choices(after))
+
+    def what(self, task: Task) -> str:
+        """Return what a task is about."""
+        said = self._dispatching.letters.get(task.id)
+        return words.ERASED if said is None else said.shown
+
+    def shown(self, robot: RobotId) -> str:
+        """Return how people read a robot; one that is gone, by its id."""
+        profile = self._rooms.profiles.get(robot)
+        return robot if profile is None else profile.shown
+
+    def _text(self, before: Task, after: Task) -> str:
+        what, shown = self.what(after), self.shown(before.robot) if before.robot else ""
+        if after.state in HELD:
+            return self._of_held(before, after, what)
+        if after.state is State.QUEUED:
+            if after.moves > before.moves and after.why is not Why.RESTARTED:
+                rested = self._dispatching.rested.get(after.id, True)
+                return words.waits(after, what, rested=rested, shown=shown)
+            return ""
+        if after.state is State.DONE:
+            return words.over(after, what, shown)
+        return words.stands(after, what, shown, self._dispatching.why.get(after.id, ""))
+
+    def _of_held(self, before: Task, after: Task, what: str) -> str:
+        shown = self.shown(after.robot)
+        if after.leaving:
+            asked = after.why in {Why.PAUSED, Why.CANCELLED}
+            return "" if asked or before.leaving else words.leaves(after, what, shown)
+        begins = before.state is State.ASSIGNED and after.state is State.RUNNING
+        return words.goes_on(after, what, shown) if begins and self._moved(after) else ""
+
+    def _moved(self, task: Task) -> bool:
+        """Whether it is new with this robot, after another."""
+        return task.moves > 0 and task.asked == task.done and bool(task.tried or task.moves)

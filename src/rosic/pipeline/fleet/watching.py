@@ -1,0 +1,181 @@
+"""Looks at the fleet now and then: who is lost, what is late, what could begin.
+
+While no task is open nobody looks at anything.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.fleet import events as e
+from rosic.core.fleet.planning import Glance, by_priority
+from rosic.core.fleet.task import State, Why
+from rosic.core.robot import Slots
+from rosic.errors import RecordUnavailable
+from rosic.organiser.assigning import assign
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.fleet.task import Task
+    from rosic.core.robot import Presence, RobotId
+    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.rooms import Rooms
+
+EVERY_S: Final = 0.5
+LOST_AFTER_NS: Final = 3_000_000_000
+"""A robot that is at work and not heard of for so long has lost its task."""
+AT_ONCE: Final = 200
+"""So many tasks are weighed at once; a stop does not wait while the others are looked at."""
+
+log = logging.getLogger("rosic.fleet")
+
+
+class Watching:
+    """Feeds a fleet with what nobody tells it.
+
+    Attributes:
+        expected_s: Returns how long a robot takes for a skill at most, in s; None: nobody knows.
+    """
+
+    def __init__(self, rooms: Rooms, dispatching: Dispatching, clock: Clock) -> None:
+        self.expected_s: Callable[[RobotId, str], float | None] = _unknown
+        self.monotonic_ns = clock.monotonic_ns
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._clock = clock
+        self._unheard_ns: dict[RobotId, int] = {}
+        self._watching: asyncio.Task[None] | None = None
+        self._running = False
+        self._planning = asyncio.Lock()
+
+    # ---- now and then ----
+
+    def run(self) -> None:
+        """Look from now on, as long as tasks are open."""
+        self._running = True
+        self.begin()
+
+    def begin(self) -> None:
+        """Look, if there is something to look after."""
+        if self._running and self._watching is None and self._open():
+            self._watching = asyncio.create_task(self._watch())
+
+    def _open(self) -> bool:
+        fleet = self._dispatching.fleet
+        return bool(fleet.waiting or fleet.holds)
+
+    async def _watch(self) -> None:
+        try:
+            while self._open():
+                try:
+                    await self.look()
+                except Exception:
+                    log.exception("the fleet could not be looked after")
+                await self._clock.sleep(EVERY_S)
+        finally:
+            self._watching = None
+
+    async def close(self) -> None:
+        """Look no more."""
+        self._running = False
+        if self._watching is not None:
+            self._watching.cancel()
+            await asyncio.gather(self._watching, return_exceptions=True)
+
+    # ---- one look ----
+
+    async def look(self) -> None:
+        """Look once."""
+        await self._look_after()
+        await self._let_expire()
+        await self.plan()
+
+    async def _look_after(self) -> None:
+        fleet = self._dispatching.fleet
+        for robot, key in tuple(fleet.holds.items()):
+            task = fleet.tasks[key]
+            why = Why.NONE if task.leaving else self._deviates(robot, task)
+            if why is not Why.NONE:
+                await self._dispatching.feed(e.Deviated(key, task.attempt, why), happened=True)
+
+    def _deviates(self, robot: RobotId, task: Task) -> Why:
+        now_ns = self._clock.monotonic_ns()
+        if self._rooms.linker.presence(robot).online is not False:
+            self._unheard_ns.pop(robot, None)
+        elif now_ns - self._unheard_ns.setdefault(robot, now_ns) >= LOST_AFTER_NS:
+            return Why.LOST
+        attempt = self._dispatching.begun.get(task.id)
+        if task.state is not State.RUNNING or attempt is None or attempt.number != task.attempt:
+            return Why.NONE
+        expected_ns = task.expected_ns or int((self.expected_s(robot, attempt.skill) or 0.0) * 1e9)
+        late = expected_ns and now_ns - attempt.began_ns > expected_ns
+        return Why.LATE if late else Why.NONE
+
+    async def _let_expire(self) -> None:
+        fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
+        for key in tuple(fleet.waiting):
+            task = fleet.tasks.get(key)
+            if task is not None and task.until_ns and now_ns > task.until_ns:
+                await self._dispatching.feed(e.Expired(key), happened=True)
+
+    # ---- choosing ----
+
+    async def plan(self) -> None:
+        """Give tasks that wait to robots that are free."""
+        if self._planning.locked() or not self._running:
+            return
+        async with self._planning:
+            fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
+            leave = self._dispatching.not_now()
+            levels = by_priority(fleet, now_ns, leave=leave, at_most=AT_ONCE)
+            if not levels:
+                return
+            among = dict.fromkeys(r for level in levels for task in level for r in task.left)
+            glances = {r: self.glance(r) for r in among if r in self._rooms.profiles}
+            for task, robot in assign(fleet, levels, glances, now_ns).pairs:
+                try:
+                    await self._dispatching.feed(e.Chosen(task, robot))
+                except RecordUnavailable:
+                    log.warning("task %s waits: nothing can be written down", task)
+
+    def glance(self, robot: RobotId) -> Glance:
+        """Return what a look at a robot shows now."""
+        rooms = self._rooms
+        presence = rooms.linker.presence(robot)
+        free = (
+            presence.online is not False
+            and presence.at_rest is not False
+            and not rooms.board[robot].latched
+            and rooms.linker.current(robot) is None
+        )
+        holder = rooms.organiser.whose(robot)
+        if rooms.profiles[robot].slots is Slots.REQUIRED:
+            slot = rooms.organiser.calendar.present(robot, rooms.organiser.wall_ns())
+            free = free and slot is not None
+        battery = presence.values.get("battery")
+        finished = self._dispatching.finished
+        return Glance(
+            robot=robot,
+            free=free,
+            holder=holder,
+            battery=float(battery) if isinstance(battery, int | float) else None,
+            place=_place(presence),
+            load=finished.get(robot, 0) - min(finished.values(), default=0),
+        )
+
+
+def _place(presence: Presence) -> tuple[float, float] | None:
+    if presence.pose is not None:
+        return presence.pose.x_m, presence.pose.y_m
+    x, y = presence.values.get("x"), presence.values.get("y")
+    if isinstance(x, int | float) and isinstance(y, int | float):
+        return float(x), float(y)
+    return None
+
+
+def _unknown(_robot: RobotId, _skill: str) -> float | None:
+    return None

@@ -1,0 +1,311 @@
+"""What people read about tasks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.fleet.task import State, Why
+from rosic.core.message import Button
+from rosic.core.saying import filled, joined, said, said_n
+from rosic.errors import NotPermitted
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.core.fleet.task import Task
+    from rosic.core.skill import Skill
+
+BETWEEN: Final = " · "
+GO_ON: Final = said("Go on")
+AGAIN: Final = said("Do it again")
+WAS_DONE: Final = said("It was done")
+CANCEL: Final = said("Cancel it")
+ANY: Final = said("any that can")
+
+_STATES: Final = {
+    State.QUEUED: said("waiting"),
+    State.ASSIGNED: said("being given to it"),
+    State.RUNNING: said("running"),
+    State.PAUSED: said("paused"),
+    State.DONE: said("done"),
+    State.FAILED: said("failed"),
+    State.CANCELLED: said("cancelled"),
+    State.UNKNOWN: said("not known whether it was done"),
+}
+_LEFT: Final = {
+    Why.FAILED: said("{robot} has failed at it"),
+    Why.LATE: said("{robot} takes too long"),
+    Why.LOST: said("{robot} is not heard of any more"),
+    Why.TAKEN: said("{robot} was needed for something else"),
+    Why.STOPPED: said("{robot} was stopped"),
+    Why.REFUSED: said("{robot} does not take it"),
+    Why.PAUSED: said("it was paused"),
+    Why.CANCELLED: said("it was cancelled"),
+    Why.WITHDRAWN: said("{robot} is not to be used now"),
+    Why.RESTARTED: said("ROSIC was restarted"),
+    Why.EXPIRED: said("it was not begun in time"),
+}
+_REASONS: Final = {
+    Why.LATE: said("it took too long for task {task}"),
+    Why.PAUSED: said("task {task} was paused"),
+    Why.CANCELLED: said("task {task} was cancelled"),
+    Why.WITHDRAWN: said("it is not to be used now"),
+}
+
+HOW_TO: Final = said(
+    "Give a task like this: /task omni wave, or /task warehouse move 1 m then wave priority 2. "
+    "It may end in: priority 0 to 9, by 15:00, within 5 min (a step), battery 30, localised, once."
+)
+NONE_OPEN: Final = said("No task is open.")
+NO_STEPS: Final = said("Say what is to be done: /task omni wave.")
+TOO_LATE: Final = said("That time is over. Nothing was done.")
+ERASED: Final = said("what was said for it is erased")
+
+
+# ---- giving ----
+
+
+def given(task: Task, what: str, who: str) -> str:
+    """Return that a task is taken in."""
+    return joined(
+        BETWEEN, [said("Task {task}: {what}", task=task.id, what=what), who, *_conditions(task)]
+    )
+
+
+def _conditions(task: Task) -> list[str]:
+    found: list[str] = []
+    if task.priority != 1:
+        found.append(said("priority {number}", number=task.priority))
+    if task.need.battery:
+        found.append(said("battery at least {share:g} %", share=task.need.battery))
+    if task.need.localised:
+        found.append(said("only a robot that knows where it is"))
+    if task.once:
+        found.append(said("never twice"))
+    return found
+
+
+def one_of(names: Sequence[str]) -> str:
+    """Return who could carry a task out."""
+    if len(names) == 1:
+        return names[0]
+    return said_n("one robot could", "one of {n} robots", len(names))
+
+
+def no_command(shown: str, line: str) -> str:
+    """Return that a line is nothing that a robot can do."""
+    return said("{robot} cannot do this: {line}", robot=shown, line=line)
+
+
+def nobody_can(name: str, why: str) -> str:
+    """Return that no robot of a group can carry a task out."""
+    return said("Nobody of {name} can do that. {why}", name=name, why=why)
+
+
+def no_such_target(name: str) -> str:
+    """Return that a name means no robot and no group."""
+    return said("I know no robot and no group called {name}.", name=name)
+
+
+def not_permitted(shown: str, skill: Skill) -> NotPermitted:
+    """Return the refusal of whoever lacks the right."""
+    return NotPermitted(
+        said("You may not let {robot} do this: {skill}.", robot=shown, skill=_called(skill))
+    )
+
+
+def wants_a_person(shown: str, skill: Skill) -> NotPermitted:
+    """Return the refusal of what somebody has to confirm each time."""
+    return NotPermitted(
+        said(
+            "{robot} does this only when somebody confirms it: {skill}. Say it as a command.",
+            robot=shown, skill=_called(skill),
+        )
+    )  # fmt: skip
+
+
+def _called(skill: Skill) -> str:
+    return skill.title or skill.id.replace("_", " ")
+
+
+def too_many(most: int) -> str:
+    """Return that no more tasks are taken in."""
+    return said(
+        "{most} tasks are open already. Cancel some, or wait until they are done.", most=most
+    )
+
+
+def no_chat(name: str) -> str:
+    """Return that nobody could be told what came of a task."""
+    return said("{name} cannot be reached, so nothing is done for them.", name=name)
+
+
+# ---- what becomes of it ----
+
+
+def order_title(text: str, task: Task) -> str:
+    """Return the first line of an order that belongs to a task."""
+    if task.steps == 1:
+        return said("{order} · task {task}", order=text, task=task.id)
+    return said(
+        "{order} · task {task}, step {step} of {steps}",
+        order=text, task=task.id, step=task.done + 1, steps=task.steps,
+    )  # fmt: skip
+
+
+def reason(task: str, why: Why) -> str:
+    """Return why an order is cut short, as it stands in its outcome."""
+    return filled(_REASONS.get(why, _REASONS[Why.WITHDRAWN]), task=task)
+
+
+def why_left(why: Why, shown: str) -> str:
+    """Return why a task left its robot."""
+    return filled(_LEFT[why], robot=shown)
+
+
+def state(task: Task) -> str:
+    """Return where a task is in its life."""
+    return said("leaving it") if task.leaving else _STATES[task.state]
+
+
+def line(task: Task, what: str, shown: str, why: str = "") -> str:
+    """Return one task in a list."""
+    parts: list[str] = [said("{task}: {what}", task=task.id, what=what)]
+    if shown:
+        parts.append(shown)
+    parts.append(state(task))
+    if task.steps > 1:
+        parts.append(said("{done} of {steps} steps done", done=task.done, steps=task.steps))
+    if task.priority != 1:
+        parts.append(said("priority {number}", number=task.priority))
+    if why:
+        parts.append(why)
+    return joined(BETWEEN, parts)
+
+
+def leaves(task: Task, what: str, shown: str) -> str:
+    """Return that a task leaves its robot."""
+    if task.why is Why.LOST:
+        ends = said("Nothing that it does for the task counts from now on.")
+    else:
+        ends = said("It is brought to rest first.")
+    return joined(" ", [_headed(task, what, why_left(task.why, shown)), ends])
+
+
+def waits(task: Task, what: str, *, rested: bool, shown: str) -> str:
+    """Return that a task waits for another robot."""
+    parts: list[str] = [_headed(task, what, why_left(task.why, shown))]
+    if not rested:
+        parts.append(not_seen_at_rest(shown))
+    parts.append(said("The task goes to another robot."))
+    if task.steps > 1:
+        parts.append(
+            said("{done} of {steps} steps are done and stay so.", done=task.done, steps=task.steps)
+        )
+    return joined(" ", parts)
+
+
+def not_seen_at_rest(shown: str) -> str:
+    """Return that a robot was cut off without being seen at rest."""
+    return said(
+        "{robot} was not seen at rest: it is stopped, and stays so until somebody has looked.",
+        robot=shown,
+    )
+
+
+def goes_on(task: Task, what: str, shown: str) -> str:
+    """Return that another robot has it."""
+    return _headed(task, what, said("{robot} goes on with it", robot=shown))
+
+
+def over(task: Task, what: str, shown: str) -> str:
+    """Return that a task is done."""
+    return _headed(task, what, said("done by {robot}", robot=shown) if shown else said("done"))
+
+
+def stands(task: Task, what: str, shown: str, why: str) -> str:
+    """Return that a task waits for a person, or is over without being done."""
+    parts: list[str] = [_headed(task, what, state(task))]
+    cause = why_left(task.why, shown or said("its robot")) if task.why is not Why.NONE else ""
+    if cause and task.why not in {Why.PAUSED, Why.CANCELLED}:
+        parts.append(said("Why: {cause}.", cause=cause))
+    if why:
+        parts.append(why)
+    if task.steps > 1:
+        parts.append(said("{done} of {steps} steps are done.", done=task.done, steps=task.steps))
+    return joined(" ", parts)
+
+
+def _headed(task: Task, what: str, text: str) -> str:
+    return said("Task {task} ({what}): {text}.", task=task.id, what=what, text=text)
+
+
+def choices(task: Task) -> tuple[tuple[Button, ...], ...]:
+    """Return what whoever looks after a task that rests can tap."""
+    cancel = Button(CANCEL, f"/task cancel {task.id}")
+    if task.state is State.UNKNOWN:
+        again = Button(AGAIN, f"/task go {task.id}")
+        return ((Button(WAS_DONE, f"/task done {task.id}"), again), (cancel,))
+    if task.state in {State.PAUSED, State.FAILED}:
+        label = GO_ON if task.state is State.PAUSED else AGAIN
+        return ((Button(label, f"/task go {task.id}"), cancel),)
+    return ()
+
+
+# ---- what people do to it ----
+
+
+def no_such_task(number: str) -> str:
+    """Return that a number means no task."""
+    return said("I know no task {number}.", number=number)
+
+
+def not_yours(task: Task, name: str) -> str:
+    """Return that somebody else looks after a task."""
+    return said(
+        "Task {task} is {name}'s. They can do that, or whoever may assign tasks here.",
+        task=task.id, name=name,
+    )  # fmt: skip
+
+
+def does_not_fit(task: Task) -> str:
+    """Return that what was asked makes no sense for a task as it is."""
+    return said("Task {task} is {state}. Nothing was changed.", task=task.id, state=state(task))
+
+
+def being_held(task: Task, shown: str) -> str:
+    """Return that a task is about to be paused or cancelled."""
+    return said(
+        "Task {task}: {robot} is brought to rest; I tell you when it is.",
+        task=task.id, robot=shown,
+    )  # fmt: skip
+
+
+def now_is(task: Task) -> str:
+    """Return how a task is now."""
+    return said("Task {task}: {state}.", task=task.id, state=state(task))
+
+
+def too_many_steps(most: int) -> str:
+    """Return that a task has too many steps."""
+    return said("A task has at most {most} steps.", most=most)
+
+
+def no_priority(least: int, most: int) -> str:
+    """Return the bounds of a priority."""
+    return said("A priority is a number from {least} to {most}.", least=least, most=most)
+
+
+def no_battery() -> str:
+    """Return the bounds of a battery."""
+    return said("A battery is between 1 and 100 %.")
+
+
+def and_more(count: int) -> str:
+    """Return that a list goes on."""
+    return said_n("and one more", "and {n} more", count)
+
+
+def waits_for(tasks: Sequence[str]) -> str:
+    """Return which tasks come first."""
+    return said("after {tasks}", tasks=", ".join(tasks))

@@ -1,0 +1,78 @@
+"""Files of missions: what is wrong is said with its line."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.app.missions import Missions
+from rosic.app.profiles import known_units
+from tests.rooms.pipeline.test_tasks import WAREHOUSE
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+GOOD = """\
+name: restock
+title: Restock an aisle
+do:
+  - on: warehouse
+    steps: [move 1 m, wave]
+    priority: 3
+    within: 5 min
+    battery: 30
+  - together:
+      - {on: w1, steps: [wave]}
+      - {on: any, steps: [wave], once: true}
+"""
+
+
+def wrong(tmp_path: Path, *texts: str) -> list[str]:
+    missions = Missions(WAREHOUSE, known_units())
+    for number, text in enumerate(texts):
+        file = tmp_path / f"m{number}.yaml"
+        file.write_text(text, encoding="utf-8")
+        missions.read(file)
+    missions.found()
+    return [str(error).replace(f"{tmp_path}/", "") for error in missions.errors]
+
+
+def test_a_good_one_is_read(tmp_path: Path) -> None:
+    missions = Missions(WAREHOUSE, known_units())
+    (tmp_path / "m.yaml").write_text(GOOD, encoding="utf-8")
+    missions.read(tmp_path / "m.yaml")
+    [mission] = missions.found()
+    assert not missions.errors
+    assert mission.shown == "Restock an aisle"
+    assert mission.do[0].steps == ("move 1 m", "wave")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("on: warehouse", "on: warehose", "m0.yaml:4: No robot and no group is called 'warehose'"),
+        ("move 1 m", "move 40 m", "m0.yaml:5: Nobody of warehouse can do this: "),
+        ("[move 1 m, wave]", "[dance]", "m0.yaml:5: Nobody of warehouse can do this: "),
+        ("priority: 3", "priority: 30", "m0.yaml:6: "),
+        ("5 min", "soon", "m0.yaml:7: 'soon' is no length of time"),
+        ("battery: 30", "batery: 30", "m0.yaml:8: "),
+        ("steps: [wave]}", "mission: restock}", "m0.yaml:10: This mission goes round in a circle"),
+        ("on: w1, steps: [wave]", "on: w1", "m0.yaml:10: A part has exactly one of"),
+        ("name: restock", "name: Re stock", "m0.yaml:1: "),
+    ],
+)
+def test_what_is_wrong_is_said_with_its_line(
+    old: str, new: str, sentence: str, tmp_path: Path
+) -> None:
+    [found, *_] = wrong(tmp_path, GOOD.replace(old, new, 1))
+    assert found.startswith(sentence)
+
+
+def test_two_may_not_have_one_name_and_a_circle_of_two_is_found(tmp_path: Path) -> None:
+    assert "Two missions are called restock." in "\n".join(wrong(tmp_path, GOOD, GOOD))
+    one = "name: one\ndo:\n  - mission: two\n"
+    two = "name: two\ndo:\n  - {on: w1, steps: [wave]}\n  - mission: one\n"
+    found = wrong(tmp_path, one, two)
+    assert found[0].startswith("m0.yaml:3: This mission goes round in a circle: one -> two -> one")
+    assert found[1].startswith("m1.yaml:4: ")

@@ -1,0 +1,55 @@
+"""A mission is laid out: who waits for whom."""
+
+from __future__ import annotations
+
+import pytest
+
+from rosic.core.fleet.mission import TASKS_AT_MOST, Mission, Part, Wrong, lay_out
+
+
+def task(name: str) -> Part:
+    return Part(on="w1", steps=(name,))
+
+
+def laid(mission: Mission, *others: Mission) -> list[tuple[str, tuple[int, ...]]]:
+    known = {one.name: one for one in (mission, *others)}
+    return [(leaf.part.steps[0], leaf.after) for leaf in lay_out(mission, known)]
+
+
+def test_parts_follow_each_other_and_what_is_side_by_side_is_waited_for() -> None:
+    mission = Mission(
+        name="m",
+        do=(
+            task("a"),
+            Part(together=(task("b"), Part(sequence=(task("c"), task("d"))))),
+            task("e"),
+        ),
+    )
+    assert laid(mission) == [("a", ()), ("b", (0,)), ("c", (0,)), ("d", (2,)), ("e", (1, 3))]
+
+
+def test_another_mission_stands_for_its_parts() -> None:
+    other = Mission(name="other", do=(task("x"), task("y")))
+    mission = Mission(name="m", do=(Part(mission="other"), task("z")))
+    assert laid(mission, other) == [("x", ()), ("y", (0,)), ("z", (1,))]
+
+
+def test_a_circle_is_refused_where_it_is_entered() -> None:
+    first = Mission(name="first", do=(task("a"), Part(mission="second")))
+    second = Mission(name="second", do=(Part(together=(Part(mission="first"),)),))
+    with pytest.raises(Wrong, match="in a circle: first -> second -> first") as found:
+        laid(first, second)
+    assert found.value.place == ("do", 1, "mission")
+    with pytest.raises(Wrong, match="m -> m"):
+        laid(Mission(name="m", do=(Part(mission="m"),)))
+
+
+def test_what_is_too_large_or_unknown_is_refused() -> None:
+    with pytest.raises(Wrong, match=f"more than {TASKS_AT_MOST}"):
+        laid(Mission(name="m", do=(task("a"),) * (TASKS_AT_MOST + 1)))
+    with pytest.raises(Wrong, match="No mission is called 'gone'"):
+        laid(Mission(name="m", do=(Part(mission="gone"),)))
+    doubling = [Mission(name="m0", do=(task("a"), task("b")))]
+    doubling += [Mission(name=f"m{n}", do=(Part(mission=f"m{n - 1}"),) * 2) for n in range(1, 40)]
+    with pytest.raises(Wrong, match="more than"):
+        laid(doubling[-1], *doubling)

@@ -1,0 +1,150 @@
+"""Robots that take part or not, the view of all of them, shifts, and commands to many at once."""
+
+from __future__ import annotations
+
+from rosic.core.fleet.task import State
+from rosic.core.order import Ending
+from rosic.stores.memory import MemoryStore
+from tests.rooms.pipeline.place import ADA, BO, VI
+from tests.rooms.pipeline.test_tasks import heard, tasks, warehouse, worker
+
+
+async def test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_stays_stopped() -> (
+    None
+):
+    async with warehouse().open() as here:
+        await here.say("/task warehouse wave")
+        told = await here.say("/robot disable w1") + await heard(here, 2)
+        assert "w1 is stopped and takes no part: not to be used now." in told
+        assert tasks(here)["1"].robot in {"w2", "w3"}
+        assert "so it stays stopped" in await here.say("resume w1")
+        assert here.gateway.rooms.board["w1"].latched
+        assert "not to be used now already" in await here.say("/robot disable w1")
+        assert "takes part again" in await here.say("/robot enable w1")
+        assert here.gateway.rooms.board["w1"].latched, "motion wants a resume of its own"
+        await here.say("resume w1")
+        assert not here.gateway.rooms.board["w1"].latched
+        assert "in the fleet already" in await here.say("/robot add w1")
+
+
+async def test_a_retired_robot_is_given_nothing_also_after_a_restart_until_it_is_added() -> None:
+    store = MemoryStore()
+    async with warehouse(store).open() as here:
+        await here.say("/task w1 wave")
+        told = await here.say("/robot retire w1") + await heard(here, 2)
+        assert "Task 1 (wave): failed" in told, "nobody else was wanted"
+    async with warehouse(store).open() as here:
+        here.gateway.rooms.board["w1"].latched = False
+        await here.say("/task warehouse wave")
+        assert tasks(here)["2"].robot in {"w2", "w3"}
+        assert "/robot add w1" in await here.say("/robot enable w1")
+        told = await here.say("/robot add w1")
+        assert "w1 can:" in told
+        assert "distance 0.01 to 5 m" in told
+
+
+async def test_only_whoever_may_assign_decides_who_takes_part() -> None:
+    async with warehouse().open() as here:
+        assert "Only somebody who may assign" in await here.say("/robot disable w1", account=BO)
+        assert "w1 can:" in await here.say("/robot w1", account=VI)
+        assert "no robot called w9" in await here.say("/robot w9")
+        assert not here.gateway.rooms.board["w1"].latched
+
+
+async def test_the_view_shows_every_robot_every_task_and_what_is_not_as_it_should_be() -> None:
+    async with warehouse().open() as here:
+        here.robot("w2").values = {"battery": 12}
+        here.robot("w3").online = False
+        await here.clock.advance(60)
+        await here.say("/task w1 wave")
+        await here.say("/task w1 move 1 m")
+        await heard(here, 60)
+        told = await here.say("/fleet warehouse")
+        assert "one robot at work, 0 free, 2 not ready" in told
+        assert "one task running, one waits, the longest for 1 min" in told
+        assert "In use 17 % of the time" in told
+        assert "w1: one task waits; 0 of 1 robots are free." in told
+        lines = told.splitlines()
+        assert lines[-3:-1] == [
+            "w2: battery 12 %, low · free · heard 0 ms ago",
+            "w3: not there · free · heard 0 ms ago",
+        ]
+        assert lines[-1] == "w1: task 1 (wave) · running · heard 0 ms ago"
+
+
+async def test_a_shift_is_handed_over_only_when_it_is_accepted_and_rights_are_the_others() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 move 1 m then wave")
+        await here.say("/task w1 wave")
+        assert "Vi may move no robot" in await here.say("/handover Vi")
+        assert "do not know for certain" in await here.say("/handover Nobody")
+        told = await here.say("/handover Bo")
+        assert "Ada hands over to you: 2 tasks." in told
+        assert {task.author for task in tasks(here).values()} == {_id(here, "Ada")}
+        button, under = here.button("I take over")
+        told = await here.tap(button, under, account=BO)
+        assert "Yours now, from Ada: 2 tasks." in told
+        assert {task.author for task in tasks(here).values()} == {_id(here, "Bo")}
+        assert here.gateway.rooms.organiser.holder("w1") == _id(here, "Ada"), "its step goes on"
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here)
+        assert tasks(here)["1"].done == 1
+        assert here.gateway.rooms.organiser.holder("w1") == _id(here, "Bo")
+        assert here.acted("w1") == 2
+
+
+def _id(here: object, name: str) -> str:
+    directory = here.gateway.rooms.authoriser.directory  # type: ignore[attr-defined]
+    [person] = directory.named(name)
+    return str(person.id)
+
+
+async def test_an_offer_is_good_for_one_person_and_for_a_while() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 wave")
+        await here.say("/handover Bo")
+        assert "That offer is over" in await here.say("/handover accept 1", account=VI)
+        await here.clock.advance(700)
+        assert "That offer is over" in await here.say("/handover accept 1", account=BO)
+        assert {task.author for task in tasks(here).values()} == {_id(here, "Ada")}
+
+
+async def test_two_managers_with_overlapping_groups_never_take_from_each_other() -> None:
+    async with warehouse().open() as here:
+        for account in (ADA, BO, ADA, BO):
+            await here.say("/task warehouse wave", account=account)
+        held = {task.robot: task.author for task in tasks(here).values() if task.robot}
+        assert len(held) == 3
+        organiser = here.gateway.rooms.organiser
+        assert {robot: organiser.holder(robot) for robot in held} == held
+        await here.say("stop w1 w2 w3")
+        await heard(here, 5)
+        assert {t.state for t in tasks(here).values()} <= {State.PAUSED, State.QUEUED}
+
+
+async def test_together_all_begin_at_one_moment_or_none() -> None:
+    async with warehouse().open() as here:
+        here.robot("w2").online = False
+        told = await here.say("/together warehouse wave")
+        assert "all or none, and not all are ready. Nobody begins." in told
+        assert "w2: not there" in told
+        assert [here.acted(name) for name in ("w1", "w2", "w3")] == [0, 0, 0]
+        button, under = here.button("Begin with w1, w3")
+        await here.tap(button, under)
+        assert [here.acted(name) for name in ("w1", "w2", "w3")] == [1, 0, 1]
+        starts = {here.gateway.rooms.linker.current(name).start_ns for name in ("w1", "w3")}  # type: ignore[union-attr]
+        assert len(starts) == 1
+        assert None not in starts
+
+
+async def test_a_broadcast_asks_each_for_itself_and_shows_who_received_it() -> None:
+    async with warehouse().open() as here:
+        await here.say("w2 wave", account=BO)
+        told = await here.say("/broadcast warehouse move 1 m")
+        assert "2 of 3 robots are asked. The others:" in told
+        assert "w2: w2 is" in told
+        shown = "\n".join(t.outbound.text for t in here.chat.told)
+        assert "w1: move, 1.00 m forward" in shown
+        assert shown.count("received by the robot") >= 2
+        assert [here.acted(name) for name in ("w1", "w2", "w3")] == [1, 1, 1]
+        assert "no robot and no group" in await here.say("/broadcast nowhere wave")

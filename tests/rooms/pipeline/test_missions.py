@@ -1,0 +1,95 @@
+"""Missions from the chat: started, paused, gone on with, cancelled, each step once."""
+
+from __future__ import annotations
+
+from msgspec.structs import replace
+
+from rosic.core.fleet.mission import Mission, Part
+from rosic.core.fleet.task import State
+from rosic.core.order import Ending
+from tests.rooms.pipeline.place import BO, VI, Place
+from tests.rooms.pipeline.test_tasks import heard, tasks, warehouse, worker
+
+RESTOCK = Mission(
+    name="restock",
+    title="Restock an aisle",
+    do=(
+        Part(on="warehouse", steps=("move 1 m", "wave")),
+        Part(together=(Part(on="w2", steps=("wave",)), Part(on="any", steps=("wave",)))),
+    ),
+)
+
+
+def lab() -> Place:
+    here = warehouse()
+    loud = Mission(name="loud", do=(Part(on="w1", steps=("wave",)),))
+    here.gateway._settings = replace(here.gateway._settings, missions=(RESTOCK, loud))
+    return here
+
+
+def states(here: Place) -> list[State]:
+    return [task.state for task in tasks(here).values()]
+
+
+async def test_what_follows_waits_and_what_is_side_by_side_runs_side_by_side() -> None:
+    async with lab().open() as here:
+        told = await here.say("/mission start restock")
+        assert "Restock an aisle is begun as restock-1 · 3 tasks" in told
+        assert states(here) == [State.RUNNING, State.QUEUED, State.QUEUED]
+        assert "after 1" in await here.say("/tasks")
+        for _ in range(2):
+            worker(here, "w1").end(Ending.DONE)
+            await heard(here)
+        assert states(here) == [State.DONE, State.RUNNING, State.RUNNING]
+        assert tasks(here)["2"].robot == "w2"
+        assert "restock-1: 1 of 3 tasks done" in await here.say("/missions")
+        worker(here, "w2").end(Ending.DONE)
+        worker(here, tasks(here)["3"].robot).end(Ending.DONE)
+        await heard(here)
+        assert states(here) == [State.DONE] * 3
+        assert "No mission called restock is under way" in await here.say("/mission cancel restock")
+
+
+async def test_it_is_paused_gone_on_with_and_cancelled_as_one() -> None:
+    async with lab().open() as here:
+        await here.say("/mission start restock")
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here)
+        await here.say("/mission pause restock")
+        await heard(here)
+        assert states(here) == [State.PAUSED] * 3
+        assert here.robot("w1").presence().doing == ""
+        await here.say("/mission go restock-1")
+        await heard(here)
+        assert states(here)[0] is State.RUNNING
+        assert tasks(here)["1"].done == 1, "the first step is not done again"
+        await here.say("/mission cancel restock")
+        await heard(here)
+        assert states(here) == [State.CANCELLED] * 3
+
+
+async def test_a_failed_task_is_taken_over_and_only_what_is_left_is_done() -> None:
+    async with lab().open() as here:
+        await here.say("/mission start restock")
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here)
+        worker(here, "w1").end(Ending.FAILED)
+        await heard(here, 2)
+        task = tasks(here)["1"]
+        assert (task.done, task.moves) == (1, 1)
+        worker(here, task.robot).end(Ending.DONE)
+        await heard(here)
+        assert tasks(here)["1"].state is State.DONE
+        assert sum(here.acted(name) for name in ("w1", "w2", "w3")) >= 3
+
+
+async def test_nobody_starts_or_ends_what_they_may_not() -> None:
+    async with lab().open() as here:
+        assert "Nobody of warehouse can do task 1" in await here.say(
+            "/mission start restock", account=VI
+        )
+        assert not tasks(here)
+        await here.say("/mission start restock")
+        assert "is Ada's" in await here.say("/mission cancel restock", account=BO)
+        assert "I know no mission called dance" in await here.say("/mission start dance")
+        assert "w1: wave" in await here.say("/mission loud")
