@@ -74,6 +74,8 @@ SECONDS = {
     "tests/journeys/test_groups.py": 20,
     "tests/journeys/test_inert.py": 20,
     "tests/journeys/test_stops.py": 20,
+    "tests/journeys/test_two_gateways.py": 20,
+    "tests/journeys/test_seeing.py": 20,
     "tests/core/language/test_total.py": 20,
     "tests/core/test_alert.py": 20,
     "tests/real/ros2/test_robot_bindings.py": 20,

@@ -21,6 +21,7 @@ from tests.journeys.report import Report
 from tests.journeys.running import Gateway, Launcher, fake_telegram
 from tests.journeys.stream import Crowd, Stream, gather
 from tests.journeys.verdict import Verdict, judge
+from tests.pace import slowness
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -66,6 +67,8 @@ class Journey:
         self.counter = counter
         self.ready_s: list[float] = []
         self.moments: Tally[str] = Tally()
+        # What a gateway gets done in a second on a free machine, it is given the time for.
+        self._longest_s = LONGEST_S * slowness()
         self._folder = folder
         self._launcher = launcher
         self._crowd: Crowd | None = None
@@ -122,7 +125,7 @@ class Journey:
             stream.unheard = False
             await stream.resume_all()
             with suppress(TimeoutError):
-                async with asyncio.timeout(LONGEST_S):
+                async with asyncio.timeout(self._longest_s):
                     await self._come(moment)
         gateway.kill()
         stream.unheard = True
@@ -132,15 +135,15 @@ class Journey:
         """Wait for a moment: soon after something happened, so that little of it is written."""
         chance = self.chance
         if moment == "listening":
-            await asyncio.sleep(chance.uniform(0, LONGEST_S))
+            await asyncio.sleep(chance.uniform(0, self._longest_s))
         elif moment == "acting":
             count = len(self.counter.actuations) + chance.randint(2, 10)
-            await self.counter.wait_for(count, LONGEST_S)
+            await self.counter.wait_for(count, self._longest_s)
             await asyncio.sleep(chance.uniform(0, 0.02))
         else:
             kinds = ["sent", "edited"] if moment == "telling" else ["delivered", "confirmed"]
             for _ in range(chance.randint(2, 12)):
-                await self.control.wait(await self.control.seq(), LONGEST_S, kinds)
+                await self.control.wait(await self.control.seq(), self._longest_s, kinds)
             await asyncio.sleep(chance.uniform(0, 0.01))
 
     async def _settle(self, stream: Stream) -> Verdict:

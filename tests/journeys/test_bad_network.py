@@ -78,7 +78,9 @@ async def test_everything_is_told_and_nothing_done_twice(
     async with lab(tmp_path, launcher) as place:
         gateway = await place.start()
         said: list[Said] = []
-        for turn in range(ROUNDS):
+        for turn in range(5 * ROUNDS):
+            if turn >= ROUNDS and place.acted():
+                break  # on a slow machine it takes longer until something is heard in time
             kind, methods, details = TROUBLE[what][turn % len(TROUBLE[what])]
             for method in methods:
                 await place.control.call("fail", kind=kind, method=method, **details)

@@ -366,10 +366,10 @@ FAULTS = (
     Fault(
         name="a lock waits for the disk",
         file="pipeline/changes.py",
-        guard="        records = tuple(records)\n        self._apply(records)\n",
+        guard="        self._apply(records)\n        try:\n            await self._store.write(*records)\n",
         without=(
-            "        records = tuple(records)\n        await self._store.write(*records)\n"
-            "        self._apply(records)\n"
+            "        await self._store.write(*records)\n        self._apply(records)\n"
+            "        try:\n            pass\n"
         ),
         caught_by=(f"{WRONG}::test_a_full_disk_keeps_nobody_from_being_locked",),
     ),
