@@ -73,12 +73,12 @@ class Organiser:
         self.calendar = Calendar(clock)
         self.locked: Collection[PrincipalId] = frozenset()
         self.in_doubt = False
-        self.locked_out: Callable[[PrincipalId], object] = _unheard
+        self.locked_out: Callable[[PrincipalId], object] = _nothing
         self.lease_idle_s = lease_idle_s
         self.name_of: NameOf = str
         self.wall_ns = clock.wall_ns
         self.moment: Moment = lambda _who, _at_ns: said("some time ago")
-        self.key_of: KeyOf = _no_key
+        self.key_of: KeyOf = _nothing
         self.narrow: Collection[KeyId] = frozenset()
         self._slots: dict[RobotId, SlotRule] = {
             robot: profile.slots.value
@@ -395,9 +395,5 @@ class Organiser:
         return held
 
 
-def _no_key(_key: KeyId) -> Key | None:
-    return None
-
-
-def _unheard(_principal: PrincipalId) -> None:
+def _nothing(_about: str) -> None:
     return None
