@@ -155,7 +155,7 @@ CASES = [
          "'tune' says nothing of how ROS carries it out.",
          "Give one of topic, service, action, set_parameters."),
     Case("no namespace", "namespace: /rover }", 'namespace: "" } #!',
-         "A ros2 robot needs a namespace.", "For example /rover."),
+         "A ros2 robot needs a namespace.", "For example /rover; / for one that has none."),
     # ---- moving safely ----
     Case("no watchdog", "watchdog_s: 0.5\n", "",
          "Skill 'drive' streams a velocity, but the profile states no watchdog_s"),

@@ -102,7 +102,7 @@ ROLES = [
      "No robot matches 'abb*'. Known here: cf1, cf2, kuka1, omni."),
     ("a pattern that matches no skill", {"a": Role(scopes=("*:fly*",))},
      ("No robot of '*' has a skill 'fly*'. "
-      "Known here: files, grant, look, move, read, resume, wave.")),
+      "Known here: ask, files, grant, help, look, move, read, resume, share, strategy, wave.")),
     ("a wildcard without a skill", {"a": Role(scopes=("*",))},
      "'*' is not a scope: write robot:skill, for example omni:move."),
     ("a regular expression", {"a": Role(scopes=("(cf1|cf2):wave",))},
