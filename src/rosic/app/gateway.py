@@ -157,7 +157,9 @@ class Gateway:
         languages.at = partial(whose, authoriser)
         self.stop_lane = StopLane(self.rooms, parts.store, parts.clock, languages)
         authority.attach(self.rooms, self.stop_lane)
-        self.holding = Holding(self.rooms, self.access, authority, parts.clock, languages)
+        self.holding = Holding(
+            self.rooms, self.access, authority, parts.clock, languages, self._settings.room
+        )
         self._messengers = self.holding.record(parts.messengers, parts.store)
         self._teller = Teller(self.rooms.container, parts.clock, languages)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
