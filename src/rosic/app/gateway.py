@@ -27,6 +27,7 @@ from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.container.words_container import SETTINGS_DAMAGED
+from rosic.contracts.messenger import settle_with
 from rosic.core.language import Vocabulary, clean
 from rosic.core.message import Outbound
 from rosic.core.stopboard import StopBoard
@@ -177,6 +178,8 @@ class Gateway:
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
         self.among = fellowship_of(self, parts, self._teller, memory)
+        for messenger in self._messengers:
+            settle_with(messenger, self.pipeline.arrears.settled)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
@@ -250,6 +253,7 @@ class Gateway:
             task.cancel()
         if self._listening:  # a claim on its way to the disk is waited for, within bounds
             await asyncio.wait(self._listening, timeout=DEAF_WITHIN_S)
+            await self.pipeline.arrears.settled(DEAF_WITHIN_S)
         self._listening = []
 
     async def revoke(self, principal: PrincipalId, by: PrincipalId) -> bool:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Passed, Reacted, Receive
+    from rosic.contracts.messenger import Passed, Reacted, Receive, Settle
     from rosic.core.menu import Menu
     from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Weight
 
@@ -124,6 +124,10 @@ class TelegramMessenger:
             MessengerFault: There was no room in time.
         """
         await self._speaker.turn(chat, weight)
+
+    def settle_with(self, settle: Settle) -> None:
+        """Ask before anything is confirmed; see ``contracts.messenger``."""
+        self._listener.settle = settle
 
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""
