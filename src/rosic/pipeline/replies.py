@@ -149,7 +149,8 @@ class Replies:
             buttons=self._bind(inbound, caller, buttons), weight=Weight.OUTCOME,
         )  # fmt: skip
         told = translated(outbound, self._languages.of(caller.principal))
-        self._say(Note(messenger, told, cid, inbound.under), inbound, refusal)
+        note = Note(messenger, told, cid, inbound.under, to=caller.principal)
+        self._say(note, inbound, refusal)
 
     def _say(self, note: Note, inbound: Inbound, refusal: Refusal | None = None) -> None:
         if is_backlog(inbound):
