@@ -366,7 +366,10 @@ FAULTS = (
     Fault(
         name="a lock waits for the disk",
         file="pipeline/changes.py",
-        guard="        self._apply(records)\n        try:\n            await self._store.write(*records)\n",
+        guard=(
+            "        self._apply(records)\n        try:\n"
+            "            await self._store.write(*records)\n"
+        ),
         without=(
             "        await self._store.write(*records)\n        self._apply(records)\n"
             "        try:\n            pass\n"
