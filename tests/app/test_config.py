@@ -10,6 +10,8 @@ from rosic.app.authority import fleet_of
 from rosic.app.config import load_config, read_config
 from rosic.app.config_file import LogLevel
 from rosic.app.profiles import known_units
+from rosic.app.start import settings_of
+from rosic.container.drawer import Room
 from rosic.core.identity import Address
 from rosic.core.limits import unit_converter
 from rosic.core.rate import RateLimit
@@ -28,6 +30,16 @@ def path(tmp_path: Path) -> Path:
     (tmp_path / "robots").mkdir()
     write(tmp_path / "robots", PROFILE)
     return write(tmp_path, GOOD, "rosic.toml")
+
+
+def test_room_for_files_is_said_in_the_file(path: Path) -> None:
+    environ = {"BOT_TOKEN": TOKEN}
+    assert load_config(path, environ=environ).room == Room(50, 100_000_000, 2_000_000_000)
+    table = "\n[files]\nperson_files = 3\nperson_mb = 2000\nplace_mb = 5000.5\n"
+    path.write_text(path.read_text() + table)
+    config = load_config(path, environ=environ)
+    assert config.room == Room(3, 2_000_000_000, 5_000_500_000)
+    assert settings_of(config).room == config.room
 
 
 def test_a_file_becomes_what_a_gateway_is_seeded_with(path: Path) -> None:

@@ -96,6 +96,11 @@ CASES = [
          'I know no time zone "Europe/Viena". Did you mean Europe/Vienna?'),
     Case("a city for a zone", 'name = "lab"', 'name = "lab"\nzone = "berlin" #!',
          'I know no time zone "berlin". Did you mean Europe/Berlin?'),
+    Case("a person with more room than all", "[limits]", "[files]\nperson_mb = 3000 #!\n\n[limits]",
+         "One person may keep more than everybody together.",
+         "Raise place_mb, or lower person_mb."),
+    Case("no room", "[limits]", "[files]\nplace_mb = 0 #!\n\n[limits]",
+         "'place_mb' must be between 1 and 1e+07."),
     # ---- messengers ----
     Case("no kind", '[[messenger]]\nkind = "terminal"', '[[messenger]] #!\nname = "terminal"',
          "A messenger needs a kind that is a text.", 'For example kind = "telegram".'),

@@ -28,7 +28,40 @@ class Case(NamedTuple):
 AT_REST = "\n".join(GOOD.splitlines()[10:15])
 STOP = GOOD.splitlines()[5]
 
+LINE = "rest_timeout_s: 5\n"
+BY_TOPIC = "{ name: /rover/file, type: std_msgs/msg/String, message: { data: %s } }"
+BY_SERVICE = "{ name: /rover/take, type: std_srvs/srv/SetBool, request: { data: %s } }"
+
+
+def files(deliver: str, rest: str = "accept: [yaml], inbox: /srv/rover") -> str:
+    """Return a profile's files, in one line, marked."""
+    return f"{LINE}files: {{ {rest}, deliver: {deliver} }} #!\n"
+
+
 CASES = [
+    # ---- files ----
+    Case("files that go nowhere", LINE, f"{LINE}files: {{ accept: [yaml] }} #!\n",
+         "Files are taken with both: which kinds to accept, and an inbox or deliver."),
+    Case("a file by no way", LINE, files("{ }"),
+         "A file is delivered by a topic or by a service: one of them."),
+    Case("a file by both ways", LINE,
+         files(f"{{ topic: {BY_TOPIC % '$path'}, service: {BY_SERVICE % '$path'} }}"),
+         "A file is delivered by a topic or by a service: one of them."),
+    Case("what no file has", LINE, files(f"{{ topic: {BY_TOPIC % '$pat'} }}"),
+         "$pat is nothing that a file has.", "Did you mean $path?"),
+    Case("nothing of the file", LINE, files(f"{{ topic: {BY_TOPIC % 'hello'} }}"),
+         "Nothing of the file is sent.", "Write $path where it belongs."),
+    Case("a path without an inbox", LINE,
+         files(f"{{ topic: {BY_TOPIC % '$path'} }}", "accept: [yaml]"),
+         "$path needs an inbox for the file to lie in."),
+    Case("a large content in a message", LINE, files(f"{{ topic: {BY_TOPIC % '$text'} }}"),
+         "A message holds 0.06 MB at most.", "Set max_mb to 0.06"),
+    Case("a receipt of a service", LINE,
+         files(f"{{ service: {BY_SERVICE % '$path'}, receipt: {{ topic: /rover/read }} }}"),
+         "The answer of a service is its receipt."),
+    Case("a checksum of a topic", LINE,
+         files(f"{{ topic: {BY_TOPIC % '$path'}, digest: message }}"),
+         "Only a service answers; a topic needs a receipt."),
     # ---- keys ----
     Case("misspelt key", "link_loss: hold", "linkloss: hold #!",
          "'linkloss' is not known here.", "Did you mean link_loss?"),

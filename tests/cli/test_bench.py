@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -39,9 +40,19 @@ def test_the_bench_of_telegram_keeps_to_the_limits_and_uses_them() -> None:
 
     assert (ran.status, ran.err) == (0, "")
     report = json.loads(ran.out)
-    assert set(report) == {"machine", "method", "cases"}
+    assert set(report) == {"machine", "method", "cases", "findings"}
     cases = {case["name"]: case for case in report["cases"]}
-    batch, stops, naive, durable, memory, foreign, disk = cases.values()
+    batch, stops, naive, durable, memory, foreign, disk, *tmpfs = cases.values()
+    without, durably, *_ = report["findings"]
+    above_us = memory["p50_us"] - foreign["p50_us"]
+    assert without.startswith(f"Without the durable claim: {above_us:.1f} us above") or (
+        abs(float(without.split()[4]) - above_us) < 0.2
+    )
+    assert f"With it: {durable['p50_us'] / 1e3:.2f} ms" in durably
+    assert f"the disk takes {disk['p50_us'] / 1e3:.2f} ms" in durably
+    assert [case["name"] for case in tmpfs] == (
+        ["receiving: ROSIC, durable claim on tmpfs"] if Path("/dev/shm").is_dir() else []  # noqa: S108
+    )
     assert batch["permitted_share"] >= 0.95
     assert "permitted_share" not in stops
     assert stops["p50_us"] < 500_000 * slowness()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -150,6 +151,7 @@ async def test_a_day_of_outage_is_drained_within_a_minute(
         gateway = await place.start(listens=False)
         took_s = await gateway.listens(600)
 
+        print(f"{many} updates: {took_s:.1f} s")  # noqa: T201 - a figure for whoever runs the campaign
         assert took_s < 60 * slowness(), f"{many} updates took {took_s:.0f} s"
         assert place.acted() == 0
         assert len(place.counter.stops("cat")) == 1
@@ -171,6 +173,34 @@ async def summaries(place: Lab, chat: int, many: int) -> list[dict[str, Any]]:
     assert await place.until(all_told, 180), [one["text"] for one in found]
     assert told_of(found) == many
     return found
+
+
+@pytest.mark.limit(180)
+async def test_killed_again_and_again_while_it_drains_nothing_is_lost_and_nothing_moves(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    """What was confirmed to Telegram was on disk: every command has its refusal, once."""
+    many, rooms = 3_000, 4
+    async with lab(tmp_path, launcher) as place:
+        (await place.start()).kill()
+        for number in range(rooms):
+            room = await place.control.create_chat("group", f"Room {number}", members=[place.bo])
+            await place.control.backlog(room, place.bo, "ant hop", many // rooms, age_s=HOUR_S)
+        left = many
+        while left > many // 3:
+            gateway = await place.start(listens=False)
+            assert await place.until(partial(_fewer, place, left), 60)
+            gateway.kill()
+            left = await place.control.pending()
+        gateway = await place.start(listens=False)
+        await gateway.listens(90)
+        await place.drained()
+        assert refused_as(place.data, "expired") == many
+        assert place.acted() == 0
+
+
+async def _fewer(place: Lab, than: int) -> bool:
+    return await place.control.pending() < than
 
 
 def told_of(summaries: list[dict[str, Any]]) -> int:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 from collections import defaultdict
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import pytest
 
+from rosic.testing.telegram.faults import FaultKind
 from tests.journeys.fleet import ROBOTS, TOKEN
 from tests.journeys.lab import Lab, lab
 from tests.journeys.reading import Reply, read_reply, summarised
@@ -26,10 +27,16 @@ TROUBLE: dict[str, list[tuple[str, Sequence[str], dict[str, Any]]]] = {
     "storms of 429": [("too_many_requests", (*WORDS, *POLLS), {"times": 4, "retry_after_s": 1})],
     "502": [("bad_gateway", (*WORDS, *POLLS), {"times": 2})],
     "truncated": [("truncated", (*WORDS, *POLLS), {"times": 1})],
+    "errors": [("error", (*WORDS, *POLLS), {"times": 2, "code": 500})],
     "resets": [("reset", (*WORDS, *POLLS), {"times": 2}), ("drop_answer", WORDS, {"times": 1})],
     "hangs": [("hang", POLLS, {"seconds": 1.5}), ("hang_after", WORDS, {"seconds": 0.5})],
 }
 ROUNDS = 8
+
+
+def test_every_fault_of_the_server_is_met_here() -> None:
+    met = {kind for orders in TROUBLE.values() for kind, _, _ in orders}
+    assert met == set(get_args(FaultKind))
 
 
 async def give(place: Lab, said: list[Said], chance: Random) -> None:

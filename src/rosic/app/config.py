@@ -31,6 +31,7 @@ from rosic.app.retention import Keep
 from rosic.app.secret_settings import SecretSettings
 from rosic.app.shape import Finding, Walker
 from rosic.app.toml_file import read_toml
+from rosic.container.drawer import Room
 from rosic.core.fleet.mission import Mission
 from rosic.core.rate import RateLimit, parse_rate
 from rosic.core.robot import Profile, RobotId
@@ -72,6 +73,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         limits: Of each person.
         robot_limits: Of robots that have one.
         missions: What several robots do when somebody says so.
+        room: For files that people keep.
     """
 
     path: Path
@@ -87,6 +89,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     limits: RateLimit
     robot_limits: dict[RobotId, RateLimit]
     keep: Keep
+    room: Room
     missions: tuple[Mission, ...] = ()
 
 
@@ -170,6 +173,7 @@ def read_config(
         robot_limits=_robot_limits(file, robots),
         keep=file.keep,
         missions=missions,
+        room=file.files.room,
     )
     return ReadConfig(config, [], reading.advice)
 

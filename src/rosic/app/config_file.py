@@ -12,6 +12,8 @@ from rosic.app.profile_forms import NAMED
 from rosic.app.retention import Keep
 from rosic.app.shape import Bounds, Field, Finding, Form, Rules
 from rosic.app.source import Place, nearest
+from rosic.container.drawer import FILES_MOST, PERSON_BYTES, PLACE_BYTES, Room
+from rosic.container.words_files import MB
 from rosic.core.identity import Address
 from rosic.core.limits import unit_converter
 from rosic.core.rate import RateLimit, parse_rate
@@ -94,6 +96,25 @@ class LimitsTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     robot: str = ""
 
 
+class FilesTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How much people may keep here in files; megabytes of a million bytes.
+
+    Attributes:
+        person_files: Files of one person.
+        person_mb: Megabytes of one person.
+        place_mb: Megabytes of everybody together.
+    """
+
+    person_files: int = FILES_MOST
+    person_mb: float = PERSON_BYTES / MB
+    place_mb: float = PLACE_BYTES / MB
+
+    @property
+    def room(self) -> Room:
+        """The same in bytes."""
+        return Room(self.person_files, int(self.person_mb * MB), int(self.place_mb * MB))
+
+
 class PrincipalTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One person.
 
@@ -122,6 +143,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         care: Skills that want more than the right to them.
         limits: How fast commands may come.
         keep: How long what is over is kept.
+        files: How much people may keep here in files.
     """
 
     gateway: GatewayTable = GatewayTable()
@@ -133,6 +155,7 @@ class ConfigFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     care: tuple[Care, ...] = ()
     limits: LimitsTable = LimitsTable()
     keep: Keep = Keep()
+    files: FilesTable = FilesTable()
 
 
 _ADDRESS = Form(
@@ -161,6 +184,9 @@ BOUNDS: Final[dict[Field, Bounds]] = {
     (GatewayTable, "lease_idle_s"): Bounds(1, 86_400),
     (Keep, "slots_days"): Bounds(1, 36_500),
     (Keep, "decisions_days"): Bounds(30, 36_500),
+    (FilesTable, "person_files"): Bounds(1, 10_000),
+    (FilesTable, "person_mb"): Bounds(1, 1_000_000),
+    (FilesTable, "place_mb"): Bounds(1, 10_000_000),
     (LimitsTable, "burst"): Bounds(1, 1_000_000),
     (LimitsTable, "per_s"): Bounds(0.001, 1_000_000),
 }
@@ -176,6 +202,7 @@ def config_rules() -> Rules:
             GatewayTable: (_placed,),
             RobotTable: (_robot_rate,),
             LimitsTable: (_robots_rate,),
+            FilesTable: (_roomy,),
             PrincipalTable: (_reachable,),
             ConfigFile: (_people, _talkers, _something),
         },
@@ -195,6 +222,15 @@ def _robot_rate(robot: RobotTable) -> Iterator[Finding]:
 
 def _robots_rate(limits: LimitsTable) -> Iterator[Finding]:
     yield from _rate("robot", limits.robot)
+
+
+def _roomy(files: FilesTable) -> Iterator[Finding]:
+    if files.person_mb > files.place_mb:
+        yield Finding(
+            ("person_mb",),
+            "One person may keep more than everybody together.",
+            "Raise place_mb, or lower person_mb.",
+        )
 
 
 def _rate(key: str, said: str) -> Iterator[Finding]:

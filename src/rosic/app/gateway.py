@@ -27,6 +27,7 @@ from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.container.words_container import SETTINGS_DAMAGED
+from rosic.contracts.messenger import settle_with
 from rosic.core.language import Vocabulary, clean
 from rosic.core.message import Outbound
 from rosic.core.stopboard import StopBoard
@@ -157,7 +158,9 @@ class Gateway:
         languages.at = partial(whose, authoriser)
         self.stop_lane = StopLane(self.rooms, parts.store, parts.clock, languages)
         authority.attach(self.rooms, self.stop_lane)
-        self.holding = Holding(self.rooms, self.access, authority, parts.clock, languages)
+        self.holding = Holding(
+            self.rooms, self.access, authority, parts.clock, languages, self._settings.room
+        )
         self._messengers = self.holding.record(parts.messengers, parts.store)
         self._teller = Teller(self.rooms.container, parts.clock, languages)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
@@ -175,6 +178,8 @@ class Gateway:
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
         self.among = fellowship_of(self, parts, self._teller, memory)
+        for messenger in self._messengers:
+            settle_with(messenger, self.pipeline.arrears.settled)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
@@ -199,7 +204,13 @@ class Gateway:
         recovery = Recovery(parts.store, self.rooms.linker, self._teller, parts.clock, messengers)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
         await self.furnishing.fleet.settle(memory, parts.store)
-        outbox = owe_over_crashes(parts, self.furnishing, self.stop_lane, self._teller)
+        outbox = owe_over_crashes(
+            parts,
+            self.furnishing,
+            self.stop_lane,
+            self._teller,
+            self.rooms.authoriser.directory.name,
+        )
         outbox.restore(memory.facts, messengers)
         if count:
             log.warning("%d interrupted commands were settled", count)
@@ -248,6 +259,7 @@ class Gateway:
             task.cancel()
         if self._listening:  # a claim on its way to the disk is waited for, within bounds
             await asyncio.wait(self._listening, timeout=DEAF_WITHIN_S)
+            await self.pipeline.arrears.settled(DEAF_WITHIN_S)
         self._listening = []
 
     async def revoke(self, principal: PrincipalId, by: PrincipalId) -> bool:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from rosic.app.languages import LANGUAGES
 from rosic.authoriser.directory import SOMEBODY
 from rosic.container.archive import NOBODY, Archive, Author
-from rosic.container.drawer import Drawer
+from rosic.container.drawer import Drawer, Room
 from rosic.container.preferences import IMPERIAL, Caps, PreferenceBook
 from rosic.container.preferences import KIND as PREFERENCE
 from rosic.container.shelf import Shelf
@@ -25,7 +25,8 @@ from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings, Vault
 from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.containers.tidying import tidy
-from rosic.pipeline.files.handing import Handing
+from rosic.pipeline.files.aside import Aside
+from rosic.pipeline.files.handing import Handing, Ways
 from rosic.pipeline.files.receiving import Receiving
 from rosic.robots.folders import RobotFolders
 
@@ -85,7 +86,9 @@ class Holding:
         authority: Authority,
         clock: Clock,
         languages: Languages,
+        room: Room,
     ) -> None:
+        self._room = room
         self._languages = languages
         self._rooms = rooms
         self._access = access
@@ -94,6 +97,7 @@ class Holding:
         self.holdings: Holdings | None = None
         self.receiving: Receiving | None = None
         self.erasing: Erasing | None = None
+        self._aside: Aside | None = None
 
     def record(self, messengers: Sequence[Messenger], store: Store) -> tuple[Messenger, ...]:
         """Return messengers whose chats can be kept."""
@@ -115,7 +119,7 @@ class Holding:
             self._access, rooms.authoriser, rooms.organiser, rooms.profiles, self._clock,
             furnishing.reach.tell, pipeline.habits,
         )  # fmt: skip
-        holdings = holdings_of(around, vault, self.archive, parts)
+        holdings = holdings_of(around, vault, self.archive, parts, self._room)
         self.holdings, self.preferences = holdings, holdings.preferences
         erasing = self.erasing = Erasing(holdings, self._sides(pipeline, furnishing.live_cards))
         filing = employ_clerks(pipeline.reception.office, holdings, erasing)
@@ -126,7 +130,9 @@ class Holding:
         furnishing.admitting.forget = erasing.stranger
         self.receiving = Receiving(holdings, pipeline.answer, pipeline.plain)
         pipeline.reception.enclosed = self.receiving.take
-        handing = handing_of(rooms, holdings, pipeline)
+        self._aside = Aside(pipeline.answer, pipeline.plain, self._clock)
+        handing = handing_of(rooms, holdings, pipeline, self._aside)
+        filing.take_time(self._aside, pipeline.plain)
         filing.hand_over(handing)
         self.receiving.offer = handing.offer
         await self.receiving.finish()
@@ -150,6 +156,8 @@ class Holding:
         """Keep what people often ask; at the end, and as far as it can be."""
         if self.receiving is not None:
             await self.receiving.close()
+        if self._aside is not None:
+            await self._aside.close()
         with suppress(Refusal):
             await self.finish()
 
@@ -187,6 +195,13 @@ class Holding:
         imperial = kept.units == IMPERIAL
         self._languages.choose(principal, kept.language, imperial=imperial)
 
+    async def _break_off(self, principal: PrincipalId) -> None:
+        """Let no file of somebody come or go any more."""
+        if self.receiving is not None:
+            await self.receiving.end(principal)
+        if self._aside is not None:
+            await self._aside.end(principal)
+
     def _sides(self, pipeline: Pipeline, cards: LiveCards) -> Sides:
         rooms, access, authority = self._rooms, self._access, self._authority
         directory = rooms.authoriser.directory
@@ -214,8 +229,7 @@ class Holding:
 
         async def ended(principal: PrincipalId) -> None:
             authority.enforce()
-            if self.receiving is not None:
-                await self.receiving.end(principal)
+            await self._break_off(principal)
 
         def theirs(principal: PrincipalId, chat: Chat) -> bool:
             person = directory.person(principal)
@@ -243,13 +257,13 @@ class Holding:
         )
 
 
-def handing_of(rooms: Rooms, holdings: Holdings, pipeline: Pipeline) -> Handing:
+def handing_of(rooms: Rooms, holdings: Holdings, pipeline: Pipeline, aside: Aside) -> Handing:
     """Return the clerk who brings files to robots, and robots' files to people."""
     robots = {p.id: p.files for p in rooms.profiles.values() if p.files is not None}
-    return Handing(
-        holdings, rooms.organiser, rooms.profiles, RobotFolders(robots), pipeline.plain,
-        stopped=lambda robot: rooms.board[robot].latched,
-    )  # fmt: skip
+    ways = Ways(
+        RobotFolders(robots), rooms.linker.deliver, lambda robot: rooms.board[robot].latched
+    )
+    return Handing(holdings, rooms.organiser, rooms.profiles, ways, pipeline.plain, aside)
 
 
 class Around(NamedTuple):
@@ -264,7 +278,9 @@ class Around(NamedTuple):
     habits: Habits
 
 
-def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -> Holdings:
+def holdings_of(
+    around: Around, vault: Vault, archive: Archive, parts: Making, room: Room
+) -> Holdings:
     """Return the books, empty still."""
     organiser, clock, profiles = around.organiser, around.clock, around.profiles
     skills = {profile.id: skills_of(profile) for profile in profiles.values()}
@@ -277,7 +293,7 @@ def holdings_of(around: Around, vault: Vault, archive: Archive, parts: Making) -
     return Holdings(
         preferences=preferences,
         shelf=shelf,
-        files=Drawer(clock),
+        files=Drawer(clock, room),
         habits=around.habits,
         archive=archive,
         vault=vault,

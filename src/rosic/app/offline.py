@@ -19,6 +19,7 @@ from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.archive import Archive
+from rosic.container.drawer import Room
 from rosic.container.habits import Habits
 from rosic.core.language import Vocabulary, clean
 from rosic.core.rate import RateLimit
@@ -160,7 +161,7 @@ class Alone:
         if not isinstance(store, Vault):
             return None
         parts = Parts(known_units(), self._entropy)
-        holdings = holdings_of(around, store, Archive(self._clock), parts)
+        holdings = holdings_of(around, store, Archive(self._clock), parts, Room())
         for kind, apply in books_kept(holdings).items():
             for fact in memory.facts.get(kind, ()):
                 apply(fact)

@@ -5,22 +5,32 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.contracts.messenger import alarm_to
+from rosic.pipeline.elsewhere import Elsewhere
 from rosic.pipeline.outbox import Outbox
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.app.furnishing import Furnishing
     from rosic.app.parts import Parts
+    from rosic.core.identity import PrincipalId
     from rosic.errors import MessengerFault
     from rosic.pipeline.stopping import StopLane
     from rosic.pipeline.telling import Teller
 
 
 def owe_over_crashes(
-    parts: Parts, furnishing: Furnishing, stop_lane: StopLane, teller: Teller
+    parts: Parts,
+    furnishing: Furnishing,
+    stop_lane: StopLane,
+    teller: Teller,
+    name: Callable[[PrincipalId], str],
 ) -> Outbox:
     """Have alarms, notices and the answers to stops written down, and admins told of thieves."""
     outbox = Outbox(parts.store, parts.clock, parts.entropy, teller)
     furnishing.reach.outbox = stop_lane.outbox = outbox
+    elsewhere = Elsewhere(furnishing.reach, furnishing.admins, name)
+    teller.gone = elsewhere.gone
 
     def warn(fault: MessengerFault) -> None:
         """Tell the admins wherever they are reached that somebody else acts for a messenger.

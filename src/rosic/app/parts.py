@@ -8,6 +8,7 @@ import msgspec
 
 from rosic.app.people import Seed
 from rosic.app.retention import Keep
+from rosic.container.drawer import Room
 from rosic.contracts.adapter import RobotFactory
 from rosic.contracts.clock import Clock
 from rosic.contracts.entropy import Entropy
@@ -32,6 +33,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
         limit, robot_limits: Of each person; of robots that have one, for everybody together.
         lease_idle_s: How long a robot stays somebody's after their last order ended.
         keep: How long what is over is kept.
+        room: For files that people keep.
         missions: What several robots do when somebody says so.
     """
 
@@ -45,6 +47,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     lease_idle_s: float = 60.0
     keep: Keep = Keep()
     missions: tuple[Mission, ...] = ()
+    room: Room = Room()
 
 
 class Parts(msgspec.Struct, frozen=True, kw_only=True):

@@ -13,7 +13,8 @@ from rosic.app.shape import Finding, Rules
 from rosic.app.source import Place, nearest
 from rosic.core.authority import AMONG, FILES, READ, RESUME
 from rosic.core.language import UnitTable, Vocabulary
-from rosic.core.robot import Files, Profile, Telemetry
+from rosic.core.parcel import CONTENT_BYTES
+from rosic.core.robot import Deliver, Files, Profile, Telemetry
 from rosic.core.rule import Wrong, compile_rule, read_run, rules_of
 from rosic.core.skill import Parameter, Skill, SkillClass
 
@@ -28,6 +29,7 @@ RESERVED: Final = frozenset({READ, RESUME, FILES, *AMONG, "stop"})
 FLEET: Final = "fleet"
 NO_STRATEGY: Final = frozenset({"back", "now", "idle"})
 TWICE: Final = 2.0
+IN_PARCELS: Final = ("$name", "$path", "$sha256", "$size", "$kind", "$text", "$content")
 
 
 def profile_rules(units: UnitTable) -> Rules:
@@ -57,7 +59,7 @@ def profile_rules(units: UnitTable) -> Rules:
         checks={
             Parameter: (parameter,),
             Telemetry: (telemetry,),
-            Files: (_folders,),
+            Files: (_folders, _delivered),
             Skill: (_placeholders, _streams),
             Profile: (
                 _reserved,
@@ -251,10 +253,48 @@ def _located(profile: Profile) -> Iterator[Finding]:
 
 
 def _folders(files: Files) -> Iterator[Finding]:
-    if bool(files.accept) != bool(files.inbox):
-        yield Finding((), "Files are taken with both: which kinds to accept, and an inbox.")
+    if bool(files.accept) != files.takes:
+        yield Finding(
+            (),
+            "Files are taken with both: which kinds to accept, and an inbox or deliver.",
+        )
     if files.inbox and files.inbox.rstrip("/") == files.outbox.rstrip("/"):
         yield Finding(("outbox",), "What the robot gives needs a folder of its own.")
+
+
+def _delivered(files: Files) -> Iterator[Finding]:
+    deliver = files.deliver
+    if deliver is None:
+        return
+    if (deliver.topic is None) == (deliver.service is None):
+        yield Finding(("deliver",), "A file is delivered by a topic or by a service: one of them.")
+        return
+    yield from _in_parcels(files, deliver)
+    if deliver.topic is not None and deliver.topic.stream_hz:
+        yield Finding(("deliver", "topic", "stream_hz"), "A file is sent once, not streamed.")
+    if deliver.receipt is not None and deliver.topic is None:
+        yield Finding(("deliver", "receipt"), "The answer of a service is its receipt.")
+    if deliver.digest and deliver.service is None:
+        yield Finding(("deliver", "digest"), "Only a service answers; a topic needs a receipt.")
+
+
+def _in_parcels(files: Files, deliver: Deliver) -> Iterator[Finding]:
+    place = ("deliver", *(("topic", "message") if deliver.topic else ("service", "request")))
+    named = {key: str(value) for key, value in deliver.sent.items() if str(value)[:1] == "$"}
+    for key, name in named.items():
+        if name not in IN_PARCELS:
+            hint = nearest(name, IN_PARCELS)
+            yield Finding((*place, key), f"{name} is nothing that a file has.", hint)
+    if not named:
+        yield Finding((*place,), "Nothing of the file is sent.", "Write $path where it belongs.")
+    if "$path" in named.values() and not files.inbox:
+        yield Finding((*place,), "$path needs an inbox for the file to lie in.")
+    if deliver.carries and files.max_mb * 1e6 > CONTENT_BYTES:
+        yield Finding(
+            ("max_mb",),
+            f"A message holds {CONTENT_BYTES / 1e6:g} MB at most.",
+            f"Set max_mb to {CONTENT_BYTES / 1e6:g}, or send $path of a file in the inbox.",
+        )
 
 
 def _stoppable(profile: Profile) -> Iterator[Finding]:

@@ -93,6 +93,7 @@ def settings_of(config: Config) -> Settings:
         limit=config.limits,
         robot_limits=config.robot_limits,
         keep=config.keep,
+        room=config.room,
         lease_idle_s=config.lease_idle_s,
         missions=config.missions,
     )

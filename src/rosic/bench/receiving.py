@@ -6,7 +6,7 @@ import asyncio
 import gc
 import os
 import tempfile
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 from pathlib import Path
 from time import perf_counter_ns
@@ -21,9 +21,11 @@ from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.people import Seed
 from rosic.app.units import compile_units
+from rosic.bench.report import quantile
 from rosic.bench.stand_in import TOKEN
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
+from rosic.core.record import Fact
 from rosic.core.robot import Busy, Link, Profile
 from rosic.core.skill import Parameter, Skill
 from rosic.messengers.telegram.line import Line
@@ -49,6 +51,14 @@ PEOPLE = 200
 BLOCK = 50
 FIRST = 100
 PAGE = bytes(4_096)
+PROMISED_ABOVE_US, PROMISED_DURABLE_US = 60.0, 1_000.0
+TMPFS = Path("/dev/shm")  # noqa: S108 - the one folder that is certainly no disk
+DURABLE = "receiving: ROSIC, durable claim"
+IN_MEMORY = "receiving: ROSIC, record in memory"
+PEER = "receiving: python-telegram-bot, empty handler"
+SYNC = "this disk: one page written and synced"
+NO_DISK = "receiving: ROSIC, durable claim on tmpfs"
+NOTHING = Fact(kind="bench", key="nothing", body=b"")
 PAUSE_S = 0.0005
 """Between two updates: what is written and said of one is no part of the next."""
 
@@ -122,30 +132,63 @@ class _Anybody:
 
 async def received(control: Control, orders: int) -> dict[str, list[int]]:
     """Return, for each kind, how long each update took in nanoseconds; blocks take turns."""
-    with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
-        durable = DatabaseStore(Path(folder), clock=CLOCK)
-        async with (
-            _rosic(durable) as by_rosic_on_disk,
-            _rosic(MemoryStore()) as by_rosic,
-            _foreign(control) as by_other,
-        ):
-            heap.settle()
-            sides: dict[str, Callable[[int], Awaitable[int]]] = {
-                "receiving: ROSIC, durable claim": by_rosic_on_disk,
-                "receiving: ROSIC, record in memory": by_rosic,
-                "receiving: python-telegram-bot, empty handler": by_other,
-                "this disk: one page written and synced": partial(_synced, Path(folder) / "page"),
-            }
-            found: dict[str, list[int]] = {name: [] for name in sides}
-            try:
-                for first in range(0, FIRST + orders, BLOCK):
-                    for name, side in sides.items():
-                        times = [await side(first + n) for n in range(BLOCK)]
-                        if first >= FIRST:
-                            found[name] += times
-            finally:
-                gc.unfreeze()
-            return found
+    async with AsyncExitStack() as stack:
+
+        def folder(where: str | None = None) -> Path:
+            made = tempfile.TemporaryDirectory(prefix="rosic-bench-", dir=where)
+            return Path(stack.enter_context(made))
+
+        async def rosic_in(at: Path) -> Callable[[int], Awaitable[int]]:
+            return await stack.enter_async_context(_rosic(DatabaseStore(at, clock=CLOCK)))
+
+        disk = folder()
+        sides: dict[str, Callable[[int], Awaitable[int]]] = {
+            DURABLE: await rosic_in(disk),
+            IN_MEMORY: await stack.enter_async_context(_rosic(MemoryStore())),
+            PEER: await stack.enter_async_context(_foreign(control)),
+            SYNC: partial(_synced, disk / "page"),
+        }
+        if TMPFS.is_dir():  # noqa: ASYNC240 - before anything is measured
+            sides[NO_DISK] = await rosic_in(folder(str(TMPFS)))
+        heap.settle()
+        return await _in_turns(sides, orders)
+
+
+async def _in_turns(
+    sides: dict[str, Callable[[int], Awaitable[int]]], orders: int
+) -> dict[str, list[int]]:
+    found: dict[str, list[int]] = {name: [] for name in sides}
+    try:
+        for first in range(0, FIRST + orders, BLOCK):
+            for name, side in sides.items():
+                times = [await side(first + n) for n in range(BLOCK)]
+                if first >= FIRST:
+                    found[name] += times
+    finally:
+        gc.unfreeze()
+    return found
+
+
+def findings(found: dict[str, list[int]]) -> tuple[str, ...]:
+    """Return what was promised of receiving, and what was seen."""
+    p50_us = {name: quantile(times, 0.5) / 1e3 for name, times in found.items()}
+    own_us = p50_us[IN_MEMORY] - p50_us[PEER]
+    without = (
+        f"Without the durable claim: {own_us:.1f} us above python-telegram-bot's dispatch of an "
+        f"empty handler at the median (promised: at most {PROMISED_ABOVE_US:.0f})."
+    )
+    durable = (
+        f"With it: {p50_us[DURABLE] / 1e3:.2f} ms at the median (promised: below "
+        f"{PROMISED_DURABLE_US / 1e3:.0f}), where the disk takes {p50_us[SYNC] / 1e3:.2f} ms to "
+        "write and sync one page."
+    )
+    lines = [without, durable]
+    if NO_DISK in p50_us:
+        lines.append(
+            f"With it on a file system in memory, which syncs nothing: {p50_us[NO_DISK]:.1f} us; "
+            "the rest is the disk's."
+        )
+    return tuple(lines)
 
 
 async def _synced(file: Path, _number: int) -> int:
@@ -155,7 +198,7 @@ async def _synced(file: Path, _number: int) -> int:
         with file.open("ab", buffering=0) as page:
             began_ns = perf_counter_ns()
             page.write(PAGE)
-            os.fsync(page.fileno())
+            os.fdatasync(page.fileno())  # as SQLite does
             return perf_counter_ns() - began_ns
 
     return await asyncio.to_thread(write)
@@ -178,6 +221,7 @@ async def _rosic(store: Store) -> AsyncIterator[Callable[[int], Awaitable[int]]]
         given_ns: int = await asyncio.wait_for(given, 10)
         while len(gateway.pipeline.lives):  # noqa: ASYNC110 - a length tells nobody
             await asyncio.sleep(PAUSE_S)
+        await store.write(NOTHING)  # behind whatever else of this one goes to the disk
         return given_ns - line.given_ns
 
     try:

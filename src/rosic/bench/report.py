@@ -35,12 +35,17 @@ class Case(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     cost_m: float | None = None
 
 
-class Report(msgspec.Struct, frozen=True, kw_only=True):
-    """Everything one bench saw."""
+class Report(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """Everything one bench saw.
+
+    Attributes:
+        findings: What follows from the cases, beside what was promised; each a sentence.
+    """
 
     machine: str
     method: str
     cases: tuple[Case, ...]
+    findings: tuple[str, ...] = ()
 
 
 def machine() -> str:
@@ -95,7 +100,7 @@ def as_text(report: Report) -> str:
         + ("" if case.cost_m is None else f"   costs {case.cost_m:.2f} m a pair")
         for case in report.cases
     ]
-    return "\n".join(lines)
+    return "\n".join([*lines, *([""] if report.findings else []), *report.findings])
 
 
 def _us(value: float) -> str:

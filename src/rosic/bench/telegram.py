@@ -9,7 +9,7 @@ import msgspec
 
 from rosic.app import loop
 from rosic.bench.batches import ROUND_TRIP_S, Batch, Found, through_a_loop, through_rosic
-from rosic.bench.receiving import received
+from rosic.bench.receiving import findings, received
 from rosic.bench.report import Case, Report, case_of, machine
 from rosic.bench.stand_in import stand_in
 
@@ -40,7 +40,8 @@ METHOD = (
     "as the connection gives it, until the robot's adapter has the order; one at a time, {orders} "
     "updates of each kind in turns; python-telegram-bot's side is Update.de_json and "
     "process_update until an empty handler is called, without its queue; the disk's own time for "
-    "one page is beside them, as a durable claim takes at least that. Event loop: {loop}."
+    "one page is beside them, as a durable claim takes at least that, and so is such a claim on "
+    "a file system in memory. Event loop: {loop}."
 )
 
 
@@ -48,21 +49,21 @@ def measure(*, quick: bool = False) -> Report:
     """Run every batch through ROSIC and through the naive sender, then measure receiving."""
     logging.getLogger("rosic").setLevel(logging.ERROR)
     orders = 200 if quick else 2_000
-    cases = loop.run(_run(QUICK if quick else FULL, orders))
+    cases, seen = loop.run(_run(QUICK if quick else FULL, orders))
     method = METHOD.format(round_trip_ms=ROUND_TRIP_S * 1e3, loop=loop.name(), orders=orders)
-    return Report(machine=machine(), method=method, cases=tuple(cases))
+    return Report(machine=machine(), method=method, cases=tuple(cases), findings=seen)
 
 
-async def _run(batches: Iterable[Batch], orders: int) -> list[Case]:
+async def _run(batches: Iterable[Batch], orders: int) -> tuple[list[Case], tuple[str, ...]]:
     cases: list[Case] = []
     async with stand_in() as control:
         for batch in batches:
             cases += await _batch(control, batch)
-        cases += [
-            case_of(name, [(1e9 * len(times) / sum(times), times)])
-            for name, times in (await received(control, orders)).items()
-        ]
-    return cases
+        found = await received(control, orders)
+    cases += [
+        case_of(name, [(1e9 * len(times) / sum(times), times)]) for name, times in found.items()
+    ]
+    return cases, findings(found)
 
 
 async def _batch(control: Control, batch: Batch) -> list[Case]:

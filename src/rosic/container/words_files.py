@@ -23,6 +23,9 @@ NOT_HERE = said("I cannot take files over this messenger.")
 PLACE_FULL = said(
     "There is no room for files here any more. The operator has to make some. Nothing was kept."
 )
+TOO_MANY_GOING = said("Large files of yours are under way already. Try again when they are there.")
+NOT_THROUGH = said("Something went wrong with the file on its way. Try again.")
+CHANGED = said("The file changed while I read it, so I have not sent it. Try again.")
 TOO_MANY_COMING = said("I am still taking in files of yours. Send this one when they are here.")
 DELETE = said("Delete")
 PUT = said("Put it there")
@@ -109,10 +112,39 @@ def line(name: str, sort: str, size: int, ago: str, digest: bytes) -> str:
     )
 
 
-def listing(lines: Iterable[str], used: int, most: int) -> str:
+def listing(lines: Iterable[str], used: int, most: int, limits: str) -> str:
     """Return somebody's files."""
     total = said("{used} of {most} used.", used=amount(used), most=amount(most))
-    return joined("\n", [said("Your files:"), *lines, total])
+    return joined("\n", [said("Your files:"), *lines, total, limits])
+
+
+def limits(taken: int, given: int) -> str:
+    """Return how large files may be in this chat."""
+    if not taken:
+        return NOT_HERE
+    if not given:
+        return said("Here I take files of up to {taken}, and send none.", taken=amount(taken))
+    return said(
+        "Here I take files of up to {taken} and send files of up to {given}.",
+        taken=amount(taken),
+        given=amount(given),
+    )
+
+
+def none_kept(limits: str) -> str:
+    """Return that somebody keeps nothing."""
+    return joined(" ", [NONE, limits])
+
+
+def sending(name: str, size: int, done: int) -> str:
+    """Return how far a file has come on its way to a person."""
+    part = min(100 * done // size, 100)
+    return said("Sending {name}: {part} % of {size}.", name=name, part=part, size=amount(size))
+
+
+def sent_whole(name: str) -> str:
+    """Return that a file is sent."""
+    return said("{name} is sent.", name=name)
 
 
 def handed(name: str, size: int, digest: bytes) -> str:
@@ -159,12 +191,97 @@ def put_question(name: str, size: int, digest: bytes, shown: str) -> str:
     )
 
 
-def putting(name: str, size: int, shown: str) -> str:
-    """Return that a large file is on its way."""
+def deliver_question(name: str, size: int, digest: bytes, shown: str) -> str:
+    """Return the question before a file is handed to a robot that has no inbox."""
     return said(
-        "Putting {name} ({size}) into the inbox of {robot}.",
+        "Hand {name} ({size}) to {robot}? The robot's own software may act on it.\n"
+        "SHA-256 {digest}",
         name=name,
         size=amount(size),
+        robot=shown,
+        digest=digest.hex(),
+    )
+
+
+def putting(name: str, size: int, shown: str, done: int) -> str:
+    """Return how far a large file has come on its way to a robot."""
+    return said(
+        "Handing {name} to {robot}: {part} % of {size}.",
+        name=name,
+        part=min(100 * done // size, 100),
+        size=amount(size),
+        robot=shown,
+    )
+
+
+def received(name: str, digest: bytes, shown: str) -> str:
+    """Return that the robot's side says that it has the file, and read what was sent."""
+    return said(
+        "{robot} has received {name}, and its checksum agrees ({digest}...).",
+        name=name,
+        robot=shown,
+        digest=digest.hex()[:8],
+    )
+
+
+def received_unproved(name: str, shown: str) -> str:
+    """Return that the robot's side says that it has the file, and nothing of its checksum."""
+    return said(
+        "{robot} has received {name}. It says no checksum, so whether it read the same, "
+        "I cannot tell.",
+        name=name,
+        robot=shown,
+    )
+
+
+def received_other(name: str, digest: bytes, theirs: str, shown: str) -> str:
+    """Return that the robot's side has read something else than was sent."""
+    return said(
+        "{robot} has received {name}, but read something else: it says {theirs}..., I sent "
+        "{digest}... Do not use it there; send it again.",
+        name=name,
+        robot=shown,
+        theirs=quote(theirs[:8]),
+        digest=digest.hex()[:8],
+    )
+
+
+def declined(name: str, shown: str) -> str:
+    """Return that the robot's side does not take a file."""
+    return said("{robot} has not taken {name}.", name=name, robot=shown)
+
+
+def sent_to(name: str, digest: bytes, shown: str) -> str:
+    """Return that a file was published, and that nothing acknowledges."""
+    return said(
+        "{name} was sent to {robot} ({digest}...). {robot} gives no receipt for files: whether it "
+        "has read it, I cannot tell.",
+        name=name,
+        robot=shown,
+        digest=digest.hex()[:8],
+    )
+
+
+def in_its_words(sentence: str, shown: str, theirs: str) -> str:
+    """Return what a robot's side said besides, behind a sentence."""
+    return joined("\n", [sentence, said("{robot} says: {theirs}", robot=shown, theirs=theirs)])
+
+
+def lies_there(name: str, shown: str) -> str:
+    """Return that a file lies in an inbox, whatever became of handing it over."""
+    return said("{name} lies in the inbox of {robot} all the same.", name=name, robot=shown)
+
+
+def taken_back(sentence: str, name: str, shown: str) -> str:
+    """Return why a file was not handed over, and where it lies nevertheless."""
+    return joined(" ", [sentence, lies_there(name, shown)])
+
+
+def perhaps(name: str, shown: str) -> str:
+    """Return that nobody knows whether a robot has a file."""
+    return said(
+        "Whether {robot} has taken {name}, I cannot tell. Nothing is sent again by itself.",
+        name=name,
         robot=shown,
     )
 
@@ -232,6 +349,11 @@ def gives(shown: str, lines: Iterable[str]) -> str:
 def given_line(name: str, size: int, ago: str) -> str:
     """Return one line of what a robot gives."""
     return said("{name}: {size}, {ago}", name=name, size=amount(size), ago=ago)
+
+
+def too_large_line(line: str) -> str:
+    """Return a line of what a robot gives that cannot be sent here."""
+    return joined(", ", [line, said("too large to send here")])
 
 
 def no_such_robot(name: str) -> str:

@@ -17,6 +17,8 @@ Reacted: TypeAlias = Callable[[Reaction], None]
 Retract: TypeAlias = Callable[[Chat, str], Awaitable[None]]
 PutPicture: TypeAlias = Callable[[str, Outbound], Awaitable[None]]
 React: TypeAlias = Callable[[Chat, str, str], Awaitable[None]]
+Settle: TypeAlias = Callable[[float], Awaitable[bool]]
+"""Waits at most so many seconds until everything received so far is on disk; whether it is."""
 SetMenus: TypeAlias = Callable[[Sequence[Menu]], Awaitable[None]]
 
 
@@ -128,6 +130,20 @@ def alarm_to(messenger: Messenger, alarm: Alarm) -> None:
     """
     if hasattr(messenger, "on_alarm"):
         messenger.on_alarm = alarm
+
+
+def settle_with(messenger: Messenger, settle: Settle) -> bool:
+    """Have a messenger ask, before it confirms anything to its platform, whether it may.
+
+    What is received may then return before it is on disk; the messenger confirms only what was
+    received before it asked, and nothing when the answer is False. Return whether it will ask: one
+    that does not is given nothing that is not settled.
+    """
+    take: Callable[[Settle], None] | None = getattr(messenger, "settle_with", None)
+    if take is None:
+        return False
+    take(settle)
+    return True
 
 
 def watch_chats(messenger: Messenger, passed: Passed) -> None:

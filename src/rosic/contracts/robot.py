@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, Callable
+from collections.abc import AsyncGenerator, Awaitable, Callable
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from rosic.core.order import Order, Outcome, Report, Rest, Stop
 
 if TYPE_CHECKING:
     from rosic.core.gate import Gate
+    from rosic.core.parcel import Parcel, Receipt
     from rosic.core.robot import Presence, Profile
     from rosic.core.view import Sight, View
 
 Tell: TypeAlias = Callable[[Report], None]
 Say: TypeAlias = Callable[[str], None]
+
+
+Deliver: TypeAlias = Callable[["Parcel"], Awaitable["Receipt"]]
+
+
+def deliver_of(robot: Robot) -> Deliver | None:
+    """Return what a robot calls ``deliver``, if files can be handed to its side.
+
+    It hands over one file, once, and returns what its side says of it. It raises ``RobotOffline``
+    when its side is not there, or is stopped: nothing was sent; and ``RobotUnreachable`` when it
+    was sent and nothing came in time: its side may or may not have it.
+    """
+    deliver: Deliver | None = getattr(robot, "deliver", None)
+    return deliver
 
 
 class Robot(Protocol):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import AsyncGenerator, Callable
+from contextlib import aclosing
 
 import msgspec
 
@@ -195,24 +197,60 @@ class Button(msgspec.Struct, frozen=True, gc=False):
     nonce: str = ""
 
 
-class Attachment(msgspec.Struct, frozen=True, gc=False):
+class Pieces(msgspec.Struct, frozen=True):
+    """A content that is read while it is sent, so that it is never in memory as a whole.
+
+    Attributes:
+        size: Bytes.
+        read: Begins to read from the start, each time. What turns out not to be what was promised
+            raises a RosicError before its last piece: whoever sends it has then sent nothing.
+    """
+
+    size: int
+    read: Callable[[], AsyncGenerator[bytes]]
+
+
+class Attachment(msgspec.Struct, frozen=True):
     """A file that goes with a message. Its content is never shown in a log.
 
     Attributes:
         name: What whoever receives it may call it: ``rosic-data.jsonl``; no path.
         media_type: ``image/png`` is shown as a picture where a messenger can.
+        content: Empty for a file that comes in pieces.
+        pieces: Instead of the content, for what is large. It is never shown as a picture.
     """
 
     name: str
     media_type: str
-    content: bytes
+    content: bytes = b""
+    pieces: Pieces | None = None
 
     def __post_init__(self) -> None:
-        if not self.content or not self.name.strip(". ") or set(self.name) & _NO_NAME:
-            raise ValueError("a file needs a plain name and a content")
+        if bool(self.content) == (self.pieces is not None) or not self.size:
+            raise ValueError("a file needs a content, in one way")
+        if not self.name.strip(". ") or set(self.name) & _NO_NAME:
+            raise ValueError("a file needs a plain name")
+
+    @property
+    def size(self) -> int:
+        """How many bytes it has."""
+        return len(self.content) if self.pieces is None else self.pieces.size
+
+    async def read(self) -> AsyncGenerator[bytes]:
+        """Yield the content, piece by piece.
+
+        Raises:
+            RosicError: It is not what was promised; what came so far is worth nothing.
+        """
+        if self.pieces is None:
+            yield self.content
+            return
+        async with aclosing(self.pieces.read()) as pieces:
+            async for piece in pieces:
+                yield piece
 
     def __repr__(self) -> str:
-        return f"Attachment({self.name!r}, {self.media_type!r}, {len(self.content)} bytes)"
+        return f"Attachment({self.name!r}, {self.media_type!r}, {self.size} bytes)"
 
 
 class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):

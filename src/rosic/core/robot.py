@@ -11,7 +11,7 @@ import msgspec
 from rosic.core.alert_rule import Alert
 from rosic.core.geography import GeographicFrame
 from rosic.core.joints import Joints
-from rosic.core.skill import Skill
+from rosic.core.skill import ServiceBinding, Skill, TopicBinding
 from rosic.core.strategy import Strategy
 from rosic.core.view import Pose, Sight
 
@@ -146,6 +146,47 @@ class PathSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     type: str = "nav_msgs/msg/Path"
 
 
+class ReceiptSource(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where the robot's side says which file it has read: its SHA-256, in hexadecimal digits.
+
+    Attributes:
+        within_s: Later than this it counts as not said.
+    """
+
+    topic: str
+    type: str = "std_msgs/msg/String"
+    field: str = "data"
+    within_s: float = 10.0
+
+
+class Deliver(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the robot's side is handed a file: a topic or a service, one of them.
+
+    In a message or a request stand ``$name``, ``$path`` (in the inbox), ``$sha256``, ``$size``,
+    ``$kind``, and for small files ``$text`` or ``$content``.
+
+    Attributes:
+        digest: Field of the service's response with the SHA-256 of what it read; empty for none.
+        receipt: The same for a topic, on a topic of the robot's own.
+    """
+
+    topic: TopicBinding | None = None
+    service: ServiceBinding | None = None
+    digest: str = ""
+    receipt: ReceiptSource | None = None
+
+    @property
+    def sent(self) -> dict[str, float | int | str | bool]:
+        """What stands in the message or the request."""
+        binding = self.topic.message if self.topic is not None else None
+        return binding if binding is not None else self.service.request if self.service else {}
+
+    @property
+    def carries(self) -> bool:
+        """Whether the content itself is in it."""
+        return bool({"$text", "$content"} & set(map(str, self.sent.values())))
+
+
 class Files(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Which files the robot takes from people, and where its own lie.
 
@@ -157,12 +198,19 @@ class Files(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         max_mb: Of one file, in megabytes of a million bytes.
         inbox: Folder into which files for the robot are put; empty: it takes none.
         outbox: Folder out of which its files may be fetched; empty: it gives none.
+        deliver: How its side is handed a file, besides the inbox or instead of it.
     """
 
     accept: tuple[str, ...] = ()
     max_mb: float = 5.0
     inbox: str = ""
     outbox: str = ""
+    deliver: Deliver | None = None
+
+    @property
+    def takes(self) -> bool:
+        """Whether it takes any."""
+        return bool(self.inbox) or self.deliver is not None
 
 
 class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

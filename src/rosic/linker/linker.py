@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.contracts.robot import deliver_of
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot import Busy, Presence, Profile, RobotId
 from rosic.core.saying import said
-from rosic.errors import RosicError, StoreFault
+from rosic.errors import RobotOffline, RosicError, StoreFault
 from rosic.linker.mailbox import Mailbox, Waiting
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot, Tell
     from rosic.contracts.store import Latch
     from rosic.core.identity import PrincipalId
+    from rosic.core.parcel import Parcel, Receipt
     from rosic.core.stopboard import StopBoard
     from rosic.core.view import Sight, View
 
@@ -211,6 +213,19 @@ class Linker:
     def look(self, robot: RobotId, sight: Sight) -> AsyncGenerator[View, None]:
         """Yield what can be seen of a robot; see ``contracts.robot.Robot``."""
         return self._robots[robot].look(sight)
+
+    async def deliver(self, robot: RobotId, parcel: Parcel) -> Receipt:
+        """Hand a file to a robot's side; see ``contracts.robot.deliver_of``.
+
+        Raises:
+            RobotOffline: Nothing was sent.
+            RobotUnreachable: Its side may or may not have it.
+        """
+        deliver = deliver_of(self._robots[robot])
+        if deliver is None:
+            shown = self._robots[robot].profile.shown
+            raise RobotOffline(said("{robot} cannot be handed files over its link.", robot=shown))
+        return await deliver(parcel)
 
     def presence(self, robot: RobotId) -> Presence:
         """Return what the robot's side last said."""

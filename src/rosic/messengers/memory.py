@@ -11,6 +11,7 @@ from msgspec.structs import replace
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
 from rosic.core.message import (
+    Attachment,
     Button,
     Chat,
     ChatKind,
@@ -20,7 +21,13 @@ from rosic.core.message import (
     Passing,
     Standing,
 )
-from rosic.errors import ChatGone, ConfigurationError, MessageGone, MessengerFault
+from rosic.errors import (
+    ChatGone,
+    ConfigurationError,
+    MessageGone,
+    MessengerFault,
+    RosicError,
+)
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping
@@ -235,11 +242,22 @@ class MemoryMessenger:
             MessengerFault: `down` is set, or the file is too large; nothing was shown.
         """
         self._check_up(outbound.chat)
-        if outbound.attachment is not None and len(outbound.attachment.content) > self.file_bytes:
-            raise MessengerFault("The file is too large for this messenger. Nothing was sent.")
+        if outbound.attachment is not None:
+            outbound = replace(outbound, attachment=await self._whole(outbound.attachment))
         message = self._next_id()
         self._show(Told(message, outbound, edited=False))
         return message
+
+    async def _whole(self, attachment: Attachment) -> Attachment:
+        if attachment.size > self.file_bytes:
+            raise MessengerFault("The file is too large for this messenger. Nothing was sent.")
+        if attachment.pieces is None:
+            return attachment
+        try:
+            content = b"".join([piece async for piece in attachment.read()])
+        except RosicError as error:
+            raise MessengerFault(error.sentence) from error
+        return Attachment(attachment.name, attachment.media_type, content)
 
     async def edit(self, message: str, outbound: Outbound) -> None:
         """Show a message anew.

@@ -8,6 +8,7 @@ wait until no more of it comes, and each chat is then told once.
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections import deque
 from typing import TYPE_CHECKING, Final
 
@@ -17,12 +18,16 @@ from rosic.errors import Expired
 from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
+    from collections.abc import Coroutine
+
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import CommandId
     from rosic.core.message import Button, Chat, Inbound
     from rosic.core.saying import Catalogue
     from rosic.errors import Refusal
+
+log = logging.getLogger("rosic.pipeline")
 
 QUIET_S: Final = 0.5
 """So long nothing must have come that was sent while nobody listened, in any chat."""
@@ -59,13 +64,14 @@ class Arrears:
         self._teller = teller
         self._clock = clock
         self._heaps: dict[tuple[str, str], _Heap] = {}
+        self._writing: set[asyncio.Task[None]] = set()
         self._last_ns = 0
         self._waiting: asyncio.Task[None] | None = None
 
     @property
     def quiet(self) -> bool:
         """Whether nothing is kept back."""
-        return not self._heaps
+        return not self._heaps and not self._writing
 
     def keep(self, note: Note, refusal: Refusal | None, catalogue: Catalogue | None) -> None:
         """Keep an answer back.
@@ -89,6 +95,37 @@ class Arrears:
             heap.offers[row[0].label] = row
             if len(heap.offers) > OFFERED:
                 del heap.offers[next(iter(heap.offers))]
+
+    # ---- writing ----
+
+    def settles(self, messenger: Messenger) -> bool:
+        """Whether a messenger waits for what is begun here before it confirms anything."""
+        return bool(getattr(messenger, "settles", False))
+
+    def begin(self, writing: Coroutine[object, object, None]) -> None:
+        """Write an answer down beside the next message of its chat, in the order begun.
+
+        A commit takes as long as the disk takes; one after the other, a day of them takes minutes.
+        """
+        task = asyncio.create_task(self._write(writing))
+        self._writing.add(task)
+        task.add_done_callback(self._writing.discard)
+
+    @staticmethod
+    async def _write(writing: Coroutine[object, object, None]) -> None:
+        try:
+            await writing
+        except Exception:
+            log.exception("what was refused could not be told")
+
+    async def settled(self, within_s: float) -> bool:
+        """Wait until everything begun so far is written; return whether it is."""
+        if not self._writing:
+            return True
+        _, left = await asyncio.wait(tuple(self._writing), timeout=within_s)
+        return not left
+
+    # ---- telling ----
 
     def flush(self) -> None:
         """Say everything now."""

@@ -64,7 +64,7 @@ class Outbox:
         self._clock = clock
         self._entropy = entropy
         self._teller = teller
-        self._owed: set[str] = set()
+        self._owed: dict[str, PrincipalId] = {}
 
     def say(self, to: PrincipalId, note: Note) -> None:
         """Write down, in somebody's container, what they are to be told; then tell it.
@@ -73,7 +73,7 @@ class Outbox:
         """
         if len(self._owed) < OWED_AT_MOST:
             key, fact = self._fact(to, note.messenger, note.outbound)
-            note.then = partial(self.said, key)
+            note.then, note.to = partial(self.said, key), to
             self._store.keep(fact, partial(self._teller.say, note))
         else:
             self._teller.say(note)
@@ -89,12 +89,13 @@ class Outbox:
     def said(self, key: str) -> None:
         """Cross out."""
         if key in self._owed:
-            self._owed.discard(key)
+            del self._owed[key]
             self._store.note(Fact(kind=KIND, key=key, body=b""))
 
     def insist(self, key: str, messenger: Messenger, outbound: Outbound) -> None:
         """Say what could not be said at once, for as long as it takes."""
-        self._teller.say(Note(messenger, outbound, then=partial(self.said, key)))
+        to = self._owed.get(key, "")
+        self._teller.say(Note(messenger, outbound, then=partial(self.said, key), to=to))
 
     def restore(
         self, facts: Mapping[str, Iterable[Fact]], messengers: Mapping[str, Messenger]
@@ -102,7 +103,7 @@ class Outbox:
         """Say what the last run still owed. Return how much that was."""
         count = 0
         for fact in facts.get(KIND, ()):
-            self._owed.add(fact.key)
+            self._owed[fact.key] = fact.letter.container if fact.letter is not None else ""
             count += self._say_again(fact, messengers)
         return count
 
@@ -128,7 +129,7 @@ class Outbox:
 
     def _fact(self, to: PrincipalId, messenger: Messenger, outbound: Outbound) -> tuple[str, Fact]:
         key = self._entropy.token(KEY_BYTES).hex()
-        self._owed.add(key)
+        self._owed[key] = to
         held = _Words(messenger.name, outbound.chat, str(outbound.text), outbound.reply_to)
         body = _encode(_Owed(self._clock.wall_ns(), int(outbound.weight)))
         return key, Fact(kind=KIND, key=key, body=body, letter=Letter(to, _encode(held)))

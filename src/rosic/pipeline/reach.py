@@ -109,6 +109,32 @@ class Reach:
                 places += 1
         return places
 
+    def pass_on(
+        self, people: Iterable[PrincipalId], text: str, besides: tuple[str, str], *, hops: int
+    ) -> int:
+        """Tell each of them what another chat could be told no more. Return how many places.
+
+        Args:
+            people: Whom; each once.
+            text: What.
+            besides: Messenger and chat that did not take it.
+            hops: How often it was passed on, with this.
+        """
+        places = 0
+        for principal in dict.fromkeys(people):
+            catalogue = self._teller.languages.of(principal)
+            for messenger, chat in self._chats(principal):
+                if (messenger.name, chat.id) == besides:
+                    continue
+                outbound = Outbound(chat=chat, text=text, weight=Weight.OUTCOME)
+                note = Note(messenger, translated(outbound, catalogue), to=principal, hops=hops)
+                if self.outbox is not None:
+                    self.outbox.say(principal, note)
+                else:
+                    self._teller.say(note)
+                places += 1
+        return places
+
     def chats(self, principal: PrincipalId) -> tuple[tuple[Messenger, Chat], ...]:
         """Return where somebody can be told something in private."""
         return tuple(self._chats(principal))

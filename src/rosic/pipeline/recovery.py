@@ -173,7 +173,9 @@ class Recovery:
         if messenger is None:
             return  # no longer configured; the record keeps it
         first, *also = [life.cid for life in lives]
-        self._teller.say(Note(messenger, outbound, first, edit_of, tuple(also)))
+        self._teller.say(
+            Note(messenger, outbound, first, edit_of, tuple(also), to=lives[0].principal)
+        )
 
 
 def _ended(title: str, life: Unfinished) -> str:

@@ -114,9 +114,27 @@ class Replies:
         cid: CommandId,
         refusal: Refusal,
     ) -> None:
-        """Write a refusal down, then tell it, once."""
+        """Write a refusal down, then tell it, once.
+
+        Of what was sent while nobody listened it is only begun, if the messenger waits for it
+        before it confirms anything.
+        """
         if refusal.silent:
             return
+        writing = self._refuse(messenger, inbound, caller, cid, refusal)
+        if is_backlog(inbound) and self.arrears.settles(messenger):
+            self.arrears.begin(writing)
+        else:
+            await writing
+
+    async def _refuse(
+        self,
+        messenger: Messenger,
+        inbound: Inbound,
+        caller: Caller,
+        cid: CommandId,
+        refusal: Refusal,
+    ) -> None:
         plain = in_language(refusal.sentence, self._languages.of(caller.principal))
         answer = Answer(messenger.name, inbound.chat, reply_id(inbound), plain)
         try:
@@ -131,7 +149,8 @@ class Replies:
             buttons=self._bind(inbound, caller, buttons), weight=Weight.OUTCOME,
         )  # fmt: skip
         told = translated(outbound, self._languages.of(caller.principal))
-        self._say(Note(messenger, told, cid, inbound.under), inbound, refusal)
+        note = Note(messenger, told, cid, inbound.under, to=caller.principal)
+        self._say(note, inbound, refusal)
 
     def _say(self, note: Note, inbound: Inbound, refusal: Refusal | None = None) -> None:
         if is_backlog(inbound):

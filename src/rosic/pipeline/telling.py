@@ -51,6 +51,7 @@ class Teller:
     """All voices.
 
     Attributes:
+        gone: Hears of what a chat can be told no more, before it counts as told.
         on_buttons: Hears which message shows a note now.
         languages: Who reads which language; what is handed over here to be said is plain already.
         subjects: Of which robot each message speaks.
@@ -67,6 +68,7 @@ class Teller:
         self._aside: set[asyncio.Task[None]] = set()
         self._due: dict[Card, None] = {}
         self._ticking: asyncio.Task[None] | None = None
+        self.gone: Callable[[Item], None] | None = None
         self.on_buttons: Callable[[Note, str], None] = _nobody_looks
         self.subjects = Subjects()
 
@@ -200,6 +202,8 @@ class Teller:
 
     def _let_go(self, item: Item) -> None:
         """Nobody is there to be told any more: it counts as told, and is tried no further."""
+        if self.gone is not None:
+            self.gone(item)
         if isinstance(item, Card):
             item.dirty, item.lines = False, []
             told, item.untold = item.untold, []

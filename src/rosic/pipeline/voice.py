@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import msgspec
 
 from rosic.contracts.messenger import Messenger
-from rosic.core.identity import CommandId
+from rosic.core.identity import CommandId, PrincipalId
 from rosic.core.message import Chat, Outbound, Weight
 from rosic.pipeline.cards import Card
 
@@ -28,6 +28,8 @@ class Note(msgspec.Struct):
         landed: Called with the id of the message that shows it, each time it was said.
         doubted: It may have arrived already, or not.
         about: The robot or group that it speaks of, for whoever replies to it; empty for none.
+        to: Who is to read it, where that is one person.
+        hops: How often it was passed on, as the chat before could be told no more.
     """
 
     messenger: Messenger
@@ -40,6 +42,13 @@ class Note(msgspec.Struct):
     landed: Callable[[str], None] | None = None
     doubted: bool = False
     about: str = ""
+    to: PrincipalId = ""
+    hops: int = 0
+
+    @property
+    def where_to(self) -> tuple[str, str]:
+        """Name of the messenger, and id of the chat."""
+        return self.messenger.name, self.outbound.chat.id
 
     @property
     def messenger_and_chat(self) -> tuple[Messenger, Chat]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import hashlib
 import os
 import stat
 from typing import TYPE_CHECKING, Final
@@ -17,11 +18,13 @@ from rosic.core.saying import said
 from rosic.errors import RobotUnreachable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import AsyncGenerator, Iterator, Mapping
+    from typing import BinaryIO
 
     from rosic.core.robot import Files, RobotId
 
 LOOKED_AT: Final = 10_000
+PIECE_BYTES: Final = 262_144
 _FOLDER: Final = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _NEW: Final = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
 _READ: Final = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
@@ -36,15 +39,30 @@ class RobotFolders:
     def __init__(self, files: Mapping[RobotId, Files]) -> None:
         self._files = files
 
-    async def put(self, robot: RobotId, name: str, content: bytes, digest: bytes) -> bool:
-        """Put a file into an inbox. Return False when one of that name is there already.
+    def path(self, robot: RobotId, name: str) -> str:
+        """Return where a file of an inbox lies; empty where the robot has none."""
+        folder = self._files[robot].inbox
+        return f"{folder.rstrip('/')}/{name}" if folder else ""
+
+    async def put(
+        self, robot: RobotId, name: str, pieces: AsyncGenerator[bytes], digest: bytes
+    ) -> bool:
+        """Put a file into an inbox, as it comes; False when one of that name is there already.
 
         Raises:
             RobotUnreachable: It cannot be written; nothing is there under that name.
+            RosicError: The pieces are not what was promised; likewise.
         """
         folder = self._files[robot].inbox
         try:
-            return await asyncio.to_thread(_put, folder, name, content, digest)
+            draft = await asyncio.to_thread(_Draft, folder, name)
+            try:
+                async with contextlib.aclosing(pieces):
+                    async for piece in pieces:
+                        await asyncio.to_thread(draft.write, piece)
+                return await asyncio.to_thread(draft.appear, digest)
+            finally:
+                await asyncio.shield(asyncio.to_thread(draft.close))
         except OSError as error:
             raise RobotUnreachable(NOT_WRITABLE) from error
 
@@ -59,14 +77,19 @@ class RobotFolders:
         except OSError as error:
             raise RobotUnreachable(NOT_READABLE) from error
 
-    async def get(self, robot: RobotId, name: str, most: int) -> bytes | None:
-        """Return what is in a file of an outbox; None when it is larger than ``most``.
+    async def read(self, robot: RobotId, name: str) -> AsyncGenerator[bytes]:
+        """Yield what is in a file of an outbox, piece by piece.
 
         Raises:
-            RobotUnreachable: There is no plain file of that name.
+            RobotUnreachable: There is no plain file of that name, or it cannot be read.
         """
         try:
-            return await asyncio.to_thread(_get, self._files[robot].outbox, name, most)
+            file = await asyncio.to_thread(_opened_plain, self._files[robot].outbox, name)
+            try:
+                while piece := await asyncio.to_thread(file.read, PIECE_BYTES):
+                    yield piece
+            finally:
+                file.close()
         except OSError as error:
             raise RobotUnreachable(NOT_READABLE) from error
 
@@ -91,21 +114,76 @@ def _plain(name: str) -> str:
     return name
 
 
-def _put(folder: str, name: str, content: bytes, digest: bytes) -> bool:
-    checksum = f"{_plain(name)}.sha256"
-    with _opened(folder) as at:
-        if _there(at, name) or _there(at, checksum):
+class _Draft:
+    """A file that is being written under a name that nobody looks at, with its checksum beside it.
+
+    Args:
+        folder: Where.
+        name: What it will be called.
+
+    Raises:
+        OSError: It cannot be written there.
+    """
+
+    def __init__(self, folder: str, name: str) -> None:
+        self._name = _plain(name)
+        self._draft = f".{name}.part"
+        self._digest = hashlib.sha256()
+        self._at = os.open(folder, _FOLDER)
+        try:
+            self._file = self._begun()
+        except OSError:
+            os.close(self._at)
+            raise
+
+    def _begun(self) -> BinaryIO:
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(self._draft, dir_fd=self._at)  # of a run that died; of a link, the link
+        return os.fdopen(os.open(self._draft, _NEW, 0o600, dir_fd=self._at), "wb")
+
+    def write(self, piece: bytes) -> None:
+        """Write on."""
+        self._digest.update(piece)
+        self._file.write(piece)
+
+    def appear(self, digest: bytes) -> bool:
+        """Let it appear whole, after its checksum; False when there is one of that name.
+
+        A link never replaces anything, as a rename would.
+        """
+        if self._digest.digest() != digest:
+            raise OSError("what was written is not what was meant")
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        checksum = f"{self._name}.sha256"
+        if _there(self._at, self._name) or _there(self._at, checksum):
             return False
-        if not _appear(at, checksum, f"{digest.hex()}  {name}\n".encode()):
+        if not _appear(self._at, checksum, f"{digest.hex()}  {self._name}\n".encode()):
             return False
         placed = False
         try:
-            placed = _appear(at, name, content)
+            placed = _linked(self._at, self._draft, self._name)
         finally:
             if not placed:
-                os.unlink(checksum, dir_fd=at)
-        os.fsync(at)
-    return placed
+                os.unlink(checksum, dir_fd=self._at)
+        os.fsync(self._at)
+        return placed
+
+    def close(self) -> None:
+        """Leave nothing of the draft behind."""
+        try:
+            self._file.close()
+            os.unlink(self._draft, dir_fd=self._at)
+        finally:
+            os.close(self._at)
+
+
+def _linked(at: int, draft: str, name: str) -> bool:
+    try:
+        os.link(draft, name, src_dir_fd=at, dst_dir_fd=at, follow_symlinks=False)
+    except FileExistsError:
+        return False
+    return True
 
 
 def _there(at: int, name: str) -> bool:
@@ -117,25 +195,19 @@ def _there(at: int, name: str) -> bool:
 
 
 def _appear(at: int, name: str, content: bytes) -> bool:
-    """Write under a name that nobody looks at, then let the file appear under its own.
-
-    A link never replaces anything, as a rename would.
-    """
+    """Let a small file appear whole; False when there is one of that name."""
     draft = f".{name}.part"
     with contextlib.suppress(FileNotFoundError):
-        os.unlink(draft, dir_fd=at)  # of a run that died; of a link, the link itself
+        os.unlink(draft, dir_fd=at)
     handle = os.open(draft, _NEW, 0o600, dir_fd=at)
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        os.link(draft, name, src_dir_fd=at, dst_dir_fd=at, follow_symlinks=False)
-    except FileExistsError:
-        return False
+        return _linked(at, draft, name)
     finally:
         os.unlink(draft, dir_fd=at)
-    return True
 
 
 def _names(folder: str, most: int) -> tuple[tuple[str, int, int], ...]:
@@ -152,12 +224,11 @@ def _names(folder: str, most: int) -> tuple[tuple[str, int, int], ...]:
     return tuple(sorted(found, key=lambda one: -one[2])[:most])
 
 
-def _get(folder: str, name: str, most: int) -> bytes | None:
+def _opened_plain(folder: str, name: str) -> BinaryIO:
     with _opened(folder) as at:
         handle = os.open(_plain(name), _READ, dir_fd=at)
-    with os.fdopen(handle, "rb") as file:
-        about = os.fstat(handle)
-        if not stat.S_ISREG(about.st_mode) or about.st_nlink != 1:
-            raise OSError("not a plain file")
-        content = file.read(most + 1)
-    return None if len(content) > most else content
+    about = os.fstat(handle)
+    if not stat.S_ISREG(about.st_mode) or about.st_nlink != 1:
+        os.close(handle)
+        raise OSError("not a plain file")
+    return os.fdopen(handle, "rb")

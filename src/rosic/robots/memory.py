@@ -8,6 +8,7 @@ from types import coroutine
 from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
+from rosic.core.parcel import Receipt
 from rosic.core.robot import Presence, Profile
 from rosic.core.saying import said
 from rosic.core.view import View
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
     from rosic.core.gate import Gate
+    from rosic.core.parcel import Parcel
     from rosic.core.view import Content, Pose, Sight
 
 SENT = Report(Stage.SENT)
@@ -38,6 +40,8 @@ class MemoryRobot:
         online: False makes it absent.
         shows: What it shows to whoever looks.
         looked: How many look now.
+        delivered: The files that it was handed.
+        receipt: What it says about the next; None makes it say the right thing.
         pose: Where it says that it is.
         values: What it reports.
         age_s: Since it reported.
@@ -54,6 +58,8 @@ class MemoryRobot:
         self.online = True
         self.shows: dict[Sight, Content] = {}
         self.looked = 0
+        self.delivered: list[Parcel] = []
+        self.receipt: Receipt | Exception | None = None
         self.pose: Pose | None = None
         self.values: dict[str, float | str] = {}
         self.age_s: float | None = 0.0
@@ -133,6 +139,16 @@ class MemoryRobot:
             values=self.values,
             pose=self.pose,
         )
+
+    async def deliver(self, parcel: Parcel) -> Receipt:
+        """Keep a file, and say its checksum or what was given to be said."""
+        if not self.online:
+            raise RobotOffline(said("{shown} is not there. Nothing was sent.",
+                                    shown=self.profile.shown))  # fmt: skip
+        self.delivered.append(parcel)
+        if isinstance(self.receipt, Exception):
+            raise self.receipt
+        return self.receipt or Receipt(received=True, digest=parcel.digest.hex())
 
     async def look(self, sight: Sight) -> AsyncGenerator[View, None]:
         """Show what it was given to show."""

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.message import Attachment, Button, Outbound
-from rosic.errors import MessengerFault
+from msgspec.structs import replace
+
+from rosic.core.message import Attachment, Button, Outbound, Pieces
+from rosic.errors import MessengerFault, RecordUnavailable
 from rosic.testing.messenger_stage import faults_only, listening
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncGenerator
+
     from rosic.testing.messenger_stage import Stage
 
+PIECE = bytes(range(256)) * 20
 LONG = " ".join(f"word{number}" for number in range(1_500))
 YES = Button("Yes", "omni move 1 m", "nonce-1")
 FILE = Attachment("my times.ics", "text/calendar", bytes(range(256)) + b"\r\nBEGIN\n")
@@ -62,6 +67,20 @@ class FileRules:
         assert await _reads(stage, message, "Used.")
         assert len(await stage.files(person)) == 1
 
+    async def test_a_file_in_pieces_arrives_whole_or_not_at_all(self, stage: Stage) -> None:
+        """What is read while it is sent may turn out not to be what was promised."""
+        messenger, person = stage.messenger, stage.people[0]
+        if not messenger.file_bytes:
+            return
+        whole = in_pieces(len(PIECE) * 3, PIECE, PIECE, PIECE)
+        broken = in_pieces(len(PIECE) * 3, PIECE, PIECE)
+        said = Outbound(chat=stage.chat(person), text="All of it.", attachment=whole)
+        async with listening(stage):
+            await messenger.send(said)
+            spoilt = replace(said, attachment=broken)
+            await faults_only("sending what is not as promised", messenger.send(spoilt))
+        assert await stage.files(person) == [(whole.name, PIECE * 3)]
+
     async def test_a_file_that_is_too_large_is_a_messenger_fault(self, stage: Stage) -> None:
         """Whoever sends no files takes every file for too large; a part of one is nothing."""
         person, most = stage.people[0], stage.messenger.file_bytes
@@ -70,6 +89,18 @@ class FileRules:
         async with listening(stage):
             await faults_only("sending too large a file", stage.messenger.send(outbound))
         assert await stage.files(person) == []
+
+
+def in_pieces(size: int, *pieces: bytes) -> Attachment:
+    """Return a file of so many bytes; one that promises more than comes is found out."""
+
+    async def read() -> AsyncGenerator[bytes]:
+        for piece in pieces:
+            yield piece
+        if sum(map(len, pieces)) != size:
+            raise RecordUnavailable("The file is not what it was. Nothing was sent.")
+
+    return Attachment(FILE.name, FILE.media_type, pieces=Pieces(size, read))
 
 
 async def _reads(stage: Stage, message: str, text: str) -> bool:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.core.identity import Address
-from rosic.errors import MessageGone, MessengerFault
+from rosic.errors import MessageGone, MessengerFault, RosicError
 from rosic.testing.messengers import MessengerConformance
 
 if TYPE_CHECKING:
@@ -211,6 +211,21 @@ class ChangesLineEnds(Wicked):
         return await self.honest.send(outbound)
 
 
+class SendsWhatCameSoFar(Wicked):
+    """Takes the part of a file that could be read for all of it."""
+
+    async def send(self, outbound: Outbound) -> str:
+        """Read as far as it goes."""
+        file = outbound.attachment
+        if file is not None and file.pieces is not None:
+            come = bytearray()
+            with suppress(RosicError):
+                async for piece in file.read():
+                    come += piece
+            outbound = replace(outbound, attachment=replace(file, content=bytes(come), pieces=None))
+        return await self.honest.send(outbound)
+
+
 class CutsLargeFiles(Wicked):
     """Sends as much of a file as there is room for."""
 
@@ -367,6 +382,7 @@ SINNERS: dict[str, tuple[type[Wicked], ...]] = {
         LosesFiles,
         CannotChangeWhatHasAFile,
     ),
+    "test_a_file_in_pieces_arrives_whole_or_not_at_all": (SendsWhatCameSoFar,),
     "test_a_file_that_is_too_large_is_a_messenger_fault": (CutsLargeFiles,),
     "test_a_message_is_changed_in_place": (SendsInsteadOfChanging,),
     "test_editing_to_the_same_content_succeeds": (RefusesTheSame,),

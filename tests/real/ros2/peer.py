@@ -6,10 +6,12 @@ Modules are imported by name because ROS has no types to check against.
 
 from __future__ import annotations
 
+import hashlib
 import sys
 import threading
 import time
 from importlib import import_module
+from pathlib import Path
 from typing import Any, TypeAlias
 
 RosObject: TypeAlias = Any
@@ -18,6 +20,7 @@ rclpy: Any = import_module("rclpy")
 actions: Any = import_module("rclpy.action")
 executors: Any = import_module("rclpy.executors")
 std: Any = import_module("std_msgs.msg")
+AddDiagnostics: Any = import_module("diagnostic_msgs.srv").AddDiagnostics
 
 
 def say(line: str) -> None:
@@ -39,9 +42,13 @@ class Peer:
         self.voice = node.create_publisher(std.String, "from_robot_topic", 50)
         node.create_subscription(twist, "cmd_vel", self.on_twist, 10)
         node.create_subscription(std.String, "to_robot_topic", self.on_text, 10)
+        self.read = node.create_publisher(std.String, "file_read", 10)
+        node.create_subscription(std.String, "file", self.on_file, 10)
+        node.create_subscription(std.String, "mission", self.on_mission, 10)
         for kind, name, answer in (
             (services.Trigger, "stop", self.on_stop),
             (services.SetBool, "slow", self.on_slow),
+            (AddDiagnostics, "take", self.on_take),
         ):
             node.create_service(kind, name, answer, callback_group=self.group)
 
@@ -52,6 +59,28 @@ class Peer:
 
     def on_text(self, message: RosObject) -> None:
         self.voice.publish(std.String(data=f"heard: {message.data}"))
+
+    def on_take(self, request: RosObject, response: RosObject) -> RosObject:
+        """Take a file by its path, unless it is called so that it is declined; say its checksum."""
+        path = Path(request.load_namespace)
+        response.success = "bad" not in path.name
+        response.message = (
+            hashlib.sha256(path.read_bytes()).hexdigest() if response.success else "no room"
+        )
+        say(f"took {path.name}")
+        return response
+
+    def on_file(self, message: RosObject) -> None:
+        """Read a file by its path and say its checksum, or another one, or nothing."""
+        path = Path(message.data)
+        content = path.read_bytes() + (b"!" if "other" in path.name else b"")
+        say(f"read {path.name}")
+        if "silent" not in path.name:
+            self.read.publish(std.String(data="thank you"))
+            self.read.publish(std.String(data=hashlib.sha256(content).hexdigest().upper()))
+
+    def on_mission(self, message: RosObject) -> None:
+        say(f"mission {message.data!r}")
 
     def on_stop(self, _request: RosObject, response: RosObject) -> RosObject:
         response.success, response.message = True, "at rest"

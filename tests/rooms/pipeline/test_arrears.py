@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import asyncio
+from typing import TYPE_CHECKING
+
 from rosic.core.message import ChatKind
 from rosic.core.rate import RateLimit
+from rosic.messengers.memory import MemoryMessenger
 from rosic.stores.memory import MemoryStore
-from rosic.testing.clock import ManualClock
+from rosic.testing.clock import ManualClock, settle
 from tests.rooms.pipeline.place import ADA, BO, VI, Place
+
+if TYPE_CHECKING:
+    from rosic.contracts.messenger import Settle
+    from rosic.core.record import Record
 
 HOUR_NS = 3_600_000_000_000
 GROUP = "-1"
@@ -69,6 +77,72 @@ async def test_of_old_questions_only_the_newest_are_answered() -> None:
             await old(place, "status", account=VI, chat=VI)
         await place.clock.advance(1.0)
         assert len(place.chat.told) == 3
+
+
+class Settling(MemoryMessenger):
+    """Asks before it would confirm, as a messenger with a platform behind it does."""
+
+    settle: Settle
+
+    def settle_with(self, settle: Settle) -> None:
+        self.settle = settle
+
+
+class SlowStore(MemoryStore):
+    """Writes when it may."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.may = asyncio.Event()
+        self.may.set()
+        self.asked = 0
+
+    async def write(self, *records: Record) -> None:
+        self.asked += 1
+        await self.may.wait()
+        await super().write(*records)
+
+
+async def test_what_a_disk_is_slow_to_take_holds_up_no_further_message_of_its_chat() -> None:
+    store = SlowStore()
+    async with Place(store, chat=lambda clock: Settling("memory", clock=clock)).open() as place:
+        assert isinstance(place.chat, Settling)
+        assert await place.chat.settle(0.0)
+        place.chat.gap()
+        store.may.clear()
+        before = store.asked
+        for number in range(1, 6):
+            sent_ns = place.clock.wall_ns() - HOUR_NS
+            place.chat.say(f"omni move {number} m", sent_ns=sent_ns)
+        await place.chat.wait_until_received(timeout_s=30)
+        await settle()
+        assert store.asked == before + 5, "one waited for the other's commit"
+        assert not await place.chat.settle(0.01), "it would be confirmed before it is on disk"
+        assert not place.gateway.quiet
+        await place.clock.advance(1.0)
+        assert not place.chat.told, "told before it was on disk"
+        store.may.set()
+        assert await place.chat.settle(30.0)
+        await settle()
+        await place.clock.advance(1.0)
+        (told,) = place.chat.told
+        assert "5 commands came in here" in told.outbound.text
+
+
+async def test_a_messenger_that_does_not_ask_is_given_only_what_is_settled() -> None:
+    store = SlowStore()
+    async with Place(store).open() as place:
+        place.chat.gap()
+        store.may.clear()
+        before = store.asked
+        for number in range(1, 4):
+            sent_ns = place.clock.wall_ns() - HOUR_NS
+            place.chat.say(f"omni move {number} m", sent_ns=sent_ns)
+        await settle()
+        await asyncio.sleep(0.05)
+        assert store.asked == before + 1
+        store.may.set()
+        await place.quiet()
 
 
 async def test_answers_that_a_crash_left_unsaid_are_one_as_well() -> None:

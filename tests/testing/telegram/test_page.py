@@ -15,6 +15,7 @@ SOURCES = "".join(
     path.read_text(encoding="utf-8")
     for path in sorted((Path(__file__).parents[3] / "src/rosic/testing/telegram").rglob("*.py"))
 )
+DOCUMENTATION = "https://core.telegram.org/bots/api"
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 
@@ -37,9 +38,11 @@ def test_every_verb_is_explained() -> None:
 
 def test_every_method_has_a_row_that_says_what_it_refuses_and_what_is_left_out() -> None:
     _, _, record = PAGE.partition("## Every method")
-    rows = [line.split("|") for line in record.splitlines() if line.startswith("| `")]
-    named = {name for row in rows for name in re.findall(r"`(\w+)`", row[1])}
-    assert named == set(METHODS)
+    rows = [line.split("|") for line in record.splitlines() if line.startswith("| [`")]
+    named = [found for row in rows for found in re.findall(r"\[`(\w+)`\]\((\S+)\)", row[1])]
+    assert sorted(name for name, _ in named) == sorted(METHODS)
+    wrong = [name for name, page in named if page != f"{DOCUMENTATION}#{name.lower()}"]
+    assert wrong == [], "a method is documented elsewhere"
     assert {len(row) for row in rows} == {6}
 
 
@@ -48,7 +51,7 @@ def test_every_method_has_a_row_that_says_what_it_refuses_and_what_is_left_out()
     sorted({
         words
         for row in PAGE.partition("## Every method")[2].splitlines()
-        if row.startswith("| `")
+        if row.startswith("| [`")
         for words in re.findall(r"`([^`]+)`", row.split("|")[3])
         if "..." not in words and words not in {"retry_after", "Logged out"}
     }),

@@ -19,6 +19,7 @@ from urllib.parse import quote
 
 from rosic.core.saying import said
 from rosic.errors import MessengerFault
+from rosic.messengers.telegram.files import LOCAL_BYTES
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from rosic.messengers.telegram.settings import TelegramSettings
 
 FETCH_BYTES: Final = 20_000_000
-LOCAL_BYTES: Final = 2_000_000_000
 PIECE_BYTES: Final = 65_536
 FILE_ID: Final = re.compile(r"[A-Za-z0-9_-]{1,256}")
 

@@ -1,7 +1,8 @@
 """Files that go out: as a picture where Telegram takes it for one, else as a document.
 
 https://core.telegram.org/bots/api#sending-files: 50 MB, and 10 MB for photos, whose sides together
-are at most 10,000 pixels. A photo is compressed anew, so only pictures for eyes go this way.
+are at most 10,000 pixels. A photo is compressed anew, so only pictures for eyes go this way. A Bot
+API server of one's own takes 2000 MB, and what is large goes to it piece by piece.
 """
 
 from __future__ import annotations
@@ -17,16 +18,19 @@ from rosic.messengers.telegram import text as texts
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
 
-    from telegram import Bot, InlineKeyboardMarkup, Message, ReplyParameters
+    from telegram import InlineKeyboardMarkup, Message, ReplyParameters
 
     from rosic.core.message import Attachment, Outbound
+    from rosic.messengers.telegram.line import ApiBot
 
 FILE_BYTES: Final = 50_000_000
 PHOTO_BYTES: Final = 10_000_000
 PHOTO_SIDES: Final = 10_000
 PHOTO_RATIO: Final = 20
+LOCAL_BYTES: Final = 2_000_000_000
 FILE_S: Final = 120.0
-"""How long a file may take on its way."""
+SLOWEST_BYTES_S: Final = 500_000
+"""How long a file may take on its way: so long, and longer by a second for each so many bytes."""
 JPEG: Final = "image/jpeg"
 _JPEG: Final = b"\xff\xd8\xff"
 _JPEG_SIZES: Final = frozenset({0xC0, 0xC1, 0xC2, 0xC3})
@@ -35,15 +39,20 @@ _PNG: Final = b"\x89PNG\r\n\x1a\n"
 
 
 class Sendable:
-    """A file as Telegram takes it."""
+    """A file as Telegram takes it.
+
+    Attributes:
+        within_s: How long it may take on its way.
+    """
 
     def __init__(self, attachment: Attachment) -> None:
         self._attachment = attachment
         self.is_picture = _is_picture(attachment)
+        self.within_s = FILE_S + attachment.size / SLOWEST_BYTES_S
 
     async def send(
         self,
-        bot: Bot,
+        bot: ApiBot,
         chat: int,
         caption: str,
         reply: ReplyParameters | None,
@@ -52,6 +61,15 @@ class Sendable:
     ) -> str:
         """Send it and return the message's id."""
         attachment = self._attachment
+        if attachment.pieces is not None:
+            said = {
+                "chat_id": chat,
+                "caption": caption or None,
+                "reply_parameters": reply,
+                "reply_markup": markup,
+                "message_thread_id": thread,
+            }
+            return await bot.raw_document(said, attachment, self.within_s)
         file = InputFile(attachment.content, filename=attachment.name)
         how: Callable[..., Awaitable[Message]] = bot.send_document
         if self.is_picture:
@@ -65,19 +83,19 @@ class Sendable:
             reply_parameters=reply,
             reply_markup=markup,
             message_thread_id=thread,
-            write_timeout=FILE_S,
-            read_timeout=FILE_S,
+            write_timeout=self.within_s,
+            read_timeout=self.within_s,
         )
         return str(message.message_id)
 
 
-def prepared(attachment: Attachment) -> Sendable:
+def prepared(attachment: Attachment, most: int = FILE_BYTES) -> Sendable:
     """Return a file as it can be sent.
 
     Raises:
         MessengerFault: It is too large. Nothing was sent.
     """
-    if len(attachment.content) > FILE_BYTES:
+    if attachment.size > most:
         raise MessengerFault("The file is larger than Telegram takes. Nothing was sent.")
     return Sendable(attachment)
 

@@ -5,20 +5,32 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+from contextlib import aclosing
 from http import HTTPStatus
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from telegram import Bot
-from telegram.error import TelegramError
+from telegram.error import NetworkError, TelegramError
 from telegram.request import HTTPXRequest
 
-from rosic.errors import ConfigurationError
+from rosic.errors import ConfigurationError, RosicError
 from rosic.messengers.telegram.settings import API_BASE
 from rosic.messengers.telegram.trouble import DEFAULT_WAIT_S, TooFast, trouble
+from rosic.messengers.telegram.uploading import Spoilt, Upload
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Sequence
+    from collections.abc import (
+        AsyncGenerator,
+        AsyncIterator,
+        Awaitable,
+        Callable,
+        Mapping,
+        Sequence,
+    )
 
+    from telegram.request import RequestData
+
+    from rosic.core.message import Attachment
     from rosic.messengers.telegram.settings import TelegramSettings
 
 T = TypeVar("T")
@@ -52,11 +64,33 @@ class _Request(HTTPXRequest):
 
         Raises:
             TooFast: The call has taken no effect.
+            Spoilt: Likewise; the file is not what was promised.
         """
-        code, payload = await super().do_request(*args, **kwargs)
+        if isinstance(kwargs.get("request_data"), Upload):
+            code, payload = await self._upload(**kwargs)
+        else:
+            code, payload = await super().do_request(*args, **kwargs)
         if code == HTTPStatus.TOO_MANY_REQUESTS:
             raise TooFast(_retry_after_s(payload))
         return code, payload
+
+    async def _upload(
+        self, url: str, request_data: Upload, read_timeout: float, **_more: object
+    ) -> tuple[int, bytes]:
+        """Send a file while it is read."""
+        try:
+            async with aclosing(request_data.body()) as body:
+                answer = await self._client.post(
+                    url,
+                    content=body,
+                    headers={"User-Agent": self.USER_AGENT, **request_data.headers},
+                    timeout=(CONNECT_S, read_timeout, read_timeout, CONNECT_S),
+                )
+        except RosicError as error:
+            raise Spoilt(error.sentence) from None
+        except Exception as error:
+            raise NetworkError("the file did not go through") from error
+        return answer.status_code, answer.content
 
     async def pieces(self, url: str, size: int) -> AsyncGenerator[bytes]:
         """Read what is at an address, piece by piece; what it is called says whose it is.
@@ -71,7 +105,7 @@ class _Request(HTTPXRequest):
                 yield piece
 
 
-class _Bot(Bot):
+class ApiBot(Bot):
     """Gives updates as they are on the wire, so that one malformed update spoils no other."""
 
     def __repr__(self) -> str:
@@ -99,6 +133,21 @@ class _Bot(Bot):
             raise TelegramError("the answer to getFile is no file")
         return found
 
+    async def raw_document(
+        self, said: Mapping[str, object], attachment: Attachment, within_s: float
+    ) -> str:
+        """Call sendDocument with a file that is read while it goes; return the message's id."""
+        upload = Upload(said, "document", attachment)
+        sent = await self.request.post(
+            f"{self.base_url}/sendDocument",
+            request_data=cast("RequestData", upload),  # it is only handed on, to _Request
+            read_timeout=within_s,
+            write_timeout=within_s,
+        )
+        if not isinstance(sent, dict) or type(sent.get("message_id")) is not int:
+            raise TelegramError("the answer to sendDocument is no message")
+        return str(sent["message_id"])
+
     def raw_content(self, path: str, size: int) -> AsyncGenerator[bytes]:
         """Read a file, piece by piece, at a path that is quoted already."""
         request = self.request
@@ -118,11 +167,11 @@ class Line:
         self._settings = settings
         self._answer_s = answer_s
         self._users = 0
-        self._bot: _Bot | None = None
+        self._bot: ApiBot | None = None
         self._requests: tuple[_Request, ...] = ()
 
     @contextlib.asynccontextmanager
-    async def held(self) -> AsyncIterator[_Bot]:
+    async def held(self) -> AsyncIterator[ApiBot]:
         """Keep the connections while inside; the last one out closes them."""
         self._users += 1
         try:
@@ -137,7 +186,7 @@ class Line:
                 for request in requests:
                     await request.shutdown()
 
-    async def ask(self, act: Callable[[_Bot], Awaitable[T]], *, within_s: float = CALL_S) -> T:
+    async def ask(self, act: Callable[[ApiBot], Awaitable[T]], *, within_s: float = CALL_S) -> T:
         """Make one call.
 
         Raises:
@@ -171,7 +220,7 @@ class Line:
         # What a library says about a proxy may hold its password, so nothing of it is chained.
         with contextlib.suppress(Exception):
             self._requests = (self._request(1), self._request(SIDE_BY_SIDE))
-            bot = _Bot(
+            bot = ApiBot(
                 settings.token.reveal(),
                 base_url=settings.api_base,
                 base_file_url=settings.file_base,

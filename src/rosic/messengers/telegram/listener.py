@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Receive
+    from rosic.contracts.messenger import Receive, Settle
     from rosic.core.message import Inbound, Reaction
     from rosic.messengers.telegram.chats import Chats
     from rosic.messengers.telegram.line import Line
@@ -59,6 +59,7 @@ class Listener:
         passed: Told, while it listens, what happens to chats; once at its beginning, of the
             account: whether it hears everything in groups.
         reacted: Told, while it listens, what people put beside messages.
+        settle: Asked before anything is confirmed.
         counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
             ``clock-behind``: messages that came from the future.
     """
@@ -74,6 +75,7 @@ class Listener:
     ) -> None:
         self.passed: Callable[[Passing], None] = _nobody_watches
         self.reacted: Callable[[Reaction], None] = _nobody_watches
+        self.settle: Settle = _settled
         self._name = name
         self._line = line
         self._chats = chats
@@ -155,8 +157,12 @@ class Listener:
     # ---- the loop ----
 
     async def _poll(self, window: Window) -> None:
-        listening, asked, offset = self._listening, self._now(), window.offset
-        at_once = window.busy or (listening.frozen and listening.calm(asked))
+        listening, offset = self._listening, window.offset
+        settled = offset is None or await self.settle(PEEK_S)
+        if not settled:  # it is given out once more; a stop among the same hundred is still seen
+            offset = None
+        asked = self._now()
+        at_once = window.busy or not settled or (listening.frozen and listening.calm(asked))
         timeout_s = 0 if at_once else self._poll_timeout_s
         try:
             raws = await self._line.updates(offset, timeout_s, wire.KINDS)
@@ -278,6 +284,11 @@ class Listener:
 
     def _now(self) -> Moment:
         return Moment(self._clock.wall_ns(), self._clock.monotonic_ns())
+
+
+async def _settled(_within_s: float) -> bool:
+    """Say that what was received is settled: nobody put anything off."""
+    return True
 
 
 def _nobody_watches(_what: object) -> None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.fetching import Fetcher
-from rosic.messengers.telegram.files import FILE_BYTES
+from rosic.messengers.telegram.files import FILE_BYTES, LOCAL_BYTES
 from rosic.messengers.telegram.gestures import Gestures
 from rosic.messengers.telegram.limiter import PUBLISHED, Limiter, Rates
 from rosic.messengers.telegram.line import Line
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Passed, Reacted, Receive
+    from rosic.contracts.messenger import Passed, Reacted, Receive, Settle
     from rosic.core.menu import Menu
     from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Weight
 
@@ -65,12 +65,14 @@ class TelegramMessenger:
         self._line, chats = line or Line(settings), Chats()
         poll_timeout_s = settings.poll_timeout_s
         self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
-        self._speaker = Speaker(self._line, Limiter(clock, rates), chats, clock)
+        self.file_bytes = LOCAL_BYTES if settings.local_mode else FILE_BYTES
+        self._speaker = Speaker(
+            self._line, Limiter(clock, rates), chats, clock, file_bytes=self.file_bytes
+        )
         self._gestures = Gestures(self._line, chats)
         self._menus = Menus(name, self._line, clock)
         self._fetcher = Fetcher(self._line, settings)
         self.fetch_bytes = self._fetcher.most
-        self.file_bytes = FILE_BYTES
         self._running = False
 
     def __repr__(self) -> str:
@@ -122,6 +124,10 @@ class TelegramMessenger:
             MessengerFault: There was no room in time.
         """
         await self._speaker.turn(chat, weight)
+
+    def settle_with(self, settle: Settle) -> None:
+        """Ask before anything is confirmed; see ``contracts.messenger``."""
+        self._listener.settle = settle
 
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""

@@ -16,7 +16,7 @@ from rosic.core.message import Weight
 from rosic.core.saying import said
 from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.messengers.telegram import text as texts
-from rosic.messengers.telegram.files import FILE_S, picture_of, prepared
+from rosic.messengers.telegram.files import FILE_BYTES, FILE_S, picture_of, prepared
 from rosic.messengers.telegram.line import CALL_S
 from rosic.messengers.telegram.trouble import Kind, Trouble
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rosic.messengers.telegram.chats import Chats
     from rosic.messengers.telegram.files import Sendable
     from rosic.messengers.telegram.limiter import Limiter
-    from rosic.messengers.telegram.line import Line
+    from rosic.messengers.telegram.line import ApiBot, Line
 
 T = TypeVar("T")
 
@@ -70,7 +70,16 @@ class Call(NamedTuple):
 class Speaker:
     """Speaks for one bot."""
 
-    def __init__(self, line: Line, limiter: Limiter, chats: Chats, clock: Clock) -> None:
+    def __init__(
+        self,
+        line: Line,
+        limiter: Limiter,
+        chats: Chats,
+        clock: Clock,
+        *,
+        file_bytes: int = FILE_BYTES,
+    ) -> None:
+        self._file_bytes = file_bytes
         self._line = line
         self._limiter = limiter
         self._chats = chats
@@ -101,7 +110,7 @@ class Speaker:
         parts = texts.split(outbound.text)
         sent: list[str] = []
         if outbound.attachment is not None:
-            file = prepared(outbound.attachment)
+            file = prepared(outbound.attachment, self._file_bytes)
             if len(parts) == 1 and texts.units(parts[0]) <= texts.CAPTION_UNITS:
                 return await self._send_file(call, file, parts[0], reply, keyboard)
             await self._send_file(call, file, "", reply, None)
@@ -224,10 +233,10 @@ class Speaker:
         reply: ReplyParameters | None,
         markup: InlineKeyboardMarkup | None,
     ) -> str:
-        async def act(bot: Bot, chat: int, thread: int | None) -> str:
+        async def act(bot: ApiBot, chat: int, thread: int | None) -> str:
             return await file.send(bot, chat, caption, reply, markup, thread)
 
-        return await self._call_in_topic(call, act, within_s=FILE_S)
+        return await self._call_in_topic(call, act, within_s=file.within_s)
 
     async def _edit_one(
         self, call: Call, number: int, text: str, markup: InlineKeyboardMarkup | None
@@ -281,7 +290,7 @@ class Speaker:
     async def _call_in_topic(
         self,
         call: Call,
-        act: Callable[[Bot, int, int | None], Awaitable[str]],
+        act: Callable[[ApiBot, int, int | None], Awaitable[str]],
         *,
         within_s: float = CALL_S,
     ) -> str:
@@ -296,7 +305,7 @@ class Speaker:
         return await self._call(call, lambda b, c: act(b, c, None), within_s=within_s)
 
     async def _call(
-        self, call: Call, act: Callable[[Bot, int], Awaitable[T]], *, within_s: float = CALL_S
+        self, call: Call, act: Callable[[ApiBot, int], Awaitable[T]], *, within_s: float = CALL_S
     ) -> T:
         """Make one call in its turn, again where that cannot do it twice.
 

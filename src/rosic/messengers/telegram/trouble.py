@@ -12,6 +12,7 @@ from telegram import error as foreign
 
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.scrub import scrub
+from rosic.messengers.telegram.uploading import Spoilt
 
 TOO_FAST = 429
 DEFAULT_WAIT_S = 1.0
@@ -72,11 +73,10 @@ class TooFast(foreign.TelegramError):
 def trouble(error: BaseException) -> Trouble:
     """Return what a foreign exception means. Total: every exception means something."""
     reason = scrub(f"{type(error).__name__}: {error}")
-    if isinstance(error, TooFast):
-        return _too_fast(error.wait_s, reason)
-    if isinstance(error, foreign.RetryAfter):
-        # Its attribute warns on every reading; what it keeps inside is a timedelta.
-        return _too_fast(error._retry_after.total_seconds(), reason)  # noqa: SLF001
+    if isinstance(error, Spoilt):
+        return Trouble(error.sentence, Kind.REFUSED, reason)
+    if (wait_s := _wait_s(error)) is not None:
+        return _too_fast(wait_s, reason)
     if isinstance(error, foreign.ChatMigrated):
         new_chat = str(error.new_chat_id)
         return Trouble("The group has moved.", Kind.MOVED, reason, new_chat=new_chat)
@@ -110,6 +110,15 @@ _MEANINGS: tuple[tuple[tuple[type[Exception], ...], Kind, str], ...] = (
         "Telegram did not take the message ({reason}).",
     ),
 )
+
+
+def _wait_s(error: BaseException) -> float | None:
+    if isinstance(error, TooFast):
+        return error.wait_s
+    if isinstance(error, foreign.RetryAfter):
+        # Its attribute warns on every reading; what it keeps inside is a timedelta.
+        return error._retry_after.total_seconds()  # noqa: SLF001
+    return None
 
 
 def _is_gone(error: BaseException, reason: str) -> bool:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.core.saying import said
-from rosic.errors import MessengerFault
+from rosic.errors import MessengerFault, RosicError
 
 if TYPE_CHECKING:
     from rosic.core.message import Attachment
@@ -26,22 +26,24 @@ class Drawer:
     def __init__(self) -> None:
         self._folder: Path | None = None
 
-    def put(self, attachment: Attachment) -> str:
+    async def put(self, attachment: Attachment) -> str:
         """Write a file, over none that is there, and return a sentence about where it lies.
 
         Raises:
             MessengerFault: It is too large, or cannot be written. There is no part of it.
         """
-        if len(attachment.content) > FILE_BYTES:
+        if attachment.size > FILE_BYTES:
             raise MessengerFault("The file is too large. It was not written.")
         try:
-            path = self._written(attachment)
+            path = await self._written(attachment)
         except OSError as error:
             raise MessengerFault(f"The file cannot be written ({error.strerror}).") from error
+        except RosicError as error:
+            raise MessengerFault(error.sentence) from error
         return said("It lies in {path}: only you can read it. Delete it when you are done.",
                     path=path)  # fmt: skip
 
-    def _written(self, attachment: Attachment) -> Path:
+    async def _written(self, attachment: Attachment) -> Path:
         if self._folder is None or not self._folder.is_dir():
             self._folder = Path(tempfile.mkdtemp(prefix="rosic-"))
         name = Path(attachment.name)
@@ -53,8 +55,9 @@ class Drawer:
                 continue
             try:
                 with os.fdopen(opened, "wb") as file:
-                    file.write(attachment.content)
-            except OSError:
+                    async for piece in attachment.read():
+                        file.write(piece)
+            except BaseException:
                 path.unlink(missing_ok=True)
                 raise
             return path

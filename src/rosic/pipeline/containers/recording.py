@@ -14,6 +14,7 @@ from rosic.contracts.messenger import (
     pictures_of,
     reactions_of,
     retract_of,
+    settle_with,
     turn_of,
     watch_chats,
     watch_reactions,
@@ -26,7 +27,14 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from rosic.container.archive import Archive
-    from rosic.contracts.messenger import Messenger, Passed, Reacted, Receive, SetMenus
+    from rosic.contracts.messenger import (
+        Messenger,
+        Passed,
+        Reacted,
+        Receive,
+        SetMenus,
+        Settle,
+    )
     from rosic.contracts.store import Store
     from rosic.core.message import Chat, Enclosure, Inbound, Outbound
     from rosic.core.record import Fact
@@ -66,6 +74,7 @@ class Recorded:
         self.react = reactions_of(messenger)
         self.retract = retract_of(messenger)
         self.put_picture = pictures_of(messenger)
+        self.settles = False
         self._messenger = messenger
         self._archive = archive
         self._store = store
@@ -80,6 +89,10 @@ class Recorded:
     def set_menus(self) -> SetMenus | None:
         """Return how commands are offered; see ``contracts.messenger``."""
         return menus_of(self._messenger)
+
+    def settle_with(self, settle: Settle) -> None:
+        """Have it ask before it confirms; see ``contracts.messenger``."""
+        self.settles = settle_with(self._messenger, settle)
 
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.container import words_files as words
 from rosic.container.words_container import age
-from rosic.core.message import Attachment, Button
+from rosic.core.message import Button
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.pipeline.desk import Reply, rows
-from rosic.pipeline.files.reading import content_of
+from rosic.pipeline.files.aside import send_file
+from rosic.pipeline.files.reading import attachment_of
 from rosic.pipeline.office import check_private
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from rosic.container.drawer import Filed
+    from rosic.core.message import Inbound
     from rosic.pipeline.containers.parts import Holdings
+    from rosic.pipeline.files.aside import Aside
     from rosic.pipeline.files.handing import Handing
+    from rosic.pipeline.files.receiving import Plain
     from rosic.pipeline.office import Asked
 
 Part: TypeAlias = "Callable[[Asked, str], Awaitable[Reply]]"
@@ -34,7 +39,13 @@ class Filing:
 
     def __init__(self, holdings: Holdings) -> None:
         self._holdings = holdings
+        self._aside: Aside | None = None
+        self._plain: Plain = _as_it_is
         self.further: dict[str, Part] = {"get": self._get, "delete": self._delete}
+
+    def take_time(self, aside: Aside, plain: Plain) -> None:
+        """Let large files go beside the chat."""
+        self._aside, self._plain = aside, plain
 
     def hand_over(self, handing: Handing) -> None:
         """Let files go to robots, and come from them."""
@@ -58,10 +69,12 @@ class Filing:
     def _list(self, asked: Asked) -> Reply:
         files, owner = self._holdings.files, asked.caller.principal
         found = files.of(owner)
+        limits = words.limits(asked.messenger.fetch_bytes, asked.messenger.file_bytes)
         if not found:
-            return Reply(words.NONE)
+            return Reply(words.none_kept(limits))
         buttons = [Button(one.name, f"/files get {one.name}") for one in found[:MOST_BUTTONS]]
-        text = words.listing(map(self._line, found), files.used(owner)[1], files.room.person_bytes)
+        used, most = files.used(owner)[1], files.room.person_bytes
+        text = words.listing(map(self._line, found), used, most, limits)
         return Reply(text, rows(buttons))
 
     def _line(self, one: Filed) -> str:
@@ -73,9 +86,15 @@ class Filing:
         most = asked.messenger.file_bytes
         if filed.size > most:
             raise OutOfBounds(words.too_large_to_send(filed.name, filed.size, most))
-        content = await content_of(self._holdings.vault, filed)
+        attachment = await attachment_of(self._holdings.vault, filed)
         text = words.handed(filed.name, filed.size, filed.digest)
-        return Reply(text, attachment=Attachment(filed.name, filed.media_type, content))
+        if attachment.pieces is None or self._aside is None:
+            return Reply(text, attachment=attachment)
+        return self._aside.begin(
+            asked,
+            partial(send_file, asked, self._plain, attachment, text),
+            partial(words.sending, filed.name, filed.size),
+        )
 
     async def _delete(self, asked: Asked, name: str) -> Reply:
         holdings = self._holdings
@@ -83,3 +102,7 @@ class Filing:
             filed = holdings.files.find(asked.caller.principal, name)
             await turn.write(holdings.files.drop(filed.id))
         return Reply(words.deleted(filed.name))
+
+
+def _as_it_is(_inbound: Inbound, text: str) -> str:
+    return text

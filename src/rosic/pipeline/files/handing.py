@@ -1,62 +1,65 @@
 """From a container to a robot and back: asked for, confirmed, checked again, written down, done.
 
-Where files go is a folder that the operator named. A folder does not acknowledge: it is said so.
+Where files go is a folder that the operator named, and the robot's own side, as its profile says.
+What does not acknowledge is said not to; what does is compared with what was sent.
 """
 
 from __future__ import annotations
 
-import hashlib
-from contextlib import suppress
-from typing import TYPE_CHECKING, Final, Protocol
+from functools import partial
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.container import words_files as words
-from rosic.container.sorts import SORTS, Sniffer, file_name
+from rosic.container.sorts import SORTS, file_name
 from rosic.container.words_container import age
 from rosic.core.authority import FILES
-from rosic.core.message import Attachment, Button, Outbound
+from rosic.core.message import Attachment, Button, Pieces
+from rosic.core.parcel import Parcel
 from rosic.core.record import Decided
+from rosic.core.saying import joined
 from rosic.errors import (
-    MessengerFault,
     NotUnderstood,
     OutOfBounds,
+    Refusal,
     RobotOffline,
     RobotStopped,
     RobotTaken,
     RobotUnreachable,
 )
 from rosic.pipeline.desk import Reply, rows
-from rosic.pipeline.files.reading import content_of
+from rosic.pipeline.files.aside import Progress, send_file
+from rosic.pipeline.files.outboxes import Outboxes
+from rosic.pipeline.files.reading import IN_PIECES_FROM, content_of, pieces_of
 from rosic.pipeline.replies import LEAVE
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Awaitable, Callable, Mapping
 
     from rosic.container.drawer import Filed
     from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.parcel import Receipt
     from rosic.core.robot import Files, Profile, RobotId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.containers.parts import Holdings
+    from rosic.pipeline.files.aside import Aside, Saying, Work
+    from rosic.pipeline.files.outboxes import Folders
     from rosic.pipeline.files.receiving import Plain
     from rosic.pipeline.office import Asked
 
 MOST_SHOWN: Final = 10
-SHOWN_FROM_BYTES: Final = 1_000_000
 
 
-class Folders(Protocol):
-    """Inboxes and outboxes; `rosic.robots.folders`. Each raises RobotUnreachable."""
+class Ways(NamedTuple):
+    """How files come to robots.
 
-    async def put(self, robot: RobotId, name: str, content: bytes, digest: bytes) -> bool:
-        """Put a file there, whole; False when there is one of that name."""
-        ...
+    Attributes:
+        deliver: Hands one to the robot's side; see ``contracts.robot.deliver_of``.
+        stopped: Whether a robot is.
+    """
 
-    async def names(self, robot: RobotId, most: int) -> tuple[tuple[str, int, int], ...]:
-        """Return name, size and time (ns) of what there is, the newest first."""
-        ...
-
-    async def get(self, robot: RobotId, name: str, most: int) -> bytes | None:
-        """Return a file's content; None when it is larger."""
-        ...
+    folders: Folders
+    deliver: Callable[[RobotId, Parcel], Awaitable[Receipt]]
+    stopped: Callable[[RobotId], bool]
 
 
 class Handing:
@@ -67,16 +70,19 @@ class Handing:
         holdings: Holdings,
         organiser: Organiser,
         profiles: Mapping[RobotId, Profile],
-        folders: Folders,
+        ways: Ways,
         plain: Plain,
-        stopped: Callable[[RobotId], bool],
+        aside: Aside,
     ) -> None:
         self._holdings = holdings
         self._organiser = organiser
         self._profiles = profiles
-        self._folders = folders
+        self._folders = ways.folders
+        self._outboxes = Outboxes(ways.folders, holdings)
+        self._deliver = ways.deliver
+        self._stopped = ways.stopped
         self._plain = plain
-        self._stopped = stopped
+        self._aside = aside
 
     def offer(self, principal: PrincipalId, filed: Filed) -> list[Button]:
         """Return a button for each robot that takes such a file from this person."""
@@ -94,7 +100,7 @@ class Handing:
         takes = self._profiles[robot].files
         return (
             takes is not None
-            and bool(takes.inbox)
+            and takes.takes
             and filed.sort in takes.accept
             and filed.size <= takes.max_mb * words.MB
         )
@@ -114,7 +120,8 @@ class Handing:
         filed = self._holdings.files.find(asked.caller.principal, name)
         self._check(asked.caller, robot, filed)
         shown = self._profiles[robot].shown
-        text = words.put_question(filed.name, filed.size, filed.digest, shown)
+        ask = words.put_question if self._files_of(robot).inbox else words.deliver_question
+        text = ask(filed.name, filed.size, filed.digest, shown)
         yes = Button(words.PUT, f"/files put {filed.id} {robot}")
         return Reply(text, ((yes, Button(words.LEAVE_IT, LEAVE)),))
 
@@ -130,38 +137,70 @@ class Handing:
         if asked.inbound.nonce is None or filed is None or robot not in self._profiles:
             raise NotUnderstood(words.HOW, offers=("/files",))
         self._check(asked.caller, robot, filed)
-        shown = self._profiles[robot].shown
-        await self._show(asked, filed, shown)
-        content = await content_of(holdings.vault, filed)
+        return await self._aside_if_large(
+            asked,
+            filed.size,
+            partial(self._put, asked, filed, robot),
+            partial(words.putting, filed.name, filed.size, self._profiles[robot].shown),
+        )
+
+    async def _put(self, asked: Asked, filed: Filed, robot: RobotId, progress: Progress) -> Reply:
+        """Look once more, write down, put into the inbox, hand to the robot's side."""
+        holdings, takes = self._holdings, self._files_of(robot)
+        carried = takes.deliver is not None and takes.deliver.carries
+        content = await content_of(holdings.vault, filed) if carried else b""
         async with holdings.changes.turn() as turn:
             self._check(asked.caller, robot, filed)  # a right may have ended meanwhile
-            now_ns = holdings.clock.wall_ns()
             decided = Decided(
-                act="file-to-robot", by=principal, about=robot, at_ns=now_ns, digest=filed.digest
+                act="file-to-robot",
+                by=asked.caller.principal,
+                about=robot,
+                at_ns=holdings.clock.wall_ns(),
+                digest=filed.digest,
             )
             await turn.write((decided,))
-        try:
-            done = await self._folders.put(robot, filed.name, content, filed.digest)
-        except RobotUnreachable as fault:
-            raise RobotOffline(fault.sentence) from fault
-        if not done:
-            raise NotUnderstood(words.name_taken(filed.name, shown))
-        return Reply(words.put_there(filed.name, filed.digest, shown))
+        shown = self._profiles[robot].shown
+        if takes.inbox:
+            pieces = progress.counted(pieces_of(holdings.vault, filed))
+            try:
+                done = await self._folders.put(robot, filed.name, pieces, filed.digest)
+            except RobotUnreachable as fault:
+                raise RobotOffline(fault.sentence) from fault
+            if not done:
+                raise NotUnderstood(words.name_taken(filed.name, shown))
+        if takes.deliver is None:
+            return Reply(words.put_there(filed.name, filed.digest, shown))
+        parcel = Parcel(
+            name=filed.name,
+            path=self._folders.path(robot, filed.name),
+            sort=filed.sort,
+            size=filed.size,
+            digest=filed.digest,
+            content=content,
+        )
+        return Reply(await self._delivered(robot, parcel))
 
-    async def _show(self, asked: Asked, filed: Filed, shown: str) -> None:
-        """Say that something large is on its way, in the message that asked."""
-        if filed.size < SHOWN_FROM_BYTES or not asked.messenger.edits or not asked.inbound.under:
-            return
-        text = self._plain(asked.inbound, words.putting(filed.name, filed.size, shown))
-        with suppress(MessengerFault):
-            outbound = Outbound(chat=asked.inbound.chat, text=text)
-            await asked.messenger.edit(asked.inbound.under, outbound)
+    async def _delivered(self, robot: RobotId, parcel: Parcel) -> str:
+        """Hand it to the robot's side, once, and return what came of it."""
+        shown = self._profiles[robot].shown
+        try:
+            if self._stopped(robot):
+                raise RobotStopped(words.is_stopped(shown))
+            receipt = await self._deliver(robot, parcel)
+        except RobotUnreachable as fault:
+            return joined(" ", [fault.sentence, words.perhaps(parcel.name, shown)])
+        except Refusal as why:
+            if not parcel.path:
+                raise
+            return words.taken_back(why.sentence, parcel.name, shown)
+        sentence = _received(parcel, receipt, shown)
+        return words.in_its_words(sentence, shown, receipt.words) if receipt.words else sentence
 
     def _check(self, caller: Caller, robot: RobotId, filed: Filed) -> None:
         profile = self._profiles[robot]
         takes = self._files_of(robot)
         self._organiser.check_files(caller, robot)
-        if not takes.inbox:
+        if not takes.takes:
             raise NotUnderstood(words.takes_none(profile.shown))
         if filed.sort not in takes.accept:
             raise OutOfBounds(words.takes_others(profile.shown, filed.sort, takes.accept))
@@ -190,51 +229,67 @@ class Handing:
         if not self._files_of(robot).outbox:
             raise NotUnderstood(words.gives_none(self._profiles[robot].shown))
         try:
-            return await (self._one(asked, robot, name) if name else self._all(robot))
+            if name:
+                return await self._one(asked, robot, name)
+            return await self._all(robot, asked.messenger.file_bytes)
         except RobotUnreachable as fault:
             raise RobotOffline(fault.sentence) from fault
 
-    async def _all(self, robot: RobotId) -> Reply:
+    async def _all(self, robot: RobotId, most: int) -> Reply:
         found = await self._folders.names(robot, MOST_SHOWN)
         shown = self._profiles[robot].shown
         if not found:
             return Reply(words.gives_nothing_now(shown))
         now_ns = self._holdings.clock.wall_ns()
-        lines = [
-            words.given_line(_shown(name), size, age((now_ns - at_ns) / 1e9))
-            for name, size, at_ns in found
-        ]
+        lines = []
+        for name, size, at_ns in found:
+            line = words.given_line(_shown(name), size, age((now_ns - at_ns) / 1e9))
+            lines.append(line if size <= most else words.too_large_line(line))
         buttons = [
-            Button(_shown(name), f"/files from {robot} {_shown(name)}") for name, _, _ in found
+            Button(_shown(name), f"/files from {robot} {_shown(name)}")
+            for name, size, _ in found
+            if size <= most
         ]
         return Reply(words.gives(shown, lines), rows(buttons))
 
     async def _one(self, asked: Asked, robot: RobotId, name: str) -> Reply:
         found = await self._folders.names(robot, MOST_SHOWN)
-        match = next((own for own, _, _ in found if _shown(own) == name.strip()), None)
+        match = next((one for one in found if _shown(one[0]) == name.strip()), None)
         if match is None:
             raise NotUnderstood(words.no_such_file(name), offers=(f"/files from {robot}",))
-        most = asked.messenger.file_bytes
-        content = await self._folders.get(robot, match, most)
-        if content is None:
-            size = next(size for own, size, _ in found if own == match)
-            raise OutOfBounds(words.too_large_to_send(_shown(match), size, most))
-        sniffer = Sniffer()
-        sniffer.feed(content)
-        sort = sniffer.sort(match)
-        if sort is None:
-            raise NotUnderstood(words.unknown(sorted(SORTS)))
-        digest = hashlib.sha256(content).digest()
-        now_ns = self._holdings.clock.wall_ns()
-        async with self._holdings.changes.turn() as turn:
-            by = asked.caller.principal
-            decided = Decided(
-                act="file-from-robot", by=by, about=robot, at_ns=now_ns, digest=digest
+        own, size, _ = match
+        if size > asked.messenger.file_bytes:
+            raise OutOfBounds(
+                words.too_large_to_send(_shown(own), size, asked.messenger.file_bytes)
             )
-            await turn.write((decided,))
-        called = file_name(match, sort)
-        text = words.handed(called, len(content), digest)
-        return Reply(text, attachment=Attachment(called, sort.media_type, content))
+        if size > IN_PIECES_FROM:
+            return self._aside.begin(
+                asked,
+                partial(self._send_large, asked, robot, own, size),
+                partial(words.sending, _shown(own), size),
+            )
+        seen = await self._outboxes.seen(asked.caller.principal, robot, own, size)
+        same = self._outboxes.same(robot, own, size, seen.digest)
+        content = b"".join([piece async for piece in same])
+        text = words.handed(seen.called, len(content), seen.digest)
+        return Reply(text, attachment=Attachment(seen.called, seen.media_type, content))
+
+    async def _send_large(
+        self, asked: Asked, robot: RobotId, own: str, size: int, progress: Progress
+    ) -> Reply:
+        """Read it twice: to know what it is, and while it is sent."""
+        seen = await self._outboxes.seen(asked.caller.principal, robot, own, size)
+        pieces = Pieces(size, partial(self._outboxes.same, robot, own, size, seen.digest))
+        attachment = Attachment(seen.called, seen.media_type, pieces=pieces)
+        text = words.handed(seen.called, size, seen.digest)
+        return await send_file(asked, self._plain, attachment, text, progress)
+
+    async def _aside_if_large(self, asked: Asked, size: int, work: Work, saying: Saying) -> Reply:
+        return (
+            self._aside.begin(asked, work, saying)
+            if size > IN_PIECES_FROM
+            else await work(Progress())
+        )
 
     # ---- which ----
 
@@ -250,6 +305,18 @@ class Handing:
         if files is None:
             raise NotUnderstood(words.takes_none(self._profiles[robot].shown))
         return files
+
+
+def _received(parcel: Parcel, receipt: Receipt, shown: str) -> str:
+    if receipt.declined:
+        return words.declined(parcel.name, shown)
+    if not receipt.received:
+        return words.sent_to(parcel.name, parcel.digest, shown)
+    if not receipt.digest:
+        return words.received_unproved(parcel.name, shown)
+    if receipt.agrees(parcel.digest):
+        return words.received(parcel.name, parcel.digest, shown)
+    return words.received_other(parcel.name, parcel.digest, receipt.digest, shown)
 
 
 def _shown(name: str) -> str:

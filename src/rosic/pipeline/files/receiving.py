@@ -49,6 +49,7 @@ COMING_OF_ALL: Final = 100
 SHOWN_FROM_BYTES: Final = 1_000_000
 PROGRESS_EVERY_NS: Final = 2_000_000_000
 SLOWEST_S: Final = 600.0
+SLOWEST_BYTES_S: Final = 500_000
 
 log = logging.getLogger("rosic.files")
 
@@ -100,7 +101,10 @@ class Receiving:
         try:
             # What is too large is refused at once, whatever else is coming.
             refused = enclosure.size > arrival.messenger.fetch_bytes
-            async with nullcontext() if refused else self._few, asyncio.timeout(SLOWEST_S):
+            async with (
+                nullcontext() if refused else self._few,
+                asyncio.timeout(SLOWEST_S + enclosure.size / SLOWEST_BYTES_S),
+            ):
                 filed = await arrival.take(enclosure)
         except (Refusal, MessengerFault) as why:
             unwritable = isinstance(why, RecordUnavailable)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot import Presence, Profile
@@ -13,6 +13,7 @@ from rosic.core.saying import said
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.among import Among
 from rosic.robots.ros2.by_action import ByAction
+from rosic.robots.ros2.by_delivery import ByDelivery
 from rosic.robots.ros2.by_parameters import ByParameters
 from rosic.robots.ros2.by_service import ByService
 from rosic.robots.ros2.by_topic import ByTopic
@@ -35,9 +36,12 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
     from rosic.core.gate import Gate
+    from rosic.core.parcel import Parcel, Receipt
     from rosic.core.skill import Skill
     from rosic.core.view import Sight, View
     from rosic.robots.ros2.graph import Snapshot
+
+    Part: TypeAlias = Measurements | Brakes | Heartbeat | Carrier | Sights | ByDelivery | Among
 
 _log = logging.getLogger(__name__)
 
@@ -78,6 +82,7 @@ class Ros2Robot:
         self._heartbeat = Heartbeat(self._namespace, clock)
         self._sights = Sights(profile, clock)
         self._meetings = Meetings(profile.id)
+        self._delivery = ByDelivery(profile, gate)
         self._dialogue = self._text_link()
         self._among = self._fellow_link()
         self._carriers = {name: self._carrier(name, s) for name, s in profile.skills.items()}
@@ -157,7 +162,7 @@ class Ros2Robot:
             except Exception:  # noqa: BLE001 - a contract: it never raises
                 _log.exception("%s was not closed cleanly", self.profile.id)
 
-    def _parts(self) -> Iterator[Measurements | Brakes | Heartbeat | Carrier | Sights | Among]:
+    def _parts(self) -> Iterator[Part]:
         """Yield everything to be opened: first what stops the robot, last what moves it."""
         yield self._measured
         yield self._brakes
@@ -168,6 +173,7 @@ class Ros2Robot:
             if carrier is not self._dialogue:
                 yield carrier
         yield self._sights
+        yield self._delivery
         if self._among is not None:
             yield self._among
 
@@ -273,6 +279,10 @@ class Ros2Robot:
     def look(self, sight: Sight) -> AsyncGenerator[View, None]:
         """Yield what can be seen."""
         return self._sights.look(sight)
+
+    async def deliver(self, parcel: Parcel) -> Receipt:
+        """Hand a file to the robot's side."""
+        return await self._delivery.deliver(parcel)
 
     def _age_s(self) -> float | None:
         ages = (self._measured.age_s(), None if self._dialogue is None else self._dialogue.age_s())

@@ -8,8 +8,12 @@ import signal
 import sys
 from pathlib import Path
 
+from msgspec.structs import replace
+
 from rosic.testing.telegram.server import DEFAULT_TOKEN, FakeTelegram
 from rosic.testing.telegram.settings import Limits, Settings
+
+LOCAL_BYTES = 2000 * 1024 * 1024
 
 
 def arguments() -> argparse.Namespace:
@@ -25,7 +29,24 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--no-limits", action="store_true", help="no flood limits")
     parser.add_argument("--no-privacy", action="store_true", help="the bot reads all of a group")
     parser.add_argument("--username", default=Settings().bot_username, help="without the @")
+    parser.add_argument(
+        "--local", type=Path, metavar="FOLDER",
+        help="as a Bot API server of one's own: files of up to 2000 MB, left in this folder",
+    )  # fmt: skip
     return parser.parse_args()
+
+
+def settings_of(options: argparse.Namespace) -> Settings:
+    """Return the settings that were asked for."""
+    settings = Settings(privacy=not options.no_privacy, bot_username=options.username)
+    if options.local is None:
+        return settings
+    return replace(
+        settings,
+        local_folder=str(options.local.absolute()),
+        max_upload_bytes=LOCAL_BYTES,
+        max_download_bytes=LOCAL_BYTES,
+    )
 
 
 async def serve(options: argparse.Namespace) -> None:
@@ -34,7 +55,7 @@ async def serve(options: argparse.Namespace) -> None:
         token=options.token,
         port=options.port,
         limits=None if options.no_limits else Limits(),
-        settings=Settings(privacy=not options.no_privacy, bot_username=options.username),
+        settings=settings_of(options),
         state_file=options.state,
     )
     server.host = options.host

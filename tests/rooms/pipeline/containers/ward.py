@@ -25,6 +25,7 @@ from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings
 from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.desk import Reply
+from rosic.pipeline.files.aside import Aside
 from rosic.pipeline.files.receiving import Receiving
 from rosic.pipeline.office import Asked
 from rosic.stores.database import DatabaseStore
@@ -129,7 +130,9 @@ class Ward(Place):
         filing = employ_clerks(gateway.pipeline.reception.office, self.holdings, self.erasing)
         self.receiving = Receiving(self.holdings, gateway.pipeline.answer, gateway.pipeline.plain)
         gateway.pipeline.reception.enclosed = self.receiving.take
-        handing = handing_of(rooms, self.holdings, gateway.pipeline)
+        self.aside = Aside(gateway.pipeline.answer, gateway.pipeline.plain, clock)
+        filing.take_time(self.aside, gateway.pipeline.plain)
+        handing = handing_of(rooms, self.holdings, gateway.pipeline, self.aside)
         filing.hand_over(handing)
         self.receiving.offer = handing.offer
         take_over(self.kept.memory.facts, self.holdings, self.erasing)

@@ -1,0 +1,126 @@
+"""Files handed to a robot's side by a service or a topic, against plain rclpy."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from rosic.core.order import Stop
+from rosic.core.parcel import Parcel, Receipt
+from rosic.errors import ConfigurationError, RobotOffline, RobotUnreachable
+from rosic.system import SystemClock
+from rosic.testing.ros2.graph import RosGraph, RosProcess
+from tests.real.ros2.simulated import TriedRobot, profile_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+PEER = Path(__file__).with_name("peer.py")
+CONTENT = b"speed: 0.2\n"
+STRING = "std_msgs/msg/String"
+TAKE = {
+    "service": {
+        "name": "/omni/take",
+        "type": "diagnostic_msgs/srv/AddDiagnostics",
+        "request": {"load_namespace": "$path"},
+    }
+}
+TOPIC = {"topic": {"name": "/omni/file", "type": STRING, "message": {"data": "$path"}}}
+RECEIPT = {"topic": "/omni/file_read", "within_s": 5.0}
+
+pytestmark = pytest.mark.usefixtures("peer")
+
+
+@pytest.fixture(scope="module")
+def peer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RosProcess]:
+    with RosGraph(tmp_path_factory.mktemp("peer")) as graph:
+        yield graph.start(PEER)
+
+
+def robot_that(deliver: dict[str, Any], inbox: Path) -> TriedRobot:
+    files = {"accept": ["yaml"], "inbox": str(inbox), "max_mb": 0.05, "deliver": deliver}
+    profile = profile_of(
+        id="omni", title="Omni", link={"kind": "ros2", "namespace": "/omni"}, files=files
+    )
+    return TriedRobot(profile, SystemClock())
+
+
+async def delivered(
+    deliver: dict[str, Any], folder: Path, name: str = "way.yaml", *, stop: bool = False
+) -> Receipt:
+    path = folder / name
+    path.write_bytes(CONTENT)
+    robot = robot_that(deliver, folder)
+    await robot.open(lambda _text: None)
+    try:
+        if stop:
+            robot.gate.apply_stop(Stop("omni", robot.gate.generation + 1))
+        return await robot.deliver(
+            Parcel(
+                name=name, path=str(path), sort="yaml", size=len(CONTENT),
+                digest=hashlib.sha256(CONTENT).digest(), content=CONTENT,
+            )
+        )  # fmt: skip
+    finally:
+        await robot.close()
+
+
+async def test_a_service_says_what_it_has_read(tmp_path: Path) -> None:
+    receipt = await delivered(TAKE | {"digest": "message"}, tmp_path)
+    assert receipt == Receipt(received=True, digest=hashlib.sha256(CONTENT).hexdigest())
+    assert receipt.agrees(hashlib.sha256(CONTENT).digest())
+
+
+async def test_a_service_that_declines_says_why(tmp_path: Path) -> None:
+    receipt = await delivered(TAKE, tmp_path, "bad.yaml")
+    assert receipt == Receipt(received=False, declined=True, words="no room")
+
+
+async def test_a_topic_acknowledges_nothing(peer: RosProcess, tmp_path: Path) -> None:
+    assert await delivered(TOPIC, tmp_path, "a.yaml") == Receipt(received=False)
+    await asyncio.to_thread(peer.expect, "read a.yaml")
+
+
+async def test_a_topic_of_receipts_says_what_was_read(tmp_path: Path) -> None:
+    receipt = await delivered(TOPIC | {"receipt": RECEIPT}, tmp_path)
+    assert receipt.received
+    assert receipt.agrees(hashlib.sha256(CONTENT).digest())
+    other = await delivered(TOPIC | {"receipt": RECEIPT}, tmp_path, "other.yaml")
+    assert other.received
+    assert not other.agrees(hashlib.sha256(CONTENT).digest())
+
+
+async def test_silence_leaves_doubt(peer: RosProcess, tmp_path: Path) -> None:
+    quiet = TOPIC | {"receipt": RECEIPT | {"within_s": 0.3}}
+    with pytest.raises(RobotUnreachable, match=r"Omni has not answered for 0.3 s"):
+        await delivered(quiet, tmp_path, "silent.yaml")
+    await asyncio.to_thread(peer.expect, "read silent.yaml")
+
+
+async def test_a_small_text_goes_inside_the_message(peer: RosProcess, tmp_path: Path) -> None:
+    mission = {"topic": {"name": "/omni/mission", "type": STRING, "message": {"data": "$text"}}}
+    assert await delivered(mission, tmp_path) == Receipt(received=False)
+    await asyncio.to_thread(peer.expect, "mission 'speed: 0.2\\n'")
+
+
+async def test_nothing_is_sent_to_a_stopped_robot(peer: RosProcess, tmp_path: Path) -> None:
+    with pytest.raises(RobotOffline, match="stopped"):
+        await delivered(TAKE, tmp_path, "late.yaml", stop=True)
+    await delivered(TAKE, tmp_path, "after.yaml")
+    await asyncio.to_thread(peer.expect, "took after.yaml")
+    assert "took late.yaml" not in peer.lines
+
+
+async def test_a_field_that_is_not_there_is_found_at_opening(tmp_path: Path) -> None:
+    for wrong in (
+        {"service": {**TAKE["service"], "request": {"path": "$path"}}},
+        TAKE | {"digest": "checksum"},
+        TOPIC | {"receipt": RECEIPT | {"field": "sum"}},
+    ):
+        robot = robot_that(wrong, tmp_path)
+        with pytest.raises(ConfigurationError):
+            await robot.open(lambda _text: None)
