@@ -32,16 +32,17 @@ from rosic.pipeline.people.custody import Custody
 from rosic.pipeline.people.doorstep import Doorstep
 from rosic.pipeline.people.granting import Granting
 from rosic.pipeline.people.hiring import Clerks, hire
-from rosic.pipeline.people.inviting import Inviting
+from rosic.pipeline.people.inviting import INVITATION, Inviting
 from rosic.pipeline.people.joining import Joining
 from rosic.pipeline.people.notices import Notices
 from rosic.pipeline.people.petitioning import Petitioning
 from rosic.pipeline.people.powers import Powers
-from rosic.pipeline.people.proving import Proving
+from rosic.pipeline.people.proving import AUTHENTICATOR, Proving
 from rosic.pipeline.people.registry import Registry
 from rosic.pipeline.people.reminding import Reminding
 from rosic.pipeline.people.rolemaking import Rolemaking
 from rosic.pipeline.reach import Reach
+from rosic.pipeline.retracting import Retracting
 from rosic.pipeline.telling import Note
 from rosic.pipeline.times.clerks import employ_clerks
 from rosic.pipeline.times.keeper import Keeper
@@ -85,6 +86,7 @@ class Furnishing:
         granting: Gives rights for a while.
         keeper: Follows the calendar.
         live_cards: Shows in chats how robots are.
+        retracting: Takes away what held a secret.
     """
 
     def __init__(
@@ -149,6 +151,7 @@ class Furnishing:
         """Follow nothing any more; wait for robots that come to rest, briefly."""
         await self.keeper.close()
         await self.live_cards.close()
+        await self.retracting.close()
 
     # ---- people ----
 
@@ -165,7 +168,9 @@ class Furnishing:
         async def ended(_principal: PrincipalId) -> None:
             authority.enforce()
 
+        self._mind_secrets(clock, entropy)
         registry = Registry(
+            retracting=self.retracting,
             authoriser=self._rooms.authoriser,
             enrolment=access.enrolment,
             keys=access.keys,
@@ -219,6 +224,17 @@ class Furnishing:
         self._pipeline.reception.outdated = Reminding(
             self.reach, self.admitting, self.petitioning
         ).remind
+
+    def _mind_secrets(self, clock: Clock, entropy: Entropy) -> None:
+        """Have what holds a secret taken out of chats once it is worth nothing."""
+        access = self._access
+        made = access.enrolment.invitations
+        self.retracting = Retracting(clock, entropy)
+        self.retracting.is_good = {
+            INVITATION: lambda name: any(one.id == name for one in made.open()),
+            AUTHENTICATOR: access.stepup.is_setting_up,
+        }
+        access.changes.after(self.retracting.look)
 
     def _menu(self, principal: PrincipalId) -> Reply:
         return self._pipeline.menu(principal)

@@ -244,7 +244,7 @@ class Gateway:
         messengers = {messenger.name: messenger for messenger in self._messengers}
         recovery = Recovery(parts.store, self.rooms.linker, self._teller, parts.clock, messengers)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
-        outbox = owe_over_crashes(parts, self.furnishing, self.stop_lane, self._teller)
+        outbox = owe_over_crashes(parts, self.furnishing, self.stop_lane, self._teller, memory)
         outbox.restore(memory.facts, messengers)
         if count:
             log.warning("%d interrupted commands were settled", count)

@@ -10,16 +10,18 @@ from rosic.pipeline.outbox import Outbox
 if TYPE_CHECKING:
     from rosic.app.furnishing import Furnishing
     from rosic.app.gateway import Parts
+    from rosic.core.record import Memory
     from rosic.errors import MessengerFault
     from rosic.pipeline.stopping import StopLane
     from rosic.pipeline.telling import Teller
 
 
 def owe_over_crashes(
-    parts: Parts, furnishing: Furnishing, stop_lane: StopLane, teller: Teller
+    parts: Parts, furnishing: Furnishing, stop_lane: StopLane, teller: Teller, memory: Memory
 ) -> Outbox:
     """Have alarms, notices and the answers to stops written down, and admins told of thieves."""
     outbox = Outbox(parts.store, parts.clock, parts.entropy, teller)
+    furnishing.retracting.begin(parts.store.note, parts.messengers, memory.facts)
     furnishing.reach.outbox = stop_lane.outbox = outbox
 
     def warn(fault: MessengerFault) -> None:
