@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
 from rosic.testing.telegram.picture import draw, in_picture
+from rosic.testing.telegram.transcript import ENGLISH as IN_ENGLISH
 from rosic.testing.telegram.transcript import App
 from tests.journeys.lab import Lab, lab
 from tests.journeys.newcomer import Newcomer
@@ -31,6 +32,36 @@ if TYPE_CHECKING:
 OMNI = ('[[robot]]\nprofile = "omni"\nlink = "simulated"',)
 CODE = re.compile(r"start=([A-Za-z0-9_-]+)")
 TAPS_TO_A_MOTION = 4
+
+
+class Tongue(NamedTuple):
+    """A language that somebody's phone speaks.
+
+    Attributes:
+        code: As Telegram says it.
+        app: Telegram's own words on that phone.
+    """
+
+    code: str
+    app: App
+
+    def __call__(self, english: str, german: str) -> str:
+        """Return what is read in this language."""
+        return german if self.code == "de" else english
+
+    def picture(self, name: str) -> str:
+        """Return what the picture of a path is called."""
+        return self(name, f"{name}-de")
+
+    async def newcomer(self, place: Lab, account: int) -> Newcomer:
+        """Return somebody who is known already, with a phone of this language."""
+        if self.code != "en":
+            await place.control.call("set_language", user=account, language_code=self.code)
+        return Newcomer(place, account, app=self.app)
+
+
+ENGLISH = Tongue("en", IN_ENGLISH)
+GERMAN = Tongue("de", App("STARTEN", "bearbeitet"))
 
 
 @asynccontextmanager
@@ -91,72 +122,83 @@ async def test_the_same_in_german(
         await finished("join-de", cy, capsys)
 
 
+@pytest.mark.parametrize("said", [ENGLISH, GERMAN], ids=["en", "de"])
 async def test_asking_for_a_right(
-    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str], said: Tongue
 ) -> None:
     async with one_robot(tmp_path, launcher) as place:
-        said = await place.ask(place.ada, "/invite viewer omni", "start=")
-        [code] = CODE.findall(said["text"])
-        vi = Newcomer(place, await place.control.create_user("Vi"))
+        told = await place.ask(place.ada, "/invite viewer omni", "start=")
+        [code] = CODE.findall(told["text"])
+        account = await place.control.create_user("Vi", language_code=said.code)
+        vi = Newcomer(place, account, app=said.app)
         ada = Newcomer(place, place.ada)
 
-        await vi.start(code, "You are invited as viewer")
-        await vi.tap("Join", "You are in")
-        await vi.type("omni move 0.5 m", "needs the right")
-        await vi.tap("Ask for it", "I have asked Ada")
+        await vi.start(code, said("You are invited as viewer", "eingeladen"))
+        await vi.tap(said("Join", "Beitreten"), said("You are in", "Du bist dabei"))
+        await vi.type("omni move 0.5 m", said("needs the right", "das Recht"))
+        await vi.tap(
+            said("Ask for it", "Darum bitten"), said("I have asked Ada", "Ich habe gefragt (Ada)")
+        )
         await ada.tap("Allow 1 h", "Vi may now")
-        await vi.reads("Ada allows it. You may now")
-        await vi.type("omni move 0.5 m", "moved 0.50 m forward")
+        await vi.reads(said("Ada allows it. You may now", "Ada erlaubt es"))
+        await vi.type("omni move 0.5 m", said("moved 0.50 m forward", "0.50 m gefahren"))
 
-        await finished("ask", vi, capsys)
+        await finished(said.picture("ask"), vi, capsys)
 
 
+@pytest.mark.parametrize("said", [ENGLISH, GERMAN], ids=["en", "de"])
 async def test_driving_and_stopping_with_buttons(
-    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str], said: Tongue
 ) -> None:
     async with one_robot(tmp_path, launcher) as place:
-        bo = Newcomer(place, place.bo)
+        bo = await said.newcomer(place, place.bo)
 
-        await bo.start("", "What should omni do?")
+        await bo.start("", said("What should omni do?", "Was soll omni tun?"))
         await bo.tap("Move in a straight line", "0.50 m forward?")
         await bo.tap("+", "1.00 m forward?")
         await bo.tap("+", "2.00 m forward?")
-        await bo.tap("Do it", "driving")
-        await bo.tap("STOP", "STOP: omni at rest")
-        await bo.reads("stopped before it ended")
-        await bo.type("resume omni", "omni is ready again.")
+        await bo.tap(said("Do it", "Mach es"), said("driving", " %"))
+        await bo.tap("STOP", said("STOP: omni at rest", "STOP: omni steht still"))
+        await bo.reads(said("stopped before it ended", "vor dem Ende angehalten"))
+        await bo.type("resume omni", said("omni is ready again.", "omni ist wieder bereit."))
 
-        await finished("drive", bo, capsys)
+        await finished(said.picture("drive"), bo, capsys)
 
 
+@pytest.mark.parametrize("said", [ENGLISH, GERMAN], ids=["en", "de"])
 async def test_booking_a_time(
-    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str], said: Tongue
 ) -> None:
     async with one_robot(tmp_path, launcher) as place:
-        bo = Newcomer(place, place.bo)
+        bo = await said.newcomer(place, place.bo)
 
-        await bo.type("book", "When, and for how long?")
-        await bo.tap("book omni tomorrow 14:00 1h", "omni is yours on")
+        await bo.type("book", said("When, and for how long?", "Wann"))
+        await bo.tap("book omni tomorrow 14:00 1h", said("omni is yours on", "omni gehört dir"))
 
-        await finished("book", bo, capsys)
+        await finished(said.picture("book"), bo, capsys)
 
 
+@pytest.mark.parametrize("said", [ENGLISH, GERMAN], ids=["en", "de"])
 async def test_being_refused_and_asking_to_be_next(
-    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, launcher: Launcher, capsys: pytest.CaptureFixture[str], said: Tongue
 ) -> None:
     async with one_robot(tmp_path, launcher) as place:
-        ada, bo = Newcomer(place, place.ada), Newcomer(place, place.bo)
+        ada, bo = Newcomer(place, place.ada), await said.newcomer(place, place.bo)
         await ada.type("book omni now 1h", "omni is yours")
 
-        await bo.start("", "You do not have permission")
-        await bo.type("omni move 0.5 m", "omni is taken by Ada until")
-        await bo.tap("wait omni", "You are number 1 in the queue for omni")
+        await bo.start("", said("You do not have permission", "Du darfst keine Befehle"))
+        await bo.type("omni move 0.5 m", said("omni is taken by Ada until", "Ada"))
+        await bo.tap(
+            "wait omni", said("You are number 1 in the queue for omni", "Du bist Nummer 1")
+        )
         await ada.tap("Cancel it", "omni is given back")
-        await bo.reads("omni is free and it is your turn")
-        await bo.tap("Take it", "omni is yours now")
-        await bo.tap("omni", "Its name may be left out now.")
+        await bo.reads(said("omni is free and it is your turn", "omni ist frei, und du bist dran"))
+        await bo.tap(
+            said("Take it", "Übernehmen"), said("omni is yours now", "omni gehört jetzt dir")
+        )
+        await bo.tap("omni", said("Its name may be left out now.", "Der Name darf jetzt fehlen."))
 
-        await finished("refused", bo, capsys)
+        await finished(said.picture("refused"), bo, capsys)
 
 
 # ---- the pictures themselves ----

@@ -33,16 +33,17 @@ from rosic.pipeline.people.custody import Custody
 from rosic.pipeline.people.doorstep import Doorstep
 from rosic.pipeline.people.granting import Granting
 from rosic.pipeline.people.hiring import Clerks, hire
-from rosic.pipeline.people.inviting import Inviting
+from rosic.pipeline.people.inviting import INVITATION, Inviting
 from rosic.pipeline.people.joining import Joining
 from rosic.pipeline.people.notices import Notices
 from rosic.pipeline.people.petitioning import Petitioning
 from rosic.pipeline.people.powers import Powers
-from rosic.pipeline.people.proving import Proving
+from rosic.pipeline.people.proving import AUTHENTICATOR, Proving
 from rosic.pipeline.people.registry import Registry
 from rosic.pipeline.people.reminding import Reminding
 from rosic.pipeline.people.rolemaking import Rolemaking
 from rosic.pipeline.reach import Reach
+from rosic.pipeline.retracting import Retracting
 from rosic.pipeline.telling import Note
 from rosic.pipeline.times.clerks import employ_clerks
 from rosic.pipeline.times.keeper import Keeper
@@ -87,6 +88,7 @@ class Furnishing:
         keeper: Follows the calendar.
         live_cards: Shows in chats how robots are.
         fleet: Brings tasks to robots.
+        retracting: Takes away what held a secret.
     """
 
     def __init__(
@@ -154,6 +156,7 @@ class Furnishing:
         await self.keeper.close()
         await self.live_cards.close()
         await self.fleet.close()
+        await self.retracting.close()
 
     # ---- people ----
 
@@ -170,7 +173,9 @@ class Furnishing:
         async def ended(_principal: PrincipalId) -> None:
             authority.enforce()
 
+        self._mind_secrets(clock, entropy)
         registry = Registry(
+            retracting=self.retracting,
             authoriser=self._rooms.authoriser,
             enrolment=access.enrolment,
             keys=access.keys,
@@ -224,6 +229,17 @@ class Furnishing:
         self._pipeline.reception.outdated = Reminding(
             self.reach, self.admitting, self.petitioning
         ).remind
+
+    def _mind_secrets(self, clock: Clock, entropy: Entropy) -> None:
+        """Have what holds a secret taken out of chats once it is worth nothing."""
+        access = self._access
+        made = access.enrolment.invitations
+        self.retracting = Retracting(clock, entropy)
+        self.retracting.is_good = {
+            INVITATION: lambda name: any(one.id == name for one in made.open()),
+            AUTHENTICATOR: access.stepup.is_setting_up,
+        }
+        access.changes.after(self.retracting.look)
 
     def _menu(self, principal: PrincipalId) -> Reply:
         return self._pipeline.menu(principal)

@@ -204,12 +204,9 @@ class Gateway:
         recovery = Recovery(parts.store, self.rooms.linker, self._teller, parts.clock, messengers)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
         await self.furnishing.fleet.settle(memory, parts.store)
+        name = self.rooms.authoriser.directory.name
         outbox = owe_over_crashes(
-            parts,
-            self.furnishing,
-            self.stop_lane,
-            self._teller,
-            self.rooms.authoriser.directory.name,
+            parts, self.furnishing, self.stop_lane, self._teller, memory, name
         )
         outbox.restore(memory.facts, messengers)
         if count:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rosic.app.furnishing import Furnishing
     from rosic.app.parts import Parts
     from rosic.core.identity import PrincipalId
+    from rosic.core.record import Memory
     from rosic.errors import MessengerFault
     from rosic.pipeline.stopping import StopLane
     from rosic.pipeline.telling import Teller
@@ -24,10 +25,12 @@ def owe_over_crashes(
     furnishing: Furnishing,
     stop_lane: StopLane,
     teller: Teller,
+    memory: Memory,
     name: Callable[[PrincipalId], str],
 ) -> Outbox:
     """Have alarms, notices and the answers to stops written down, and admins told of thieves."""
     outbox = Outbox(parts.store, parts.clock, parts.entropy, teller)
+    furnishing.retracting.begin(parts.store.note, parts.messengers, memory.facts)
     furnishing.reach.outbox = stop_lane.outbox = outbox
     elsewhere = Elsewhere(furnishing.reach, furnishing.admins, name)
     teller.gone = elsewhere.gone

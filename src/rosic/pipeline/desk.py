@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.contracts.messenger import Messenger
 from rosic.core import words
 from rosic.core.language import Help, Line, Start, Status, Use
 from rosic.core.message import Attachment, Button, Chat
@@ -39,12 +41,16 @@ class Reply(msgspec.Struct, frozen=True):
     Attributes:
         attachment: A file that goes with it, for a messenger that sends files of its size.
         about: The robot that it speaks of, for whoever replies to it; empty for none.
+        anew: It is said in a message of its own: what was tapped is about to go.
+        landed: Hears through which messenger, in which chat, which message says it.
     """
 
     text: str
     buttons: tuple[tuple[Button, ...], ...] = ()
     attachment: Attachment | None = None
     about: str = ""
+    landed: Callable[[Messenger, Chat, str], None] | None = None
+    anew: bool = False
 
 
 class Desk:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.container.letters import Answer
@@ -87,11 +88,15 @@ class Replies:
             buttons=self._bind(inbound, caller, reply.buttons),
             attachment=reply.attachment,
         )
-        plain = translated(outbound, self._languages.of(caller.principal))
+        note = Note(messenger, translated(outbound, self._languages.of(caller.principal)))
+        note.about = reply.about
+        if reply.landed is not None:
+            note.landed = partial(reply.landed, messenger, inbound.chat)
         if reply.attachment is not None:  # no file comes into a message that is there
-            self._teller.say(Note(messenger, plain, about=reply.about))
+            self._teller.say(note)
         else:
-            self._say(Note(messenger, plain, None, inbound.under, about=reply.about), inbound)
+            note.edit_of = "" if reply.anew else inbound.under
+            self._say(note, inbound)
 
     def say_with(self, messenger: Messenger, inbound: Inbound, reply: Reply) -> None:
         """Answer somebody who is nobody yet; buttons carry their own nonces already.

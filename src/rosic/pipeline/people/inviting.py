@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.authoriser.codes import join_text
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.people.powers import Powers
     from rosic.pipeline.people.registry import Registry
 
+INVITATION = "invitation"
+"""What a message holds that goes once nobody can be let in by it."""
 TERMINAL = "terminal"
 """The one platform whose letters all have the same width."""
 
@@ -95,8 +98,12 @@ class Inviting:
             lines.append(qr_text(link or text))
         else:
             picture = qr_picture(asked.messenger, "invitation.png", link or text)
-        row = (words.take_back_button(offer.invitation.id),)
-        return Reply(joined("\n", lines), (row,), picture)
+        made = offer.invitation
+        keep = partial(
+            self._registry.retracting.keep, f"{INVITATION} {made.id}", by, made.expires_ns
+        )
+        row = (words.take_back_button(made.id),)
+        return Reply(joined("\n", lines), (row,), picture, landed=keep)
 
     async def _take_back(self, asked: Asked, invitation: str) -> Reply:
         by, made = asked.caller.principal, self._registry.enrolment.invitations
@@ -104,7 +111,7 @@ class Inviting:
             self._powers.check(by, INVITE)
             records = made.withdraw(invitation, by)
             written = await turn.act(records)
-        return Reply(words.noted(words.TAKEN_BACK, written=written))
+        return Reply(words.noted(words.TAKEN_BACK, written=written), anew=True)
 
     async def _reopen(self, asked: Asked) -> Reply:
         """Let everybody join again after too many wrong codes."""

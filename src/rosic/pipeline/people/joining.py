@@ -16,6 +16,7 @@ from rosic.errors import RecordUnavailable, Refusal
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.people import words
 from rosic.pipeline.people.doorstep import Offered
+from rosic.pipeline.people.inviting import INVITATION
 from rosic.pipeline.people.powers import PEOPLE
 
 if TYPE_CHECKING:
@@ -89,10 +90,10 @@ class Joining:
         private = inbound.chat.kind is ChatKind.PRIVATE
         if _may_hold_a_code(text, 0, READ_AT_MOST) is not None:
             if not private:
-                return await self._in_group(inbound, text)
+                return await self._in_group(messenger, inbound, text)
             code = code_said(text)
             if code is not None and not self._is_robot(inbound, text):
-                return self._shown(messenger, inbound, code)
+                return self._shown(messenger, inbound, code, text)
         return self._still_waiting(inbound) if private else None
 
     def _is_robot(self, inbound: Inbound, text: str) -> bool:
@@ -102,22 +103,29 @@ class Joining:
 
     # ---- what was sent ----
 
-    def _shown(self, messenger: Messenger, inbound: Inbound, code: str) -> Reply:
+    def _shown(self, messenger: Messenger, inbound: Inbound, code: str, text: str) -> Reply:
         """Show what a code gives; it is not used up by that."""
         found = self._enrolment.look(code, inbound.sender, private=True)
         if isinstance(found, TurnedAway):
             return self._turned_away(found)
         what = found.given.words
         offered = Offered(Secret(code), found.id, found.issuer, what)
-        text = words.invited(what, messenger.platform, messenger.assurance)
-        return Reply(text, self._doorstep.offer(inbound, offered))
+        if not text.lstrip().startswith("/"):  # a link's START shows nobody what it brings
+            self._registry.retracting.keep(
+                f"{INVITATION} {found.id}", "", found.expires_ns,
+                messenger, inbound.chat, inbound.message,
+            )  # fmt: skip
+        shown = words.invited(what, messenger.platform, messenger.assurance)
+        return Reply(shown, self._doorstep.offer(inbound, offered))
 
-    async def _in_group(self, inbound: Inbound, text: str) -> Reply | None:
+    async def _in_group(self, messenger: Messenger, inbound: Inbound, text: str) -> Reply | None:
         """Burn every good code that a group was shown, and say the same about one that is none."""
         if not codes_in(text):
             return None
         async with self._registry.changes.turn() as turn:
             said = await self._burnt(turn, inbound, text)
+        if said is not None:
+            self._registry.retracting.now(messenger, inbound.chat, inbound.message)
         code = code_said(text) if text.lstrip().startswith("/") else None
         if said is None and code is not None:
             said = self._enrolment.look(code, inbound.sender, private=False)  # type: ignore[assignment]  # never an invitation

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.authoriser import words_keys
 from rosic.authoriser.qr import qr_text
+from rosic.authoriser.stepup import SETUP_NS
 from rosic.core.saying import joined
 from rosic.errors import RecordUnavailable
 from rosic.pipeline.desk import Reply
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.people.registry import Registry
 
 RESET = "reset"
+AUTHENTICATOR = "authenticator"
+"""What a message holds that goes once a phone is set up."""
 
 
 class Proving:
@@ -53,7 +57,12 @@ class Proving:
         picture = qr_picture(asked.messenger, "authenticator.png", uri)
         if picture is not None:
             lines.append(words_access.SCAN)
-        return Reply(joined("\n", lines), attachment=picture)
+        until_ns = self._registry.clock.wall_ns() + SETUP_NS
+        keep = partial(
+            self._registry.retracting.keep,
+            f"{AUTHENTICATOR} {caller.principal}", caller.principal, until_ns,
+        )  # fmt: skip
+        return Reply(joined("\n", lines), attachment=picture, landed=keep)
 
     async def code(self, asked: Asked) -> Reply:
         """Finish setting up, or prove who holds the phone, for this chat.
@@ -63,6 +72,8 @@ class Proving:
         """
         principal, chat, digits = asked.caller.principal, asked.inbound.chat, asked.rest
         finishes = asked.private and self._stepup.is_setting_up(principal)
+        if asked.inbound.nonce is None:  # it was typed: right or wrong, it is not left lying about
+            self._registry.retracting.now(asked.messenger, chat, asked.inbound.message)
         async with self._registry.changes.turn() as turn:
             self._powers.check_not_locked(principal)
             take = self._stepup.finish if finishes else self._stepup.prove

@@ -18,6 +18,7 @@ from rosic.core.rights import Rights
 from rosic.organiser.roster import Roster
 from rosic.pipeline.changes import Changes
 from rosic.pipeline.reach import Reach
+from rosic.pipeline.retracting import Retracting
 
 
 class Registry(msgspec.Struct, frozen=True, kw_only=True):
@@ -25,6 +26,7 @@ class Registry(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         rights: Returns the snapshot in force.
+        retracting: Takes away what held a secret.
         ended: Ends what somebody has in hand: leases and motion. Called when their lock or their
             revocation is in force already, and outside of any turn.
     """
@@ -41,6 +43,7 @@ class Registry(msgspec.Struct, frozen=True, kw_only=True):
     clock: Clock
     rights: Callable[[], Rights]
     ended: Callable[[PrincipalId], Awaitable[object]]
+    retracting: Retracting
 
     def name(self, principal: PrincipalId) -> str:
         """Return how somebody is shown."""

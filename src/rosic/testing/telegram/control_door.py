@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from rosic.testing.telegram.server import FakeTelegram
 
 VERBS = (
-    "create_user", "say", "edit", "tap", "react", "delete", "backlog", "create_chat",
+    "create_user", "set_language", "say", "edit", "tap", "react", "delete", "backlog",
+    "create_chat",
     "topics", "set_member", "block", "link", "migrate", "fail", "calm", "set_latency",
     "set_limits", "advance", "shift_dates", "duplicate", "reorder", "jump", "put_update",
     "foreign_webhook", "message", "messages", "press", "presses", "pending", "changes", "wait",

@@ -87,6 +87,10 @@ class People:
         self.world.state.chats[number] = Chat(id=number, kind="private", instance=instance)
         return number
 
+    def set_language(self, user: int, language_code: str) -> None:
+        """Let somebody's app speak another language from now on."""
+        self.world.state.users[user].language_code = language_code
+
     def say(self, chat: int, user: int | None, text: str, **unusual: Unpack[Saying]) -> int:
         """Write a message, as a person does, and return its id.
 

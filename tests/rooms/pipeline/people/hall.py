@@ -47,6 +47,7 @@ from rosic.pipeline.people.proving import Proving
 from rosic.pipeline.people.registry import Registry
 from rosic.pipeline.reach import Reach
 from rosic.pipeline.replies import LEAVE
+from rosic.pipeline.retracting import Retracting
 from rosic.pipeline.telling import Note, Teller
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
@@ -134,6 +135,7 @@ class Hall:
 
     def _registry(self) -> Registry:
         return Registry(
+            retracting=Retracting(self.clock, SeededEntropy()),
             authoriser=self.authoriser,
             enrolment=self.enrolment,
             keys=self.keys,
