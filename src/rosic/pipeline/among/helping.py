@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 KIND: Final = "robot-help"
 OPEN_OF_ONE: Final = 3
+# Nobody may ever say that the help is over; then it no longer keeps two robots from their tasks.
+ENGAGED_NS: Final = 3_600_000_000_000
 KEPT_NS: Final = 86_400_000_000_000
 
 log = logging.getLogger("rosic.among")
@@ -102,6 +104,13 @@ class HelpBook:
     def under_way(self) -> list[Help]:
         """Return what somebody has accepted and is not over."""
         return [h for h in self._helps.values() if h.by and not h.over_ns]
+
+    def engages(self, robot: RobotId) -> bool:
+        """Whether a robot helps or is helped now, so that it has no time for tasks."""
+        since_ns = self._wall_ns() - ENGAGED_NS
+        return any(
+            robot in {h.robot, h.helper} and h.accepted_ns > since_ns for h in self.under_way()
+        )
 
     def late(self, now_ns: int) -> list[Help]:
         """Return what nobody has accepted in time."""
