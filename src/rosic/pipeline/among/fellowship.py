@@ -143,7 +143,8 @@ class Fellowship:
         """
         circle, around, looks = self.circle, self.around, 0
         try:
-            while any(around.rights.robots()):
+            peopled = any(around.rights.robots())  # they become principals at the start alone
+            while peopled:
                 await around.clock.sleep(LOOK_EVERY_S)
                 looks += 1
                 try:

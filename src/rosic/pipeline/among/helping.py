@@ -26,6 +26,7 @@ OPEN_OF_ONE: Final = 3
 # Nobody may ever say that the help is over; then it no longer keeps two robots from their tasks.
 ENGAGED_NS: Final = 3_600_000_000_000
 KEPT_NS: Final = 86_400_000_000_000
+KEPT_OVER: Final = 500
 
 log = logging.getLogger("rosic.among")
 
@@ -169,9 +170,12 @@ class HelpBook:
         return self._fact(msgspec.structs.replace(found, over_ns=self._wall_ns()))
 
     def forgotten(self) -> list[Fact]:
-        """Return what takes away all that is long over."""
+        """Return what takes away all that is long over, and the oldest of too much that is."""
         before_ns = self._wall_ns() - KEPT_NS
-        old = [h for h in self._helps.values() if max(h.until_ns, h.over_ns) < before_ns]
+        over = [h for h in self._helps.values() if h.over_ns]
+        beyond = over[: max(0, len(over) - KEPT_OVER)]
+        long_ago = (h for h in self._helps.values() if max(h.until_ns, h.over_ns) < before_ns)
+        old = {h.id: h for h in (*beyond, *long_ago)}.values()
         return [Fact(kind=KIND, key=h.id, body=b"") for h in old]
 
     def _fact(self, made: Help) -> Fact:

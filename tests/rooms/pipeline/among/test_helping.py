@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from rosic.core.fleet.task import State
+from rosic.core.record import Decided
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.among.fellows import Fellows
-from tests.rooms.pipeline.place import ADA, BO, VI, BrokenStore, profile
+from tests.rooms.pipeline.place import ADA, BO, VI, BrokenStore, SlowStore, profile
 from tests.rooms.pipeline.test_tasks import Worker
 
 
@@ -78,6 +79,24 @@ async def test_the_same_help_is_accepted_once_whoever_comes_together() -> None:
         assert (again["ok"], again["code"]) == (False, "expired")
         assert "accepted already, by" in again["why"]
         assert len(tasks.adjusted) == before
+
+
+async def test_while_the_disk_takes_its_time_nobody_else_gets_in_between() -> None:
+    store = SlowStore(Decided)
+    store.ready.set()
+    async with Fellows(store).open() as here:
+        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+        ident = await asked(here)
+        store.ready.clear()
+        here.speaks("cf1", "accept", id=ident)
+        here.chat.say(f"/assist {ident} kuka1", account=ADA, chat=ADA)
+        here.chat.say(f"/assist {ident} cf2", account=BO, chat=BO)
+        await here.clock.advance(1)
+        assert tasks.adjusted == []
+        assert here.gateway.among.circle.desk.book.find(ident).open, "not before it is on disk"
+        store.ready.set()
+        await here.clock.advance(1)
+        assert len(tasks.adjusted) == 1
 
 
 async def test_a_person_helps_by_a_button_or_sends_a_robot_that_is_free() -> None:
