@@ -97,6 +97,15 @@ OF_AMONG = (
         caught_by=(f"{HELPING}::test_what_cannot_be_written_is_not_accepted",),
     ),
     Fault(
+        name="a robot that helps is given tasks",
+        file="pipeline/fleet/watching.py",
+        guard="            and not self.engaged(robot)\n",
+        without="",
+        caught_by=(
+            f"{HELPING}::test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhile",
+        ),
+    ),
+    Fault(
         name="a strategy counts before the robot has acknowledged it",
         file="pipeline/among/strategies.py",
         guard="return standing.now if standing.known else standing.before",

@@ -19,6 +19,7 @@ from rosic.pipeline.among.parts import Around
 from rosic.pipeline.among.post import Post
 from rosic.pipeline.among.rights import FellowRights
 from rosic.pipeline.among.strategies import Strategies
+from rosic.pipeline.fleet.assisting import Assisting
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -56,6 +57,9 @@ def fellowship_of(gateway: Gateway, parts: Parts, teller: Teller, memory: Memory
     fellowship = Fellowship(circle)
     fellowship.restore(memory.facts)
     AmongClerk(fellowship, rooms).employ(gateway.pipeline.reception.office)
+    fleet = gateway.furnishing.fleet
+    circle.desk.tasks = Assisting(rooms, fleet.dispatching)
+    fleet.watching.engaged = book.engages
     for robot, adapter in gateway.robots.items():
         if isinstance(adapter, Fellow):
             fellowship.join(robot, adapter)

@@ -42,6 +42,10 @@ class Tasks(Protocol):
     async def helped(self, helper: RobotId, asker: RobotId) -> str:
         """Adjust the tasks of a robot that helps and of the one it helps; once for each help.
 
+        Args:
+            helper: Empty where a person helps.
+            asker: Who is helped.
+
         Returns:
             What was changed, in a sentence that people read; empty: nothing had to be.
         """

@@ -15,7 +15,7 @@ from rosic.core.robot import Link, Profile
 from rosic.errors import ConfigurationError
 from rosic.pipeline.among.inbox import PACE
 from rosic.robots.ros2.robot import Ros2Robot
-from tests.real.ros2.simulated import until
+from tests.real.ros2.simulated import shipped, simulated, until
 from tests.rooms.pipeline.among.fellows import CAREFUL, Fellows
 from tests.rooms.pipeline.among.test_storm import RealClock
 from tests.rooms.pipeline.place import BO
@@ -39,8 +39,9 @@ class OnRos(Fellows):
 
     kind = Ros2Robot
 
-    def __init__(self) -> None:
-        super().__init__(clock=RealClock(), fleet=(fellow("omni"), fellow("cf1"), fellow("cf2")))
+    def __init__(self, *fleet: Profile) -> None:
+        fleet = fleet or (fellow("omni"), fellow("cf1"), fellow("cf2"))
+        super().__init__(clock=RealClock(), fleet=fleet)
 
 
 class Brain:
@@ -145,6 +146,24 @@ async def test_a_node_that_shares_10_000_times_a_second_hinders_nobody(
         assert taken <= PACE.burst + PACE.per_s * 20
         assert dropped > taken
         assert sorted(seconds)[len(seconds) // 2] < 1.0
+
+
+async def test_a_robot_that_ships_takes_on_a_strategy(
+    graph: RosGraph, interfaces: Path, tmp_path: Path
+) -> None:
+    assert interfaces.name
+    with simulated(graph, tmp_path, "omni"):
+        async with OnRos(shipped("omni")).open() as here:
+            robot = here.gateway.robots["omni"]
+            await until(lambda: robot.presence().online is True, timeout_s=PATIENCE_S)
+            await until(lambda: bool(robot.hear(b"{}")), timeout_s=PATIENCE_S)  # type: ignore[attr-defined]
+            here.chat.say("/strategy omni careful speed=0.1 now", account=BO, chat=BO)
+            await until(
+                lambda: any(
+                    "omni has taken on: Careful" in t.outbound.text for t in here.chat.told
+                ),
+                timeout_s=PATIENCE_S,
+            )
 
 
 async def test_a_profile_without_a_namespace_is_refused(graph: RosGraph) -> None:

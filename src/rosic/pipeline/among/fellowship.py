@@ -102,7 +102,6 @@ class Fellowship:
             said_by.Over: self._over,
             said_by.Tell: self._tell,
             said_by.Adjust: self._adjust,
-            said_by.Acknowledge: self._acknowledge,
         }
 
     # ---- beginning and going on ----
@@ -144,7 +143,8 @@ class Fellowship:
         """
         circle, around, looks = self.circle, self.around, 0
         try:
-            while any(around.rights.robots()):
+            peopled = any(around.rights.robots())  # they become principals at the start alone
+            while peopled:
                 await around.clock.sleep(LOOK_EVERY_S)
                 looks += 1
                 try:
@@ -180,17 +180,25 @@ class Fellowship:
         """Take one utterance: who is it, may they, what does it say, do it."""
         ref = ""
         try:
-            caller = self.around.rights.caller(robot)
-            if self.quiet(robot) is not None:
-                raise NotPermitted(words.silent_until())
-            utterance: Utterance = read_utterance(words_, UTTERANCE_BYTES)
+            utterance = read_utterance(words_, UTTERANCE_BYTES)
             ref = utterance.ref
-            answer = await self._do[type(utterance)](caller, robot, utterance)
+            answer = await self._heed(robot, utterance)
         except Refusal as refusal:
             self._answer(robot, ref, {"ok": False, "code": refusal.code, "why": refusal.sentence})
             return
         if ref or answer:
             self._answer(robot, ref, {"ok": True, **answer})
+
+    async def _heed(self, robot: RobotId, utterance: Utterance) -> Answer:
+        """Do what a robot says, if it may. Whoever was told how to work may say that it does."""
+        if isinstance(utterance, said_by.Acknowledge):
+            ident, why, ok = utterance.id, utterance.why, utterance.ok
+            self.circle.strategies.acknowledged(robot, ident, why, ok=ok)
+            return {}
+        caller = self.around.rights.caller(robot)
+        if self.quiet(robot) is not None:
+            raise NotPermitted(words.silent_until())
+        return await self._do[type(utterance)](caller, robot, utterance)
 
     def _answer(self, robot: RobotId, ref: str, answer: Mapping[str, object]) -> None:
         said = {name: str(v) if isinstance(v, str) else v for name, v in answer.items()}
@@ -315,12 +323,6 @@ class Fellowship:
             caller, said.robot, said.strategy, said.values, idle=said.when == "idle"
         )
         return {"text": text}
-
-    async def _acknowledge(
-        self, _caller: Caller, robot: RobotId, said: said_by.Acknowledge
-    ) -> Answer:
-        self.circle.strategies.acknowledged(robot, said.id, said.why, ok=said.ok)
-        return {}
 
     # ---- silence ----
 

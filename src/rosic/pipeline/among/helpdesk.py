@@ -161,7 +161,7 @@ class HelpDesk:
         return self._rights.principal(robot) == caller.principal
 
     async def _adjust(self, made: Help) -> str:
-        if self.tasks is None or not made.helper:
+        if self.tasks is None:
             return words.no_tasks()
         try:
             async with asyncio.timeout(TASKS_WITHIN_S):

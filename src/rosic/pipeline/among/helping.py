@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 KIND: Final = "robot-help"
 OPEN_OF_ONE: Final = 3
+# Nobody may ever say that the help is over; then it no longer keeps two robots from their tasks.
+ENGAGED_NS: Final = 3_600_000_000_000
 KEPT_NS: Final = 86_400_000_000_000
+KEPT_OVER: Final = 500
 
 log = logging.getLogger("rosic.among")
 
@@ -103,6 +106,13 @@ class HelpBook:
         """Return what somebody has accepted and is not over."""
         return [h for h in self._helps.values() if h.by and not h.over_ns]
 
+    def engages(self, robot: RobotId) -> bool:
+        """Whether a robot helps or is helped now, so that it has no time for tasks."""
+        since_ns = self._wall_ns() - ENGAGED_NS
+        return any(
+            robot in {h.robot, h.helper} and h.accepted_ns > since_ns for h in self.under_way()
+        )
+
     def late(self, now_ns: int) -> list[Help]:
         """Return what nobody has accepted in time."""
         return [h for h in self._helps.values() if h.open and now_ns >= h.until_ns]
@@ -160,9 +170,12 @@ class HelpBook:
         return self._fact(msgspec.structs.replace(found, over_ns=self._wall_ns()))
 
     def forgotten(self) -> list[Fact]:
-        """Return what takes away all that is long over."""
+        """Return what takes away all that is long over, and the oldest of too much that is."""
         before_ns = self._wall_ns() - KEPT_NS
-        old = [h for h in self._helps.values() if max(h.until_ns, h.over_ns) < before_ns]
+        over = [h for h in self._helps.values() if h.over_ns]
+        beyond = over[: max(0, len(over) - KEPT_OVER)]
+        long_ago = (h for h in self._helps.values() if max(h.until_ns, h.over_ns) < before_ns)
+        old = {h.id: h for h in (*beyond, *long_ago)}.values()
         return [Fact(kind=KIND, key=h.id, body=b"") for h in old]
 
     def _fact(self, made: Help) -> Fact:

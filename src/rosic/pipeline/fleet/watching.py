@@ -39,10 +39,12 @@ class Watching:
 
     Attributes:
         expected_s: Returns how long a robot takes for a skill at most, in s; None: nobody knows.
+        engaged: Whether a robot has something else to do than tasks, though it carries out nothing.
     """
 
     def __init__(self, rooms: Rooms, dispatching: Dispatching, clock: Clock) -> None:
         self.expected_s: Callable[[RobotId, str], float | None] = _unknown
+        self.engaged: Callable[[RobotId], bool] = _not_engaged
         self.monotonic_ns = clock.monotonic_ns
         self._rooms = rooms
         self._dispatching = dispatching
@@ -151,6 +153,7 @@ class Watching:
             and presence.at_rest is not False
             and not rooms.board[robot].latched
             and rooms.linker.current(robot) is None
+            and not self.engaged(robot)
         )
         holder = rooms.organiser.whose(robot)
         if rooms.profiles[robot].slots is Slots.REQUIRED:
@@ -179,3 +182,7 @@ def _place(presence: Presence) -> tuple[float, float] | None:
 
 def _unknown(_robot: RobotId, _skill: str) -> float | None:
     return None
+
+
+def _not_engaged(_robot: RobotId) -> bool:
+    return False

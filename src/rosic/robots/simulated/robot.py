@@ -10,6 +10,7 @@ from rosic.core.robot import Presence, Profile
 from rosic.core.saying import joined, said
 from rosic.core.view import Pose, Sight, View
 from rosic.errors import ConfigurationError, NothingToSee
+from rosic.robots.simulated.fellow import answer
 from rosic.robots.simulated.goals import goal_of, machine_arguments
 from rosic.robots.simulated.machines.activity import Activity, CannotDo, State
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
@@ -21,6 +22,7 @@ from rosic.robots.simulated.theatre import theatre_of
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Mapping
 
+    from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
     from rosic.core.gate import Gate
@@ -59,6 +61,7 @@ class SimulatedRobot:
         self.begun = 0
         self._doing = ""
         self._say: Say = _unheard
+        self._speak: Speak = _unspoken
         self._noted = machine.note
 
     async def open(self, say: Say) -> None:
@@ -71,6 +74,17 @@ class SimulatedRobot:
         if not self._machine.at_rest():
             await self._rest()
         self._theatre.forget(self._listen)
+
+    def meet(self, speak: Speak) -> None:
+        """Take what it answers by."""
+        self._speak = speak
+
+    def hear(self, words: bytes) -> bool:
+        """Take on a strategy; the rest of what robots say is nothing to a machine."""
+        said_back = answer(self._machine, words)
+        if said_back is not None:
+            self._speak(said_back, 0)
+        return True
 
     def _listen(self) -> None:
         """Pass on what the machine did of its own accord: landed because a peer was lost."""
@@ -226,6 +240,10 @@ def _described(measured: Mapping[str, float | str], profile: Profile) -> dict[st
                 values[name] = value * 100 if percent else value
                 break
     return values
+
+
+def _unspoken(_words: bytes, _dropped: int) -> None:
+    """Nobody was met."""
 
 
 def _unheard(_text: str) -> None:

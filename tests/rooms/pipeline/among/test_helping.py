@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
-
+from rosic.core.fleet.task import State
+from rosic.core.record import Decided
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.among.fellows import Fellows
-from tests.rooms.pipeline.place import ADA, BO, VI, BrokenStore
+from tests.rooms.pipeline.place import ADA, BO, VI, BrokenStore, SlowStore, profile
+from tests.rooms.pipeline.test_tasks import Worker
 
 
 class TwoTasks:
@@ -78,6 +79,24 @@ async def test_the_same_help_is_accepted_once_whoever_comes_together() -> None:
         assert (again["ok"], again["code"]) == (False, "expired")
         assert "accepted already, by" in again["why"]
         assert len(tasks.adjusted) == before
+
+
+async def test_while_the_disk_takes_its_time_nobody_else_gets_in_between() -> None:
+    store = SlowStore(Decided)
+    store.ready.set()
+    async with Fellows(store).open() as here:
+        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+        ident = await asked(here)
+        store.ready.clear()
+        here.speaks("cf1", "accept", id=ident)
+        here.chat.say(f"/assist {ident} kuka1", account=ADA, chat=ADA)
+        here.chat.say(f"/assist {ident} cf2", account=BO, chat=BO)
+        await here.clock.advance(1)
+        assert tasks.adjusted == []
+        assert here.gateway.among.circle.desk.book.find(ident).open, "not before it is on disk"
+        store.ready.set()
+        await here.clock.advance(1)
+        assert len(tasks.adjusted) == 1
 
 
 async def test_a_person_helps_by_a_button_or_sends_a_robot_that_is_free() -> None:
@@ -198,6 +217,37 @@ async def test_tasks_that_cannot_be_adjusted_are_said_and_the_help_stands() -> N
         here.gateway.among.circle.desk.tasks = None
         second = await asked(here, "no light")
         before = len(here.chat.told)
-        await asyncio.sleep(0)
         await here.says("cf1", "accept", id=second)
         assert (await told_to(here, BO, before))[0].endswith("No tasks were changed.")
+
+
+class Warehouse(Fellows):
+    """Its robots work until they are told how it ended."""
+
+    kind = Worker
+
+
+async def test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhile() -> None:
+    fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
+    async with Warehouse(fleet=fleet).open() as here:
+        tasks = here.gateway.furnishing.fleet.dispatching.fleet.tasks
+        for robot in ("omni", "cf1"):
+            await here.say(f"/task {robot} wave", account=ADA, chat=ADA)
+        await here.say("/task crew move 1 m", account=ADA, chat=ADA)
+        await here.clock.advance(2)
+        assert {t.robot for t in tasks.values()} == {"omni", "cf1", "cf2"}
+        ident = await asked(here)
+        accepted = await here.says("cf1", "accept", id=ident)
+        assert accepted["text"] == (
+            "cf1 helps omni (stuck at aisle 4).\n"
+            "Task 1 leaves omni and waits for a robot.\nTask 2 leaves cf1 and waits for a robot."
+        )
+        await here.clock.advance(10)
+        assert {t.id: (t.state, t.robot) for t in tasks.values()} == {
+            "1": (State.QUEUED, ""), "2": (State.QUEUED, ""), "3": (State.RUNNING, "cf2"),
+        }, "only they can, and they have no time"  # fmt: skip
+        before = here.acted("omni"), here.acted("cf1")
+        await here.says("omni", "over", id=ident)
+        await here.clock.advance(5)
+        assert {t.robot for t in tasks.values()} == {"omni", "cf1", "cf2"}
+        assert (here.acted("omni"), here.acted("cf1")) == (before[0] + 1, before[1] + 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rosic.robots.ros2.nodes.ends import subscribe
+from rosic.robots.ros2.nodes.ends import publisher, subscribe
 from rosic.robots.ros2.nodes.faults import Faults
 from rosic.robots.ros2.nodes.goals import Goals
 from rosic.robots.ros2.nodes.offers import MODELS
@@ -15,6 +15,7 @@ from rosic.robots.ros2.nodes.views import DrawJpeg, SceneCamera, publish_map
 from rosic.robots.ros2.nodes.waiting_clock import NS, WaitingClock
 from rosic.robots.ros2.nodes.watch import LinkWatch
 from rosic.robots.ros2.ros import load_ros
+from rosic.robots.simulated.fellow import answer
 from rosic.robots.simulated.machines.activity import CannotDo
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.omni import Omni
@@ -65,6 +66,9 @@ class MachineNode:
         self._map: RosObject = None
         self._camera: SceneCamera | None = None
         if isinstance(self.machine, Omni):
+            text = import_module("std_msgs.msg").String
+            self._voice = publisher(ros_node, text, "among/say")
+            subscribe(ros_node, text, "among/hear", self._told)
             self._map = publish_map(ros_node, self.machine, load_ros().qos)
             twist = import_module("geometry_msgs.msg").Twist
             subscribe(ros_node, twist, "cmd_vel", self._velocity)
@@ -139,6 +143,12 @@ class MachineNode:
     def _heard(self, header: RosObject) -> None:
         if self.linked:
             self._watch.heard(self.when_s(header.stamp))
+
+    def _told(self, words: RosObject) -> None:
+        """Take on a strategy, and say so: what the robot's own node does among other robots."""
+        said = answer(self.machine, words.data.encode()) if self.linked else None
+        if said is not None:
+            self._voice.publish(type(words)(data=said.decode()))
 
     def _stop(self, _request: RosObject, response: RosObject) -> RosObject:
         response.success = self.linked

@@ -69,6 +69,7 @@ class Omni(SteppedMachine):
         base: The drive and its odometry.
         arm: Five joints.
         watchdog_s: Without a new set-point for this long the base comes to rest by itself.
+        speed_cap_m_s: It drives no faster than this, whatever is asked.
     """
 
     def __init__(
@@ -82,6 +83,7 @@ class Omni(SteppedMachine):
         self.base = MecanumBase(*pose)
         self.arm = JointGroup(ARM_LIMITS, ARM_POSES["home"])
         self.watchdog_s = watchdog_s
+        self.speed_cap_m_s = SPEED_LIMIT_M_S
         self._wanted = REST
         self._braking = False
         self._setpoint_s: float | None = None
@@ -118,7 +120,14 @@ class Omni(SteppedMachine):
         if self._braking or not self.arm.still:
             raise CannotDo(self.id, said("still coming to rest"))
         self._setpoint_s = now_s
-        self._wanted = velocity
+        self._wanted = self._capped(velocity)
+
+    def _capped(self, velocity: Velocity) -> Velocity:
+        """Return a velocity that is no faster than the cap, direction kept."""
+        share = hypot(velocity.x_m_s, velocity.y_m_s) / self.speed_cap_m_s
+        if self.speed_cap_m_s >= SPEED_LIMIT_M_S or share <= 1.0:
+            return velocity
+        return Velocity(velocity.x_m_s / share, velocity.y_m_s / share, velocity.yaw_rad_s)
 
     # --------------------------------------------------------------------------------------- skills
 
@@ -224,7 +233,7 @@ class Omni(SteppedMachine):
             along, across = cos(heading), sin(heading)
             towards = base.velocity.x_m_s * along + base.velocity.y_m_s * across
             # The wheels' limit, too, is kept here: braking must not have to wait for scaling.
-            limit = min(speed, SPEED_LIMIT_M_S / (abs(along) + abs(across)))
+            limit = min(speed, self.speed_cap_m_s, SPEED_LIMIT_M_S / (abs(along) + abs(across)))
             wanted = min(limit, braking_speed(left, towards, ACCELERATION_M_S2, self._dt_s))
             self._wanted = Velocity(wanted * along, wanted * across, 0.0)
             self._advance(share * (1.0 - left / whole))
