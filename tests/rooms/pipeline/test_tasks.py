@@ -62,6 +62,13 @@ def warehouse(store: MemoryStore | None = None, fleet: tuple[Profile, ...] = WAR
     return Warehouse(store, fleet=(*fleet, FLEET[0]))
 
 
+def later(store: MemoryStore) -> Place:
+    """Return the same place an hour later."""
+    here = warehouse(store)
+    here.clock.jump_wall(HOUR_S)
+    return here
+
+
 def tasks(here: Place) -> dict[str, Task]:
     return here.gateway.furnishing.fleet.dispatching.fleet.tasks
 
@@ -234,7 +241,7 @@ async def test_after_a_crash_what_may_have_been_done_is_said_and_not_repeated() 
         await here.say("/task w1 wave")
         assert tasks(here)["1"].state is State.RUNNING
         crashed = deepcopy(store)
-    async with warehouse(crashed).open() as here:
+    async with later(crashed).open() as here:
         assert tasks(here)["1"].state is State.UNKNOWN
         assert "not known whether it was done" in await here.say("/task 1")
         assert "Task 1 (wave): done" in await here.say("/task done 1")
@@ -251,7 +258,7 @@ async def test_after_an_orderly_end_what_ran_is_paused() -> None:
         await here.say("/task warehouse move 1 m then wave")
         worker(here, "w1").end(Ending.DONE)
         await heard(here)
-    async with warehouse(store).open() as here:
+    async with later(store).open() as here:
         task = tasks(here)["1"]
         assert (task.state, task.done) == (State.PAUSED, 1)
         await here.say("/task go 1")
