@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.app.config import read_config
 from rosic.app.missions import Missions
 from rosic.app.profiles import known_units
 from tests.rooms.pipeline.test_tasks import WAREHOUSE
@@ -76,3 +77,37 @@ def test_two_may_not_have_one_name_and_a_circle_of_two_is_found(tmp_path: Path) 
     found = wrong(tmp_path, one, two)
     assert found[0].startswith("m0.yaml:3: This mission goes round in a circle: one -> two -> one")
     assert found[1].startswith("m1.yaml:4: ")
+
+
+CONFIG = """\
+[[messenger]]
+kind = "terminal"
+
+[[robot]]
+profile = "omni"
+link = "simulated"
+
+[[principal]]
+name = "Ada"
+address = "terminal:ada"
+role = "admin"
+
+[[mission]]
+file = "tour.yaml"
+"""
+
+
+def test_the_configuration_names_them_and_says_what_is_wrong_where_it_is(tmp_path: Path) -> None:
+    file = tmp_path / "rosic.toml"
+    file.write_text(CONFIG, encoding="utf-8")
+    [error] = read_config(file).errors
+    assert "rosic.toml:14: There is no mission at tour.yaml." in str(error)
+    tour = tmp_path / "tour.yaml"
+    tour.write_text("name: tour\ndo:\n  - {on: omni, steps: [move 50 cm left]}\n", encoding="utf-8")
+    read = read_config(file)
+    assert not read.errors
+    assert read.config is not None
+    assert [mission.name for mission in read.config.missions] == ["tour"]
+    tour.write_text("name: tour\ndo:\n  - {on: omni, steps: [move 50 km left]}\n", encoding="utf-8")
+    [error] = read_config(file).errors
+    assert "tour.yaml:3: Nobody of omni can do this" in str(error)

@@ -80,3 +80,71 @@ OF_FLEET = (
         caught_by=(f"{ASSIGNING}::test_what_is_urgent_chooses_first_even_if_that_costs_more",),
     ),
 )
+
+TASKS = "tests/rooms/pipeline/test_tasks.py"
+ROBOTS = "tests/rooms/pipeline/test_fleet.py"
+
+DISABLED = (
+    f"{ROBOTS}::test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_stays_stopped"
+)
+
+OF_TASKS = (
+    Fault(
+        name="I8 a task is carried out although whoever gave it may not any more",
+        file="pipeline/fleet/attempting.py",
+        guard="        caller = self.check_author(task.author)\n",
+        without="        caller = self._rooms.authoriser.stand_for(task.author)\n",
+        caught_by=(f"{TASKS}::test_whoever_is_locked_lets_no_robot_do_anything",),
+    ),
+    Fault(
+        name="I16 a task confirms by itself",
+        file="pipeline/fleet/reading.py",
+        guard="        if organiser.rights.caution(robot, skill.id).needs:\n",
+        without="        if False:\n",
+        caught_by=(f"{TASKS}::test_what_wants_a_tap_is_not_given_as_a_task",),
+    ),
+    Fault(
+        name="a lost robot's late answer moves it again",
+        file="pipeline/fleet/recalling.py",
+        guard='        self._hands.stop_lane.stop_robots((robot,), "")\n',
+        without="",
+        caught_by=(
+            f"{TASKS}::test_a_lost_robot_is_cut_off_and_its_late_answer_counts_for_nothing",
+        ),
+    ),
+    Fault(
+        name="a robot counts as at rest without being seen so",
+        file="pipeline/fleet/recalling.py",
+        guard="        while linker.presence(robot).at_rest is False:\n",
+        without="        while False:\n",
+        caught_by=(f"{TASKS}::test_a_failure_moves_it_once_and_what_is_done_is_not_repeated",),
+    ),
+    Fault(
+        name="a stop sends the task to the next robot",
+        file="pipeline/fleet/attempting.py",
+        guard="        return End.STOPPED if stopped else End.TAKEN\n",
+        without="        return End.TAKEN\n",
+        caught_by=(f"{TASKS}::test_a_stop_is_meant_so_the_task_goes_nowhere_else_by_itself",),
+    ),
+    Fault(
+        name="I5 whoever is disabled can be resumed",
+        file="pipeline/resuming.py",
+        guard="            self._check_not_barred(robot)\n",
+        without="",
+        caught_by=(DISABLED,),
+    ),
+    Fault(
+        name="one that is not ready, and the others begin",
+        file="pipeline/fleet/company.py",
+        guard="        if any(states.values()):\n",
+        without="        if False:\n",
+        caught_by=(f"{ROBOTS}::test_together_all_begin_at_one_moment_or_none",),
+    ),
+    Fault(
+        name="a shift is handed over to whoever says so",
+        file="pipeline/fleet/handing.py",
+        guard="offer.taker != asked.caller.principal",
+        without="False",
+        caught_by=(f"{ROBOTS}::test_an_offer_is_good_for_one_person_and_for_a_while",),
+    ),
+)

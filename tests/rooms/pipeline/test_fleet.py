@@ -6,7 +6,7 @@ from rosic.core.fleet.task import State
 from rosic.core.order import Ending
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, VI
-from tests.rooms.pipeline.test_tasks import heard, tasks, warehouse, worker
+from tests.rooms.pipeline.test_tasks import heard, later, tasks, warehouse, worker
 
 
 async def test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_stays_stopped() -> (
@@ -33,9 +33,7 @@ async def test_a_retired_robot_is_given_nothing_also_after_a_restart_until_it_is
         await here.say("/task w1 wave")
         told = await here.say("/robot retire w1") + await heard(here, 2)
         assert "Task 1 (wave): failed" in told, "nobody else was wanted"
-    later = warehouse(store)
-    await later.clock.advance(10)  # not before what the first run has seen: that freezes motion
-    async with later.open() as here:
+    async with later(store).open() as here:
         here.gateway.rooms.board["w1"].latched = False
         await here.say("/task warehouse wave")
         assert tasks(here)["2"].robot in {"w2", "w3"}

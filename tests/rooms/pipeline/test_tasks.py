@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from rosic.core.fleet.task import State
 from rosic.core.order import Ending, Outcome
 from rosic.core.robot import Busy
+from rosic.core.roles import DEFAULT_ROLES, Care, Rulebook
 from rosic.core.view import Pose
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
@@ -62,6 +63,13 @@ def warehouse(store: MemoryStore | None = None, fleet: tuple[Profile, ...] = WAR
     return Warehouse(store, fleet=(*fleet, FLEET[0]))
 
 
+def later(store: MemoryStore) -> Place:
+    """Return the same place an hour later."""
+    here = warehouse(store)
+    here.clock.jump_wall(HOUR_S)
+    return here
+
+
 def tasks(here: Place) -> dict[str, Task]:
     return here.gateway.furnishing.fleet.dispatching.fleet.tasks
 
@@ -98,7 +106,9 @@ async def test_a_task_goes_to_a_robot_of_the_group_and_is_told_when_it_is_done()
         worker(here, "w1").end(Ending.DONE)
         assert "Task 1 (move 1 m; wave): done by w1." in await heard(here)
         assert here.acted("w1") == 2
+        assert here.gateway.rooms.organiser.holder("w1") is None, "it was taken for the task alone"
         assert "No task is open." in await here.say("/tasks")
+        assert "No robot that you see can do that" in await here.say("/task any dance")
 
 
 async def test_a_failure_moves_it_once_and_what_is_done_is_not_repeated() -> None:
@@ -234,7 +244,7 @@ async def test_after_a_crash_what_may_have_been_done_is_said_and_not_repeated() 
         await here.say("/task w1 wave")
         assert tasks(here)["1"].state is State.RUNNING
         crashed = deepcopy(store)
-    async with warehouse(crashed).open() as here:
+    async with later(crashed).open() as here:
         assert tasks(here)["1"].state is State.UNKNOWN
         assert "not known whether it was done" in await here.say("/task 1")
         assert "Task 1 (wave): done" in await here.say("/task done 1")
@@ -251,10 +261,35 @@ async def test_after_an_orderly_end_what_ran_is_paused() -> None:
         await here.say("/task warehouse move 1 m then wave")
         worker(here, "w1").end(Ending.DONE)
         await heard(here)
-    async with warehouse(store).open() as here:
+    async with later(store).open() as here:
         task = tasks(here)["1"]
         assert (task.state, task.done) == (State.PAUSED, 1)
         await here.say("/task go 1")
         await heard(here)
         assert tasks(here)["1"].state is State.RUNNING
         assert "step 2 of 2" in "\n".join(t.outbound.text for t in here.chat.told)
+
+
+async def test_whoever_is_locked_lets_no_robot_do_anything() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 wave", account=BO)
+        await here.say("/lock Bo")
+        await heard(here, 3)
+        await here.say("resume w1")
+        assert tasks(here)["1"].state is not State.RUNNING
+        await here.say("/task go 1")
+        await heard(here, 3)
+        assert here.acted("w1") == 1
+        assert tasks(here)["1"].state is State.FAILED
+
+
+class Careful(Warehouse):
+    rulebook = Rulebook(roles=DEFAULT_ROLES, care=(Care(scopes=("w1:wave",), confirm=True),))
+
+
+async def test_what_wants_a_tap_is_not_given_as_a_task() -> None:
+    async with Careful(fleet=WAREHOUSE).open() as here:
+        told = await here.say("/task w1 wave")
+        assert "w1 does this only when somebody confirms it: Wave. Say it as a command." in told
+        await here.say("/task warehouse wave")
+        assert tasks(here)["1"].among == ("w2", "w3")

@@ -20,6 +20,7 @@ from rosic.pipeline.fleet.task_line import read_wish
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
+    from rosic.errors import Refusal
     from rosic.organiser.zones import Zone
     from rosic.pipeline.fleet.dispatching import Dispatching
     from rosic.pipeline.fleet.task_line import Wish
@@ -131,12 +132,12 @@ class TaskClerk:
         names = [self._telling.shown(robot) for robot in found.robots]
         return Reply(words.given(task, said.shown, words.one_of(names)))
 
-    def _nobody(self, wanted: str, why: Exception | None) -> Exception:
+    def _nobody(self, wanted: str, why: Refusal | None) -> Refusal:
         if why is None:
             return NotUnderstood(words.no_such_target(wanted or "?"))
         if wanted in self._rooms.profiles:
             return why
-        return NotUnderstood(words.nobody_can(wanted or words.ANY, getattr(why, "sentence", "")))
+        return NotUnderstood(words.nobody_can(wanted, why.sentence))
 
     def _target(self, wish: Wish, who: PrincipalId) -> tuple[str, tuple[RobotId, ...], int]:
         """Return whom the first words mean, and how many words they are.

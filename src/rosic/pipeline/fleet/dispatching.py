@@ -152,7 +152,7 @@ class Dispatching:
             return
         over = partial(self._over, task, doing.robot)
         try:
-            self.begun[task.id] = await self._attempting.attempt(task, doing, said, over)
+            attempt = await self._attempting.attempt(task, doing, said, over)
         except Refusal as refusal:
             self.why[task.id] = refusal.sentence
             self._again_ns[task.id] = self._clock.monotonic_ns() + AGAIN_NS
@@ -164,6 +164,9 @@ class Dispatching:
             log.exception("task %s could not be given to %s", task.id, doing.robot)
             await self._feed(e.Ended(task.id, doing.attempt, e.End.UNKNOWN))
         else:
+            before = self.begun.get(task.id)
+            took = attempt.took or (before is not None and before.took)  # with an earlier step
+            self.begun[task.id] = attempt._replace(took=took)
             await self._feed(e.Begun(task.id, doing.attempt))
 
     def _over(self, task: Task, robot: RobotId, outcome: Outcome) -> None:

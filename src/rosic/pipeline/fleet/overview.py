@@ -63,7 +63,7 @@ class Overview:
         states = {robot: self._states(robot) for robot in robots}
         unready = [robot for robot in robots if states[robot][0]]
         held = [robot for robot in robots if robot in fleet.holds]
-        free = len([r for r in robots if not states[r][0] and r not in fleet.holds])
+        free = len([r for r in robots if not states[r][0] and self._is_free(r)])
         yield words.robots_altogether(len(held), free, len(unready))
         open_tasks = [task for task in fleet.open() if not set(task.among).isdisjoint(robots)]
         yield self._tasks(open_tasks, wall_ns)
@@ -78,6 +78,10 @@ class Overview:
             yield words.one(self._telling.shown(robot), [*states[robot][0], *states[robot][1]])
         if len(order) > SHOWN_AT_MOST:
             yield words_fleet.and_more(len(order) - SHOWN_AT_MOST)
+
+    def _is_free(self, robot: RobotId) -> bool:
+        nobodys = self._rooms.organiser.whose(robot) is None
+        return nobodys and robot not in self._dispatching.fleet.holds
 
     def _tasks(self, tasks: Sequence[Task], wall_ns: int) -> str:
         fleet = self._dispatching.fleet

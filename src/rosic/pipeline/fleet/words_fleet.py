@@ -20,7 +20,6 @@ GO_ON: Final = said("Go on")
 AGAIN: Final = said("Do it again")
 WAS_DONE: Final = said("It was done")
 CANCEL: Final = said("Cancel it")
-ANY: Final = said("any that can")
 
 _STATES: Final = {
     State.QUEUED: said("waiting"),
@@ -99,6 +98,8 @@ def no_command(shown: str, line: str) -> str:
 
 def nobody_can(name: str, why: str) -> str:
     """Return that no robot of a group can carry a task out."""
+    if not name:
+        return said("No robot that you see can do that. {why}", why=why)
     return said("Nobody of {name} can do that. {why}", name=name, why=why)
 
 
