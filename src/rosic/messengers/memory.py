@@ -11,7 +11,6 @@ from msgspec.structs import replace
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
 from rosic.core.message import (
-    Attachment,
     Button,
     Chat,
     ChatKind,
@@ -21,13 +20,8 @@ from rosic.core.message import (
     Passing,
     Standing,
 )
-from rosic.errors import (
-    ChatGone,
-    ConfigurationError,
-    MessageGone,
-    MessengerFault,
-    RosicError,
-)
+from rosic.errors import ChatGone, ConfigurationError, MessageGone, MessengerFault
+from rosic.messengers.whole import whole
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping
@@ -242,22 +236,11 @@ class MemoryMessenger:
             MessengerFault: `down` is set, or the file is too large; nothing was shown.
         """
         self._check_up(outbound.chat)
-        if outbound.attachment is not None:
-            outbound = replace(outbound, attachment=await self._whole(outbound.attachment))
+        if (file := outbound.attachment) is not None:
+            outbound = replace(outbound, attachment=await whole(file, self.file_bytes))
         message = self._next_id()
         self._show(Told(message, outbound, edited=False))
         return message
-
-    async def _whole(self, attachment: Attachment) -> Attachment:
-        if attachment.size > self.file_bytes:
-            raise MessengerFault("The file is too large for this messenger. Nothing was sent.")
-        if attachment.pieces is None:
-            return attachment
-        try:
-            content = b"".join([piece async for piece in attachment.read()])
-        except RosicError as error:
-            raise MessengerFault(error.sentence) from error
-        return Attachment(attachment.name, attachment.media_type, content)
 
     async def edit(self, message: str, outbound: Outbound) -> None:
         """Show a message anew.

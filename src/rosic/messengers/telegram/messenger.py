@@ -66,9 +66,8 @@ class TelegramMessenger:
         poll_timeout_s = settings.poll_timeout_s
         self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
         self.file_bytes = LOCAL_BYTES if settings.local_mode else FILE_BYTES
-        self._speaker = Speaker(
-            self._line, Limiter(clock, rates), chats, clock, file_bytes=self.file_bytes
-        )
+        self._speaker = Speaker(self._line, Limiter(clock, rates), chats, clock)
+        self._speaker.file_bytes = self.file_bytes
         self._gestures = Gestures(self._line, chats)
         self._menus = Menus(name, self._line, clock)
         self._fetcher = Fetcher(self._line, settings)

@@ -70,16 +70,8 @@ class Call(NamedTuple):
 class Speaker:
     """Speaks for one bot."""
 
-    def __init__(
-        self,
-        line: Line,
-        limiter: Limiter,
-        chats: Chats,
-        clock: Clock,
-        *,
-        file_bytes: int = FILE_BYTES,
-    ) -> None:
-        self._file_bytes = file_bytes
+    def __init__(self, line: Line, limiter: Limiter, chats: Chats, clock: Clock) -> None:
+        self.file_bytes = FILE_BYTES
         self._line = line
         self._limiter = limiter
         self._chats = chats
@@ -110,7 +102,7 @@ class Speaker:
         parts = texts.split(outbound.text)
         sent: list[str] = []
         if outbound.attachment is not None:
-            file = prepared(outbound.attachment, self._file_bytes)
+            file = prepared(outbound.attachment, self.file_bytes)
             if len(parts) == 1 and texts.units(parts[0]) <= texts.CAPTION_UNITS:
                 return await self._send_file(call, file, parts[0], reply, keyboard)
             await self._send_file(call, file, "", reply, None)
