@@ -7,6 +7,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.app.alarming import Alarms
+from rosic.app.benchmarking import Sides as Askers
+from rosic.app.benchmarking import furnish_benchmarks, show_benchmarks
 from rosic.app.fleeting import Fleeting
 from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
@@ -89,6 +91,7 @@ class Furnishing:
         live_cards: Shows in chats how robots are.
         fleet: Brings tasks to robots.
         retracting: Takes away what held a secret.
+        judging: Follows robots against their benchmarks.
     """
 
     def __init__(
@@ -149,6 +152,9 @@ class Furnishing:
         alarms.furnish(self._pipeline, memory, settings.people)
         self.fleet = Fleeting(self._rooms, self._access.changes, clock, hands)
         self.fleet.furnish(self._pipeline, memory, settings)
+        self.judging = furnish_benchmarks(self._rooms, self._access, self._pipeline, memory, clock)
+        asking = Askers(alarms.alerting, self._glimpses, self._naming)
+        show_benchmarks(self.judging, self._rooms, self._pipeline, asking)
         return alarms
 
     async def close(self) -> None:
@@ -157,6 +163,7 @@ class Furnishing:
         await self.live_cards.close()
         await self.fleet.close()
         await self.retracting.close()
+        await self.judging.settings.written()
 
     # ---- people ----
 
@@ -319,7 +326,7 @@ class Furnishing:
 
     def _furnish_cards(self, messengers: Sequence[Messenger], clock: Clock) -> None:
         rooms, pipeline = self._rooms, self._pipeline
-        glimpses = Glimpses(rooms, pipeline.lives, pipeline.face)
+        self._glimpses = glimpses = Glimpses(rooms, pipeline.lives, pipeline.face)
         sides = CardSides(
             sees=self._sees,
             name_of=rooms.organiser.name_of,

@@ -22,7 +22,7 @@ from rosic.pipeline.alerts.placed import Occurrence, Placed
 from rosic.pipeline.reach import Notice
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.core.identity import PrincipalId
@@ -54,6 +54,7 @@ class Alerting:
         book: What the record keeps.
         circles: Who is around a robot.
         following: The rules, by robot.
+        judged: Adds to what a robot reports how it does against its benchmarks.
         placed: Which messages tell of which alarm.
     """
 
@@ -65,6 +66,7 @@ class Alerting:
         self.circles = circles
         self.following: dict[RobotId, list[Following]] = {}
         self.placed = Placed()
+        self.judged: Callable[[RobotId, Presence], Presence] | None = None
         self._lines: dict[str, Do | None] = {}
         self._running: Running | None = None
         self._rooms = rooms
@@ -116,6 +118,8 @@ class Alerting:
         for robot, row in self.following.items():
             try:
                 presence = self._rooms.linker.presence(robot)
+                if self.judged is not None:
+                    presence = self.judged(robot, presence)
                 for following in row:
                     self._feed(following, presence)
             except Exception:
@@ -256,7 +260,7 @@ class Alerting:
             self.tell(rule, alarm.told, words.not_run(rule, self.shown(rule), words.fault()))
         else:
             if self._lines[rule.key] is None:
-                self.tell(rule, alarm.told, words.stopped(rule, self.shown(rule)))
+                self.tell(rule, alarm.told, words.acted(rule, self.shown(rule)))
 
 
 def _is_urgent(rule: Rule) -> bool:

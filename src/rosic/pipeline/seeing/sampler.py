@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from rosic.contracts.clock import Clock
-    from rosic.core.order import Order
+    from rosic.core.order import Order, Outcome
     from rosic.core.robot import Profile, RobotId
     from rosic.linker.linker import Linker
 
@@ -64,7 +64,7 @@ class Sampler:
         if self._following is None or self._following.done():
             self._following = asyncio.create_task(self._follow())
 
-    def ended(self, order: Order) -> None:
+    def ended(self, order: Order, _outcome: Outcome) -> None:
         """Follow it no more."""
         track = self._open.pop(order.robot, None)
         if track is not None:
