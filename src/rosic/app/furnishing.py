@@ -22,6 +22,7 @@ from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.alerts.running import Hands
 from rosic.pipeline.consent import Consent
+from rosic.pipeline.fleet.by_rule import RuleTasks
 from rosic.pipeline.going import Going
 from rosic.pipeline.handover import Handover
 from rosic.pipeline.livecards.asking import CardClerk
@@ -152,6 +153,7 @@ class Furnishing:
         alarms.furnish(self._pipeline, memory, settings.people)
         self.fleet = Fleeting(self._rooms, self._access.changes, clock, hands)
         self.fleet.furnish(self._pipeline, memory, settings)
+        alarms.running.tasks = RuleTasks(self._rooms, self.fleet.dispatching)
         self.judging = furnish_benchmarks(self._rooms, self._access, self._pipeline, memory, clock)
         asking = Askers(alarms.alerting, self._glimpses, self._naming)
         show_benchmarks(self.judging, self._rooms, self._pipeline, asking)

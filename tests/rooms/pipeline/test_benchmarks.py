@@ -9,12 +9,14 @@ from msgspec.structs import replace
 
 from rosic.core.alert_rule import Alert, Circle
 from rosic.core.benchmark import Benchmark, ErrorBound
+from rosic.core.fleet.task import State
 from rosic.core.robot import PoseSource, Profile, Telemetry
 from rosic.core.skill import Parameter, ParametersBinding, Skill, SkillClass
 from rosic.core.view import Pose
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, FLEET, MOVE, WAVE, Place
 from tests.rooms.pipeline.test_alerts import heard
+from tests.rooms.pipeline.test_tasks import WAREHOUSE, tasks, warehouse
 
 if TYPE_CHECKING:
     from rosic.testing.clock import ManualClock
@@ -166,13 +168,29 @@ async def test_a_rule_reallocates_where_there_are_tasks_and_says_so_where_there_
     async with place(rule).open() as here:
         await begin(here)
         told = await heard(here, 13)
-        assert any("Nobody here gives a task of omni to another robot." in t for t in told[ADA])
+        assert any("omni has no task that another robot could take." in t for t in told[ADA])
     async with place(rule).open() as here:
         tasks = here.gateway.alarms.running.tasks = Tasks()
         await begin(here)
         told = await heard(here, 13)
         assert tasks.asked == [("reallocate", "omni")]
         assert any("The rule late gave the task of omni to another." in t for t in told[ADA])
+
+
+async def test_a_fleet_moves_a_late_task_to_another_robot_or_pauses_it() -> None:
+    for run, state in (("reallocate", State.RUNNING), ("pause", State.PAUSED)):
+        rule = Alert(name="late", when="deviates", lasting="1 s", run=run, author="Ada")
+        slow = replace(WAVE, benchmark=Benchmark(duration_s=2.0))
+        first, second, third = WAREHOUSE
+        benched = replace(first, skills=first.skills | {"wave": slow}, alerts=(rule,))
+        async with warehouse(fleet=(benched, second, third)).open() as here:
+            await here.say("/task warehouse wave")
+            assert tasks(here)["1"].robot == "w1"
+            await heard(here, 8)
+            task = tasks(here)["1"]
+            assert task.state is state
+            assert task.robot != "w1"
+            assert here.robot("w1").presence().at_rest
 
 
 async def test_a_card_says_what_is_expected_and_what_is_not_as_expected() -> None:

@@ -225,7 +225,7 @@ def paused(rule: Rule) -> str:
 
 def no_tasks(shown: str) -> str:
     """Return that there is no other robot to give a task to."""
-    return said("Nobody here gives a task of {robot} to another robot.", robot=shown)
+    return said("{robot} has no task that another robot could take.", robot=shown)
 
 
 def not_at_rest(shown: str) -> str:

@@ -71,12 +71,16 @@ class MachineNode:
         self._map: RosObject = None
         self._camera: SceneCamera | None = None
         if isinstance(self.machine, Omni):
-            text = import_module("std_msgs.msg").String
-            self._voice = publisher(ros_node, text, "among/say")
-            subscribe(ros_node, text, "among/hear", self._told)
-            self._map = publish_map(ros_node, self.machine, load_ros().qos)
-            twist = import_module("geometry_msgs.msg").Twist
-            subscribe(ros_node, twist, "cmd_vel", self._velocity)
+            self._offer(self.machine)
+
+    def _offer(self, omni: Omni) -> None:
+        """Open what an omni offers besides."""
+        text = import_module("std_msgs.msg").String
+        self._voice = publisher(self.node, text, "among/say")
+        subscribe(self.node, text, "among/hear", self._told)
+        self._map = publish_map(self.node, omni, load_ros().qos)
+        twist = import_module("geometry_msgs.msg").Twist
+        subscribe(self.node, twist, "cmd_vel", self._velocity)
 
     def show(self, world: World, draw: DrawJpeg) -> None:
         """Let others look at it from now on."""
