@@ -11,7 +11,7 @@ from rosic.core.alert_rule import Alert, Circle
 from rosic.core.benchmark import Benchmark, ErrorBound
 from rosic.core.fleet.task import State
 from rosic.core.robot import PoseSource, Profile, Telemetry
-from rosic.core.skill import Parameter, ParametersBinding, Skill, SkillClass
+from rosic.core.skill import Parameter, ParametersBinding, ServiceBinding, Skill, SkillClass
 from rosic.core.view import Pose
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, FLEET, MOVE, WAVE, Place
@@ -28,6 +28,10 @@ TUNE = Skill(
     parameters={"gain": Parameter(min=0, max=10)},
     set_parameters=ParametersBinding(node="/omni/base", values={"gain": "$gain", "mode": "slow"}),
 )
+CALIBRATE = Skill(
+    id="calibrate", kind=SkillClass.CONFIG,
+    service=ServiceBinding(name="/omni/calibrate", type="std_srvs/srv/Trigger"),
+)  # fmt: skip
 BENCH = Benchmark(
     duration_s=2.0, per_s={"distance": 4.0}, energy=1.0,
     errors={"place": ErrorBound(measured="pose.x", wanted="$distance", within=0.1)},
@@ -35,7 +39,12 @@ BENCH = Benchmark(
 
 
 def robot(*alerts: Alert) -> Profile:
-    skills = {"move": replace(MOVE, benchmark=BENCH), "wave": WAVE, "tune": TUNE}
+    skills = {
+        "move": replace(MOVE, benchmark=BENCH),
+        "wave": WAVE,
+        "tune": TUNE,
+        "calibrate": CALIBRATE,
+    }
     return replace(
         FLEET[0], skills=skills, telemetry={"battery": Telemetry(unit="%")}, alerts=alerts,
         pose=PoseSource(topic="/omni/pose"),
@@ -133,6 +142,10 @@ async def test_a_rule_recalibrates_and_then_nothing_deviates() -> None:
         answer = await here.say("/benchmark omni")
         assert "/omni/base:gain = 3" in answer
         assert "/omni/base:mode = slow" in answer
+        await here.say("omni calibrate")
+        answer = await here.say("/benchmark omni")
+        assert "calibrate = True" in answer
+        assert "/omni/base:gain = 3" in answer, "merged with what was set before"
 
 
 async def test_a_rule_pauses_without_latching_anything() -> None:
