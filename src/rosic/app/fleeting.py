@@ -52,6 +52,7 @@ class Fleeting:
         dispatching: Where it changes.
         watching: Looks after it.
         telling: Tells people.
+        overview: Looks at all of it.
     """
 
     def __init__(self, rooms: Rooms, changes: Changes, clock: Clock, hands: Hands) -> None:
@@ -67,6 +68,7 @@ class Fleeting:
         self.dispatching.changed = self._changed
         self._usage = Usage(clock.monotonic_ns())
         self._hands = hands
+        self.overview = Overview(rooms, self.dispatching, self.watching, self.telling, self._usage)
         self._planning: asyncio.Task[None] | None = None
 
     def furnish(self, pipeline: Pipeline, memory: Memory, settings: Settings) -> None:
@@ -86,7 +88,6 @@ class Fleeting:
         CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
             office
         )
-        Overview(rooms, dispatching, self.watching, self.telling, self._usage).employ(office)
 
     # ---- after an interruption ----
 

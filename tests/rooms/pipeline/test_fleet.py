@@ -65,11 +65,20 @@ async def test_the_view_shows_every_robot_every_task_and_what_is_not_as_it_shoul
         assert "In use 17 % of the time" in told
         assert "w1: one task waits; 0 of 1 robots are free." in told
         lines = told.splitlines()
+        assert lines.pop().startswith("updated 12:00:00")
         assert lines[-3:-1] == [
             "w2: battery 12 %, low · free · heard 0 ms ago",
             "w3: not there · free · heard 0 ms ago",
         ]
         assert lines[-1] == "w1: task 1 (wave) · running · heard 0 ms ago"
+        message, _ = here.last()
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here, 8)
+        now = here.chat.shown(message).text
+        assert "w1: task 2 (move 1 m) · running" in now, "the same message, edited"
+        await here.say("/fleet off")
+        await heard(here, 8)
+        assert "w1:" not in here.chat.shown(message).text
 
 
 async def test_a_shift_is_handed_over_only_when_it_is_accepted_and_rights_are_the_others() -> None:

@@ -6,9 +6,6 @@ from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import RESTING, Standing, State
-from rosic.core.message import Button
-from rosic.core.saying import joined
-from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_fleet
 from rosic.pipeline.fleet import words_robots as words
 
@@ -22,7 +19,6 @@ if TYPE_CHECKING:
     from rosic.pipeline.fleet.telling import Telling
     from rosic.pipeline.fleet.usage import Usage
     from rosic.pipeline.fleet.watching import Watching
-    from rosic.pipeline.office import Asked, Office
     from rosic.pipeline.rooms import Rooms
 
 SHOWN_AT_MOST: Final = 25
@@ -43,19 +39,15 @@ class Overview:
         self._telling = telling
         self._usage = usage
 
-    def employ(self, office: Office) -> None:
-        """Take these errands."""
-        office.employ("fleet", self.fleet)
-
-    async def fleet(self, asked: Asked) -> Reply:
-        """Show the fleet as it is now."""
-        who = asked.caller.principal
-        visible = self._rooms.organiser.visible(who)
-        group = self._rooms.vocabulary.members(asked.rest.strip()) or None
-        robots = tuple(r for r in sorted(visible) if group is None or r in group)
-        text = joined("\n", self.lines(robots, self._rooms.organiser.wall_ns()))
-        again = f"/fleet {asked.rest}".strip()
-        return Reply(text, ((Button(words.REFRESH, again),),))
+    def settled(self, robots: Sequence[RobotId]) -> tuple[object, ...]:
+        """Return what does not change all the time: while it is the same, so is the fleet."""
+        fleet = self._dispatching.fleet
+        whose = self._rooms.organiser.whose
+        tasks = [(task.id, task.state, task.leaving, task.done) for task in fleet.open()]
+        return (
+            tuple(tasks),
+            tuple((*self._states(r)[0], fleet.holds.get(r), whose(r)) for r in robots),
+        )
 
     def lines(self, robots: Sequence[RobotId], wall_ns: int) -> Iterator[str]:
         """Yield what there is to say about some robots and their tasks."""
