@@ -22,6 +22,8 @@ from rosic.pipeline.fleet.overview import Overview
 from rosic.pipeline.fleet.recalling import Recalling
 from rosic.pipeline.fleet.robots_clerk import RobotClerk
 from rosic.pipeline.fleet.telling import Telling
+from rosic.pipeline.fleet.timetable import KIND as TIMES
+from rosic.pipeline.fleet.timetable import Timetable
 from rosic.pipeline.fleet.usage import Usage
 from rosic.pipeline.fleet.watching import Watching
 
@@ -80,7 +82,7 @@ class Fleeting:
         office, rooms, dispatching = pipeline.reception.office, self._rooms, self.dispatching
         tasks = TaskClerk(rooms, dispatching, self.telling, zone_named(settings.zone))
         tasks.employ(office)
-        MissionClerk(rooms, dispatching, tasks, settings.missions).employ(office)
+        self._furnish_missions(tasks, memory, settings, pipeline)
         robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
         robots.employ(office)
         pipeline.resuming.barred = robots.barred
@@ -88,6 +90,16 @@ class Fleeting:
         CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
             office
         )
+
+    def _furnish_missions(
+        self, tasks: TaskClerk, memory: Memory, settings: Settings, pipeline: Pipeline
+    ) -> None:
+        zone, changes = zone_named(settings.zone), self._changes
+        self._timetable = timetable = Timetable(changes, self._hands.reach, self._clock, zone)
+        timetable.restore(memory.facts.get(TIMES, ()))
+        missions = MissionClerk(self._rooms, changes, tasks, settings.missions, timetable, zone)
+        missions.employ(pipeline.reception.office)
+        timetable.starter = missions.at_its_time
 
     # ---- after an interruption ----
 
@@ -136,11 +148,13 @@ class Fleeting:
     def run(self) -> None:
         """Let robots begin from now on."""
         self.watching.run()
+        self._timetable.run()
         self._changed()
 
     async def close(self) -> None:
         """Nothing begins any more; what ends is noted until the record is closed."""
         self.dispatching.shut()
+        await self._timetable.close()
         await self.watching.close()
         if self._planning is not None:
             self._planning.cancel()

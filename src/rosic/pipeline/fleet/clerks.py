@@ -35,13 +35,17 @@ ASSIGN: Final = "assign"
 
 
 class TaskClerk:
-    """The clerk of tasks."""
+    """The clerk of tasks.
+
+    Attributes:
+        dispatching: Where they change.
+    """
 
     def __init__(
         self, rooms: Rooms, dispatching: Dispatching, telling: Telling, zone: Zone
     ) -> None:
         self._rooms = rooms
-        self._dispatching = dispatching
+        self.dispatching = dispatching
         self._telling = telling
         self._zone = zone
         self._acts = {"pause": self._pause, "cancel": self._cancel, "go": self._go,
@@ -60,7 +64,7 @@ class TaskClerk:
 
     def _list(self, who: PrincipalId) -> str:
         visible = self._rooms.organiser.visible(who)
-        found = [t for t in self._dispatching.fleet.open() if self._sees(who, t, visible)]
+        found = [t for t in self.dispatching.fleet.open() if self._sees(who, t, visible)]
         found.sort(key=lambda task: (task.state not in HELD, -task.priority))
         if not found:
             return words.NONE_OPEN
@@ -75,7 +79,7 @@ class TaskClerk:
     def line(self, task: Task) -> str:
         """Return one task in a list."""
         shown = self._telling.shown(task.robot) if task.robot else ""
-        waits = task.state is State.QUEUED and not self._dispatching.fleet.ready(task)
+        waits = task.state is State.QUEUED and not self.dispatching.fleet.ready(task)
         why = words.waits_for(task.after) if waits else ""
         return words.line(task, self._telling.what(task), shown or task.wanted, why)
 
@@ -102,7 +106,7 @@ class TaskClerk:
         return await self._give(asked)
 
     async def _give(self, asked: Asked) -> Reply:
-        fleet, who = self._dispatching.fleet, asked.caller.principal
+        fleet, who = self.dispatching.fleet, asked.caller.principal
         if sum(1 for _ in fleet.open()) >= OPEN_AT_MOST:
             raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
         now_ns = self._rooms.organiser.wall_ns()
@@ -128,7 +132,7 @@ class TaskClerk:
         )
         said = Said(lines, asked.messenger.name, asked.inbound.chat)
         decided = Decided(act="task", by=who, about=task.id, at_ns=now_ns, digest=asked.cid)
-        await self._dispatching.give(((task, said),), decided)
+        await self.dispatching.give(((task, said),), decided)
         names = [self._telling.shown(robot) for robot in found.robots]
         return Reply(words.given(task, said.shown, words.one_of(names)))
 
@@ -166,7 +170,7 @@ class TaskClerk:
 
     def _named(self, asked: Asked, number: str) -> Task:
         who = asked.caller.principal
-        task = self._dispatching.fleet.tasks.get(number)
+        task = self.dispatching.fleet.tasks.get(number)
         if task is None or not self._sees(who, task, self._rooms.organiser.visible(who)):
             raise NotUnderstood(words.no_such_task(number))
         return task
@@ -189,9 +193,9 @@ class TaskClerk:
             act=f"task-{act}", by=asked.caller.principal, about=task.id,
             at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
         )  # fmt: skip
-        if not await self._dispatching.feed(event, decided):
-            raise NotUnderstood(words.does_not_fit(self._dispatching.fleet.tasks[task.id]))
-        now = self._dispatching.fleet.tasks[task.id]
+        if not await self.dispatching.feed(event, decided):
+            raise NotUnderstood(words.does_not_fit(self.dispatching.fleet.tasks[task.id]))
+        now = self.dispatching.fleet.tasks[task.id]
         if now.leaving:
             return Reply(words.being_held(now, self._telling.shown(now.robot)))
         return Reply(words.now_is(now))

@@ -76,8 +76,8 @@ class LiveCard:
 
     __slots__ = (
         "again_ns", "buttons", "chat", "failures", "key", "kind", "lag_s", "last", "message",
-        "messenger", "offered", "offered_ns", "owner", "picture", "pinned", "robots", "settled_ns", "shows",
-        "stamped_ns", "task", "wanted_pinned",
+        "messenger", "offered", "offered_ns", "owner", "picture", "pinned", "robots",
+        "settled_ns", "shows", "stamped_ns", "task", "wanted_pinned",
     )  # fmt: skip
 
     def __init__(
