@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.fleet import events as e
 from rosic.core.fleet.state import STANDING, TASK
+from rosic.core.fleet.task import Why
 from rosic.core.order import Ending
 from rosic.core.record import Refused, Told
 from rosic.errors import Repeated, StoreFault
@@ -18,6 +19,7 @@ from rosic.pipeline.fleet.dispatching import Dispatching
 from rosic.pipeline.fleet.handing import HandoverClerk
 from rosic.pipeline.fleet.letters import KIND as LETTER
 from rosic.pipeline.fleet.missions import MissionClerk
+from rosic.pipeline.fleet.origins import KIND as ORIGIN
 from rosic.pipeline.fleet.overview import Overview
 from rosic.pipeline.fleet.recalling import Recalling
 from rosic.pipeline.fleet.robots_clerk import RobotClerk
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
     from rosic.core.fleet.task import Task
     from rosic.core.record import Memory
+    from rosic.core.robot import RobotId
     from rosic.pipeline import Pipeline
     from rosic.pipeline.alerts.running import Hands
     from rosic.pipeline.changes import Changes
@@ -76,7 +79,9 @@ class Fleeting:
     def furnish(self, pipeline: Pipeline, memory: Memory, settings: Settings) -> None:
         """Take over what earlier runs wrote, and take the errands."""
         fleet, letters = self.dispatching.fleet, self.dispatching.letters
-        for kind, keeper in ((TASK, fleet), (STANDING, fleet), (LETTER, letters)):
+        origins = self.dispatching.origins
+        kept = ((TASK, fleet), (STANDING, fleet), (LETTER, letters), (ORIGIN, origins))
+        for kind, keeper in kept:
             keeper.restore(memory.facts.get(kind, ()))
             self._changes.keep(kind, keeper.apply)
         office, rooms, dispatching = pipeline.reception.office, self._rooms, self.dispatching
@@ -150,6 +155,19 @@ class Fleeting:
         self.watching.run()
         self._timetable.run()
         self._changed()
+
+    async def reallocate(self, robot: RobotId) -> bool:
+        """Give what a robot does for a task to another one, for whoever has seen it deviate.
+
+        Returns:
+            False if it has no task, or leaves it already.
+        """
+        fleet = self.dispatching.fleet
+        task = fleet.tasks.get(fleet.holds.get(robot, ""))
+        if task is None or task.leaving:
+            return False
+        deviated = e.Deviated(task.id, task.attempt, Why.LATE)
+        return await self.dispatching.feed(deviated, happened=True)
 
     async def close(self) -> None:
         """Nothing begins any more; what ends is noted until the record is closed."""

@@ -35,7 +35,7 @@ async def test_a_retired_robot_is_given_nothing_also_after_a_restart_until_it_is
         assert "Task 1 (wave): failed" in told, "nobody else was wanted"
     async with later(store).open() as here:
         here.gateway.rooms.board["w1"].latched = False
-        await here.say("/task warehouse wave")
+        await here.say("/task warehouse wave", message="another")
         assert tasks(here)["2"].robot in {"w2", "w3"}
         assert "/robot add w1" in await here.say("/robot enable w1")
         told = await here.say("/robot add w1")

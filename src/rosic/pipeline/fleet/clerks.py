@@ -132,7 +132,7 @@ class TaskClerk:
         )
         said = Said(lines, asked.messenger.name, asked.inbound.chat)
         decided = Decided(act="task", by=who, about=task.id, at_ns=now_ns, digest=asked.cid)
-        await self.dispatching.give(((task, said),), decided)
+        await self.dispatching.give(((task, said),), asked.cid, decided)
         names = [self._telling.shown(robot) for robot in found.robots]
         return Reply(words.given(task, said.shown, words.one_of(names)))
 
@@ -189,6 +189,7 @@ class TaskClerk:
 
     async def _act(self, asked: Asked, task: Task, event: e.Event, act: str) -> Reply:
         self.check_theirs(asked, task)
+        await self.dispatching.first_time(asked.cid)
         decided = Decided(
             act=f"task-{act}", by=asked.caller.principal, about=task.id,
             at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,

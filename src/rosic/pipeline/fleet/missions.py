@@ -101,6 +101,7 @@ class MissionClerk:
         tasks = self._dispatching.fleet.mission(run)
         for task in tasks:
             self._tasks.check_theirs(asked, task)
+        await self._dispatching.first_time(asked.cid)
         changed = 0
         for task in tasks:
             if ACTS[verb] is not None:
@@ -222,7 +223,7 @@ class MissionClerk:
         decided = Decided(
             act="mission", by=who, about=run, at_ns=self._rooms.organiser.wall_ns(), digest=cid
         )
-        await self._dispatching.give(given, decided)
+        await self._dispatching.give(given, cid, decided)
         return run, len(given)
 
     def _task(self, who: PrincipalId, leaf: Leaf, run: str, first: int, number: int) -> Task:
