@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from rosic.core.fleet.state import TASK
 from rosic.core.fleet.task import State
 from rosic.core.order import Ending, Outcome
+from rosic.core.record import Fact
 from rosic.core.robot import Busy
 from rosic.core.roles import DEFAULT_ROLES, Care, Rulebook
 from rosic.core.view import Pose
+from rosic.errors import StoreFault
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, FLEET, VI, BrokenStore, Place, profile
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
     from rosic.core.fleet.task import Task
     from rosic.core.gate import Gate
     from rosic.core.order import Order
+    from rosic.core.record import Record
     from rosic.core.robot import Presence, Profile
 
 WAREHOUSE = tuple(profile(name, groups=("warehouse",)) for name in ("w1", "w2", "w3"))
@@ -318,21 +322,33 @@ async def test_the_same_message_has_its_effect_once_whatever_crashes_between() -
         assert here.acted("w1") == 0, "that message was followed before the crash"
 
 
+class ForgetsTasks(BrokenStore):
+    """Writes everything but tasks, once it is asked to."""
+
+    tasks = True
+
+    async def write(self, *records: Record) -> None:
+        forgets = any(isinstance(r, Fact) and r.kind == TASK for r in records)
+        if forgets and not self.tasks:
+            raise StoreFault("the disk is full")
+        await super().write(*records)
+
+
 async def test_nothing_moves_that_could_not_be_written_down() -> None:
-    store = BrokenStore()
+    store = ForgetsTasks()
     async with Warehouse(store, fleet=WAREHOUSE).open() as here:
-        store.broken = True
+        store.tasks = False
         assert "nothing was changed" in await here.say("/task w1 wave")
         assert not tasks(here)
-        store.broken = False
+        store.tasks = True
         here.gateway.rooms.board["w1"].latched = True
         await here.say("/task w1 wave")
         here.gateway.rooms.board["w1"].latched = False
-        store.broken = True
+        store.tasks = False
         await heard(here, 5)
         assert here.acted("w1") == 0
         assert tasks(here)["1"].state is State.QUEUED
-        store.broken = False
+        store.tasks = True
         await heard(here, 5)
         assert here.acted("w1") == 1
 
