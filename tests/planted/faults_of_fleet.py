@@ -161,4 +161,11 @@ OF_TASKS = (
         without="            if True:\n",
         caught_by=(f"{TASKS}::test_nothing_moves_that_could_not_be_written_down",),
     ),
+    Fault(
+        name="I11 everybody reads what somebody has said for a task",
+        file="pipeline/fleet/telling.py",
+        guard="        if who == task.author:\n",
+        without="        if True:\n",
+        caught_by=(f"{ROBOTS}::test_what_somebody_has_said_is_read_by_them_alone",),
+    ),
 )

@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
     from rosic.core.fleet.task import Task
-    from rosic.core.record import Memory
+    from rosic.core.identity import PrincipalId
+    from rosic.core.record import Fact, Memory
     from rosic.core.robot import RobotId
     from rosic.pipeline import Pipeline
     from rosic.pipeline.alerts.running import Hands
@@ -134,6 +135,13 @@ class Fleeting:
             return None
         store.note(Told(cid, self._clock.wall_ns()))
         return e.End.BUSY
+
+    def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        """Return what lets go everything that somebody has said; nobody carries it out then."""
+        return (
+            *self.dispatching.letters.end_all(principal),
+            *self._timetable.end_all(principal),
+        )
 
     # ---- while it runs ----
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rosic.core.fleet.task import State
+from rosic.core.message import ChatKind
 from rosic.core.order import Ending
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, VI
@@ -157,3 +158,26 @@ async def test_a_broadcast_asks_each_for_itself_and_shows_who_received_it() -> N
         assert shown.count("received by the robot") >= 2
         assert [here.acted(name) for name in ("w1", "w2", "w3")] == [1, 1, 1]
         assert "no robot and no group" in await here.say("/broadcast nowhere wave")
+
+
+async def test_what_somebody_has_said_is_read_by_them_alone() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 move 3 m then wave", account=BO)
+        assert "1: move 3 m; wave · w1 · running" in await here.say("/tasks", account=BO)
+        told = await here.say("/tasks") + await here.say("/fleet")
+        assert "1: Move; Wave · w1 · running" in told
+        assert "task 1 (Move; Wave)" in told
+        assert "3 m" not in told
+        shared = await here.say("/fleet", account=BO, chat="-5", kind=ChatKind.GROUP)
+        assert "task 1 (Move; Wave)" in shared
+        assert "3 m" not in shared
+
+
+async def test_what_somebody_has_said_goes_with_them() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 wave", account=BO)
+        fleet = here.gateway.furnishing.fleet
+        async with here.gateway.access.changes.turn() as turn:
+            await turn.write(fleet.end_all(_id(here, "Bo")))
+        assert fleet.dispatching.letters.get("1") is None
+        assert "what was said for it is erased" in await here.say("/task 1", account=BO)

@@ -67,7 +67,9 @@ class FleetDrawing(Drawing):
     ) -> str:  # fmt: skip
         """Return how the fleet is."""
         del most
-        lines = list(self._overview.lines(robots, self._clock.wall_ns()))
+        alone = chat.kind is ChatKind.PRIVATE
+        who = owner if alone else ""  # others read along: nobody's own words
+        lines = list(self._overview.lines(robots, self._clock.wall_ns(), who))
         if chat.kind is ChatKind.GROUP:
             lines.insert(0, words.as_they_see(self._sides.name_of(owner)))
         return joined("\n", lines)

@@ -68,7 +68,7 @@ class TaskClerk:
         found.sort(key=lambda task: (task.state not in HELD, -task.priority))
         if not found:
             return words.NONE_OPEN
-        lines = [self.line(task) for task in found[:SHOWN_AT_MOST]]
+        lines = [self.line(task, who) for task in found[:SHOWN_AT_MOST]]
         if len(found) > SHOWN_AT_MOST:
             lines.append(words.and_more(len(found) - SHOWN_AT_MOST))
         return joined("\n", lines)
@@ -76,12 +76,12 @@ class TaskClerk:
     def _sees(self, who: PrincipalId, task: Task, visible: frozenset[RobotId]) -> bool:
         return task.author == who or not visible.isdisjoint(task.among)
 
-    def line(self, task: Task) -> str:
-        """Return one task in a list."""
+    def line(self, task: Task, who: PrincipalId) -> str:
+        """Return one task in a list, as somebody may read it."""
         shown = self._telling.shown(task.robot) if task.robot else ""
         waits = task.state is State.QUEUED and not self.dispatching.fleet.ready(task)
         why = words.waits_for(task.after) if waits else ""
-        return words.line(task, self._telling.what(task), shown or task.wanted, why)
+        return words.line(task, self._telling.what(task, who), shown or task.wanted, why)
 
     # ---- giving ----
 
@@ -102,7 +102,7 @@ class TaskClerk:
             return Reply(joined("\n", (words.HOW_TO, self._list(asked.caller.principal))))
         if first.isdecimal() and not rest:
             task = self._named(asked, first)
-            return Reply(self.line(task), words.choices(task))
+            return Reply(self.line(task, asked.caller.principal), words.choices(task))
         return await self._give(asked)
 
     async def _give(self, asked: Asked) -> Reply:
@@ -122,6 +122,7 @@ class TaskClerk:
             among=found.robots,
             wanted=wanted,
             steps=len(lines),
+            skills=found.skills,
             priority=wish.priority,
             given_ns=now_ns,
             until_ns=wish.until_ns,

@@ -108,7 +108,9 @@ class MissionClerk:
                 changed += await self._feed(asked, e.Held(task.id, ACTS[verb] or Why.NONE))
             elif task.state is not State.UNKNOWN:  # whether it was done is asked task by task
                 changed += await self._feed(asked, e.Released(task.id))
-        return Reply(joined("\n", [words.changed(changed), *self._tasks_of(run)]))
+        return Reply(
+            joined("\n", [words.changed(changed), *self._tasks_of(run, asked.caller.principal)])
+        )
 
     async def _feed(self, asked: Asked, event: e.Held | e.Released) -> bool:
         decided = Decided(
@@ -156,10 +158,9 @@ class MissionClerk:
     # ---- showing ----
 
     def _show(self, asked: Asked, name: str) -> Reply:
-        runs = [
-            run for run in self._open_runs(asked.caller.principal) if run in self._runs_of(name)
-        ]
-        lines = [line for run in runs for line in (self._run_line(run), *self._tasks_of(run))]
+        who = asked.caller.principal
+        runs = [run for run in self._open_runs(who) if run in self._runs_of(name)]
+        lines = [line for run in runs for line in (self._run_line(run), *self._tasks_of(run, who))]
         mission = self._missions.get(name)
         if mission is not None:
             lines.append(words.known(mission.name, mission.title))
@@ -175,9 +176,9 @@ class MissionClerk:
         done = sum(task.state is State.DONE for task in tasks)
         return words.run(run, done, len(tasks), sum(task.state in RESTING for task in tasks))
 
-    def _tasks_of(self, run: str) -> list[str]:
+    def _tasks_of(self, run: str, who: PrincipalId) -> list[str]:
         tasks = self._dispatching.fleet.mission(run)
-        return [self._tasks.line(task) for task in tasks if task.state not in OVER]
+        return [self._tasks.line(task, who) for task in tasks if task.state not in OVER]
 
     # ---- starting ----
 
@@ -244,6 +245,7 @@ class MissionClerk:
             among=found.robots,
             wanted="" if part.on in ANY else part.on,
             steps=len(part.steps),
+            skills=found.skills,
             priority=part.priority,
             given_ns=self._rooms.organiser.wall_ns(),
             expected_ns=int(seconds(part.within, units) * 1e9) if part.within else 0,

@@ -118,6 +118,11 @@ class Timetable:
             kind=KIND, key=key, body=_encode(plan), letter=Letter(plan.author, _encode(where))
         )
 
+    def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        """Return what ends every plan of somebody."""
+        theirs = (key for key, plan in self.plans.items() if plan.author == principal)
+        return tuple(Fact(kind=KIND, key=key, body=b"") for key in theirs)
+
     def next_key(self) -> str:
         """Return a number that no plan has."""
         return str(max(map(int, self.plans), default=0) + 1)
