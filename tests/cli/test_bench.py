@@ -89,3 +89,16 @@ def test_an_unknown_bench_names_those_that_exist() -> None:
     assert ran.status == 2
     assert "pipeline" in ran.err
     assert "stop" in ran.err
+
+
+@pytest.mark.limit(120)
+def test_the_bench_of_fleets_finds_the_best_and_says_what_a_choice_costs() -> None:
+    ran = rosic("bench", "fleet", "--quick", "--json", within_s=100)
+
+    assert (ran.status, ran.err) == (0, "")
+    report = json.loads(ran.out)
+    assert set(report) == {"machine", "method", "cases"}
+    small, near, tried, large, large_near = report["cases"]
+    assert small["cost_m"] == tried["cost_m"] < near["cost_m"]
+    assert large["cost_m"] < large_near["cost_m"]
+    assert large["pairs"] == large_near["pairs"] == 200

@@ -23,6 +23,7 @@ from rosic.organiser.zones import zone_named
 from rosic.pipeline.alerts.running import Hands
 from rosic.pipeline.consent import Consent
 from rosic.pipeline.fleet.by_rule import RuleTasks
+from rosic.pipeline.fleet.cards import FLEET_CARD, FleetCards
 from rosic.pipeline.going import Going
 from rosic.pipeline.handover import Handover
 from rosic.pipeline.livecards.asking import CardClerk
@@ -157,6 +158,7 @@ class Furnishing:
         self.judging = furnish_benchmarks(self._rooms, self._access, self._pipeline, memory, clock)
         asking = Askers(alarms.alerting, self._glimpses, self._naming)
         show_benchmarks(self.judging, self._rooms, self._pipeline, asking)
+        self._furnish_fleet_cards(memory, clock)
         return alarms
 
     async def close(self) -> None:
@@ -329,7 +331,7 @@ class Furnishing:
     def _furnish_cards(self, messengers: Sequence[Messenger], clock: Clock) -> None:
         rooms, pipeline = self._rooms, self._pipeline
         self._glimpses = glimpses = Glimpses(rooms, pipeline.lives, pipeline.face)
-        sides = CardSides(
+        sides = self._card_sides = CardSides(
             sees=self._sees,
             name_of=rooms.organiser.name_of,
             shown=lambda robot: rooms.profiles[robot].shown,
@@ -344,6 +346,15 @@ class Furnishing:
         self.live_cards.restore(self._access.cards)
         clerk = CardClerk(self.live_cards, glimpses, rooms.vocabulary, sides)
         pipeline.reception.office.employ("card", clerk.card)
+
+    def _furnish_fleet_cards(self, memory: Memory, clock: Clock) -> None:
+        """Let the fleet be shown like robots are, in cards of its own."""
+        sides, changes = self._card_sides, self._access.changes
+        cards = FleetCards(self.fleet.overview, changes, self.reach.messengers, clock, sides)
+        cards.restore(memory.facts.get(FLEET_CARD, ()))
+        self.live_cards.others = cards
+        clerk = CardClerk(cards, cards.glimpses, self._rooms.vocabulary, sides)
+        self._pipeline.reception.office.employ("fleet", clerk.card)
 
     def _sees(self, principal: PrincipalId) -> frozenset[RobotId]:
         """Return what somebody may see now who is not asking: they must be able to ask."""

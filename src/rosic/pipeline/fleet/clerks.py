@@ -35,13 +35,17 @@ ASSIGN: Final = "assign"
 
 
 class TaskClerk:
-    """The clerk of tasks."""
+    """The clerk of tasks.
+
+    Attributes:
+        dispatching: Where they change.
+    """
 
     def __init__(
         self, rooms: Rooms, dispatching: Dispatching, telling: Telling, zone: Zone
     ) -> None:
         self._rooms = rooms
-        self._dispatching = dispatching
+        self.dispatching = dispatching
         self._telling = telling
         self._zone = zone
         self._acts = {"pause": self._pause, "cancel": self._cancel, "go": self._go,
@@ -60,11 +64,11 @@ class TaskClerk:
 
     def _list(self, who: PrincipalId) -> str:
         visible = self._rooms.organiser.visible(who)
-        found = [t for t in self._dispatching.fleet.open() if self._sees(who, t, visible)]
+        found = [t for t in self.dispatching.fleet.open() if self._sees(who, t, visible)]
         found.sort(key=lambda task: (task.state not in HELD, -task.priority))
         if not found:
             return words.NONE_OPEN
-        lines = [self.line(task) for task in found[:SHOWN_AT_MOST]]
+        lines = [self.line(task, who) for task in found[:SHOWN_AT_MOST]]
         if len(found) > SHOWN_AT_MOST:
             lines.append(words.and_more(len(found) - SHOWN_AT_MOST))
         return joined("\n", lines)
@@ -72,12 +76,12 @@ class TaskClerk:
     def _sees(self, who: PrincipalId, task: Task, visible: frozenset[RobotId]) -> bool:
         return task.author == who or not visible.isdisjoint(task.among)
 
-    def line(self, task: Task) -> str:
-        """Return one task in a list."""
+    def line(self, task: Task, who: PrincipalId) -> str:
+        """Return one task in a list, as somebody may read it."""
         shown = self._telling.shown(task.robot) if task.robot else ""
-        waits = task.state is State.QUEUED and not self._dispatching.fleet.ready(task)
+        waits = task.state is State.QUEUED and not self.dispatching.fleet.ready(task)
         why = words.waits_for(task.after) if waits else ""
-        return words.line(task, self._telling.what(task), shown or task.wanted, why)
+        return words.line(task, self._telling.what(task, who), shown or task.wanted, why)
 
     # ---- giving ----
 
@@ -98,11 +102,11 @@ class TaskClerk:
             return Reply(joined("\n", (words.HOW_TO, self._list(asked.caller.principal))))
         if first.isdecimal() and not rest:
             task = self._named(asked, first)
-            return Reply(self.line(task), words.choices(task))
+            return Reply(self.line(task, asked.caller.principal), words.choices(task))
         return await self._give(asked)
 
     async def _give(self, asked: Asked) -> Reply:
-        fleet, who = self._dispatching.fleet, asked.caller.principal
+        fleet, who = self.dispatching.fleet, asked.caller.principal
         if sum(1 for _ in fleet.open()) >= OPEN_AT_MOST:
             raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
         now_ns = self._rooms.organiser.wall_ns()
@@ -118,6 +122,7 @@ class TaskClerk:
             among=found.robots,
             wanted=wanted,
             steps=len(lines),
+            skills=found.skills,
             priority=wish.priority,
             given_ns=now_ns,
             until_ns=wish.until_ns,
@@ -128,7 +133,7 @@ class TaskClerk:
         )
         said = Said(lines, asked.messenger.name, asked.inbound.chat)
         decided = Decided(act="task", by=who, about=task.id, at_ns=now_ns, digest=asked.cid)
-        await self._dispatching.give(((task, said),), decided)
+        await self.dispatching.give(((task, said),), asked.cid, decided)
         names = [self._telling.shown(robot) for robot in found.robots]
         return Reply(words.given(task, said.shown, words.one_of(names)))
 
@@ -166,7 +171,7 @@ class TaskClerk:
 
     def _named(self, asked: Asked, number: str) -> Task:
         who = asked.caller.principal
-        task = self._dispatching.fleet.tasks.get(number)
+        task = self.dispatching.fleet.tasks.get(number)
         if task is None or not self._sees(who, task, self._rooms.organiser.visible(who)):
             raise NotUnderstood(words.no_such_task(number))
         return task
@@ -185,13 +190,14 @@ class TaskClerk:
 
     async def _act(self, asked: Asked, task: Task, event: e.Event, act: str) -> Reply:
         self.check_theirs(asked, task)
+        await self.dispatching.first_time(asked.cid)
         decided = Decided(
             act=f"task-{act}", by=asked.caller.principal, about=task.id,
             at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
         )  # fmt: skip
-        if not await self._dispatching.feed(event, decided):
-            raise NotUnderstood(words.does_not_fit(self._dispatching.fleet.tasks[task.id]))
-        now = self._dispatching.fleet.tasks[task.id]
+        if not await self.dispatching.feed(event, decided):
+            raise NotUnderstood(words.does_not_fit(self.dispatching.fleet.tasks[task.id]))
+        now = self.dispatching.fleet.tasks[task.id]
         if now.leaving:
             return Reply(words.being_held(now, self._telling.shown(now.robot)))
         return Reply(words.now_is(now))

@@ -18,12 +18,14 @@ from rosic.core.order import Ending
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
 from rosic.pipeline.fleet.attempting import attempt_id, end_after, end_of
 from rosic.pipeline.fleet.letters import Letters
+from rosic.pipeline.fleet.origins import Origins
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Iterable
 
     from rosic.contracts.clock import Clock
     from rosic.core.fleet.task import Task, TaskId
+    from rosic.core.identity import CommandId
     from rosic.core.order import Outcome
     from rosic.core.record import Record
     from rosic.core.robot import RobotId
@@ -45,6 +47,7 @@ class Dispatching:
     Attributes:
         fleet: As it is.
         letters: What was said for each task.
+        origins: Which messages have had their effect.
         begun: The newest attempt of each task that has a robot.
         why: What a robot or a room said last about a task that did not go on.
         rested: Whether the robot that a task left last was seen at rest.
@@ -59,6 +62,7 @@ class Dispatching:
     ) -> None:  # fmt: skip
         self.fleet = FleetState()
         self.letters = Letters()
+        self.origins = Origins()
         self.begun: dict[TaskId, Attempt] = {}
         self.why: dict[TaskId, str] = {}
         self.rested: dict[TaskId, bool] = {}
@@ -105,21 +109,37 @@ class Dispatching:
         self.changed()
         return True
 
-    async def give(self, given: Iterable[tuple[Task, Said]], *records: Record) -> None:
+    async def give(
+        self, given: Iterable[tuple[Task, Said]], cid: CommandId, *records: Record
+    ) -> None:
         """Take tasks in: all of them or none. What need not be known any more is let go.
 
         Raises:
+            Repeated: The message had its effect already.
             RecordUnavailable: Nothing was taken in.
         """
         now_ns = self._clock.wall_ns()
         async with self._changes.turn() as turn:
+            self.origins.check(cid)
             stale = self.fleet.stale()
             facts = [*self.fleet.forgotten(stale), *self.letters.forgotten(stale)]
+            facts += self.origins.facts(cid, now_ns)
             for task, said in given:
                 facts.append(self.letters.fact(task.id, task.author, said))
                 facts += self.fleet.facts(react(self.fleet, e.Given(task), now_ns))
             await turn.write((*records, *facts))
         self.changed()
+
+    async def first_time(self, cid: CommandId) -> None:
+        """See that a message has its effect once, whatever crashes after this.
+
+        Raises:
+            Repeated: It had.
+            RecordUnavailable: Nothing may follow from it now.
+        """
+        async with self._changes.turn() as turn:
+            self.origins.check(cid)
+            await turn.write(tuple(self.origins.facts(cid, self._clock.wall_ns())))
 
     def _do(self, doings: Iterable[e.Doing]) -> None:
         for doing in doings:
