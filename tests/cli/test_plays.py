@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 WITHIN_S = 300.0
 SUMMARY = "What happened, by the record and by the robots\n"
-PLACE = re.compile(r"^  (?P<shown>.+?): .* x (?P<x>-?[\d.]+) m · y (?P<y>-?[\d.]+) m", re.M)
+PLACE = re.compile(r"^  (?P<shown>.+?): .* x (?P<x>-?[\d.]+) m · y (?P<y>-?[\d.]+) m", re.MULTILINE)
 
 
 @pytest.fixture(scope="module")
