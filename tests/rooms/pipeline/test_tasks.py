@@ -250,6 +250,9 @@ async def test_after_a_crash_what_may_have_been_done_is_said_and_not_repeated() 
         crashed = deepcopy(store)
     async with later(crashed).open() as here:
         assert tasks(here)["1"].state is State.UNKNOWN
+        said = "\n".join(told.outbound.text for told in here.chat.told)
+        assert "w1: wave · task 1" in said
+        assert "It may or may not have been carried out" in said
         assert "not known whether it was done" in await here.say("/task 1")
         assert "Task 1 (wave): done" in await here.say("/task done 1", message="another")
         assert [here.acted(name) for name in ("w1", "w2", "w3")] == [0, 0, 0]
