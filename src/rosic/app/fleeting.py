@@ -13,6 +13,7 @@ from rosic.core.record import Refused, Told
 from rosic.errors import Repeated, StoreFault
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.fleet.attempting import Attempting, attempt_id
+from rosic.pipeline.fleet.cards import FLEET_CARD, FleetCards
 from rosic.pipeline.fleet.clerks import TaskClerk
 from rosic.pipeline.fleet.company import CompanyClerk
 from rosic.pipeline.fleet.dispatching import Dispatching
@@ -28,6 +29,7 @@ from rosic.pipeline.fleet.timetable import KIND as TIMES
 from rosic.pipeline.fleet.timetable import Timetable
 from rosic.pipeline.fleet.usage import Usage
 from rosic.pipeline.fleet.watching import Watching
+from rosic.pipeline.livecards.asking import CardClerk
 
 if TYPE_CHECKING:
     from rosic.app.parts import Settings
@@ -40,6 +42,8 @@ if TYPE_CHECKING:
     from rosic.pipeline import Pipeline
     from rosic.pipeline.alerts.running import Hands
     from rosic.pipeline.changes import Changes
+    from rosic.pipeline.livecards.drawing import Sides as CardSides
+    from rosic.pipeline.livecards.livecards import LiveCards
     from rosic.pipeline.rooms import Rooms
 
 _ENDS = {
@@ -96,6 +100,17 @@ class Fleeting:
         CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
             office
         )
+
+    def show_on_cards(
+        self, robots: LiveCards, sides: CardSides, pipeline: Pipeline, memory: Memory
+    ) -> None:
+        """Let the fleet be shown like robots are, in cards of its own."""
+        messengers = self._hands.reach.messengers
+        cards = FleetCards(self.overview, self._changes, messengers, self._clock, sides)
+        cards.restore(memory.facts.get(FLEET_CARD, ()))
+        robots.others = cards
+        clerk = CardClerk(cards, cards.glimpses, self._rooms.vocabulary, sides)
+        pipeline.reception.office.employ("fleet", clerk.card)
 
     def _furnish_missions(
         self, tasks: TaskClerk, memory: Memory, settings: Settings, pipeline: Pipeline

@@ -23,7 +23,6 @@ from rosic.organiser.zones import zone_named
 from rosic.pipeline.alerts.running import Hands
 from rosic.pipeline.consent import Consent
 from rosic.pipeline.fleet.by_rule import RuleTasks
-from rosic.pipeline.fleet.cards import FLEET_CARD, FleetCards
 from rosic.pipeline.going import Going
 from rosic.pipeline.handover import Handover
 from rosic.pipeline.livecards.asking import CardClerk
@@ -158,7 +157,7 @@ class Furnishing:
         self.judging = furnish_benchmarks(self._rooms, self._access, self._pipeline, memory, clock)
         asking = Askers(alarms.alerting, self._glimpses, self._naming)
         show_benchmarks(self.judging, self._rooms, self._pipeline, asking)
-        self._furnish_fleet_cards(memory, clock)
+        self.fleet.show_on_cards(self.live_cards, self._card_sides, self._pipeline, memory)
         return alarms
 
     async def close(self) -> None:
@@ -346,15 +345,6 @@ class Furnishing:
         self.live_cards.restore(self._access.cards)
         clerk = CardClerk(self.live_cards, glimpses, rooms.vocabulary, sides)
         pipeline.reception.office.employ("card", clerk.card)
-
-    def _furnish_fleet_cards(self, memory: Memory, clock: Clock) -> None:
-        """Let the fleet be shown like robots are, in cards of its own."""
-        sides, changes = self._card_sides, self._access.changes
-        cards = FleetCards(self.fleet.overview, changes, self.reach.messengers, clock, sides)
-        cards.restore(memory.facts.get(FLEET_CARD, ()))
-        self.live_cards.others = cards
-        clerk = CardClerk(cards, cards.glimpses, self._rooms.vocabulary, sides)
-        self._pipeline.reception.office.employ("fleet", clerk.card)
 
     def _sees(self, principal: PrincipalId) -> frozenset[RobotId]:
         """Return what somebody may see now who is not asking: they must be able to ask."""
