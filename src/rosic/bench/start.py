@@ -39,6 +39,8 @@ ROUNDS, QUICK_ROUNDS = 50, 3
 SIMULATION = "rosic.robots.ros2.simulation"
 STEP_M = 0.05
 THERE_WITHIN_S = 60.0
+# A machine that others keep busy loses some rounds; one that loses most measures nothing.
+TRIES = 2
 NS = 1_000_000_000
 
 METHOD = (
@@ -95,25 +97,31 @@ async def _measure(file: Path, names: Sequence[str], rounds: int) -> tuple[list[
         async with asyncio.timeout(THERE_WITHIN_S):
             while not all(side.there for side in sides):  # noqa: ASYNC110 - tells nobody
                 await asyncio.sleep(0.05)
-        for number in range(rounds):
+        number = 0
+        while len(spreads) < rounds:
+            number += 1
+            if number > TRIES * rounds:
+                raise RuntimeError(f"only {len(spreads)} of {number} rounds were seen whole")
+            before = _size(file)
             start_ns, agreed_ns = clock.monotonic_ns() + TOGETHER_NS, clock.wall_ns() + TOGETHER_NS
             way = "forward" if number % 2 == 0 else "back"
-            await asyncio.gather(*(side.go(way, start_ns) for side in sides))
-            moments = began(file, number + 1)
-            if set(moments) != set(names):
-                raise RuntimeError(f"only {len(moments)} of {len(names)} robots began")
+            done = await asyncio.gather(*(side.go(way, start_ns) for side in sides))
+            moments = began(file, before)
+            if not all(done) or set(moments) != set(names):
+                continue  # one held, as it did not hear of us for a second: a round of fewer
             spreads.append(max(moments.values()) - min(moments.values()))
             lates += [moment - agreed_ns for moment in moments.values()]
     return spreads, lates
 
 
-def began(file: Path, count: int) -> dict[str, int]:
-    """Return when each robot began to move for the last time of so many, wall clock."""
-    taken: dict[str, list[int]] = {}
-    for line in file.read_text(encoding="utf-8").splitlines():
-        robot, moment_ns = line.split()
-        taken.setdefault(robot, []).append(int(moment_ns))
-    return {robot: row[-1] for robot, row in taken.items() if len(row) == count}
+def _size(file: Path) -> int:
+    return file.stat().st_size if file.exists() else 0
+
+
+def began(file: Path, since: int = 0) -> dict[str, int]:
+    """Return when each robot began to move, wall clock, from so many bytes of the file on."""
+    lines = file.read_bytes()[since:].decode().splitlines()
+    return {robot: int(moment_ns) for robot, moment_ns in map(str.split, lines)}
 
 
 class _Side:
@@ -129,17 +137,12 @@ class _Side:
         """Whether it was heard."""
         return self.robot.presence().online is True
 
-    async def go(self, way: str, start_ns: int) -> None:
-        """Go a little, beginning when all do.
-
-        Raises:
-            RuntimeError: It was not done.
-        """
+    async def go(self, way: str, start_ns: int) -> bool:
+        """Go a little, beginning when all do; tell whether it was done."""
         arguments: dict[str, Argument] = {"direction": way, "distance": STEP_M, "speed": 0.5}
         order = replace(self._book.order("move", arguments), start_ns=start_ns, cid=os.urandom(16))
         outcome = await self.robot.execute(order, lambda _report: None)
-        if outcome.ending is not Ending.DONE:
-            raise RuntimeError(f"{self.name}: {outcome.ending.value} {outcome.note}")
+        return outcome.ending is Ending.DONE
 
 
 def one_more(name: str) -> Profile:

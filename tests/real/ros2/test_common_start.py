@@ -47,7 +47,7 @@ async def test_robots_that_were_told_one_after_another_begin_together(
         outcomes = await asyncio.gather(*tasks)
 
     assert [outcome.ending for outcome in outcomes] == [Ending.DONE] * len(NAMES), outcomes
-    moments = began(file, 1)
+    moments = began(file)
     assert set(moments) == set(NAMES)
     assert min(moments.values()) >= agreed_ns - 5_000_000, "nobody begins early"
     assert max(moments.values()) - min(moments.values()) < TOGETHER_WITHIN_S * 1e9
