@@ -124,7 +124,7 @@ def _values(profile: Profile, values: Mapping[str, float | str]) -> Iterable[str
         if isinstance(value, str):
             yield joined(" ", (name, value))
         elif value is not None:
-            shown = f"{value:.0f}" if described.unit == "%" else f"{value + 0.0:.2f}"
+            shown = f"{value:.0f}" if described.unit == "%" else f"{value:z.2f}"
             text = f"{shown} {described.unit}".rstrip()
             yield joined(" ", (name, measured(text, value, described.unit)))
 
