@@ -51,6 +51,7 @@ SKILLS = 10
 BURSTS = 100
 BURST_MESSAGES = 600
 STOPS = 5
+STRETCHES = 5
 SETTLING_S = 0.3
 LOOK_S = 0.1
 
@@ -70,7 +71,7 @@ class Plan(msgspec.Struct, frozen=True):
     per_s: int
     quiet_s: float
     fed_s: float
-    commanding_s: float
+    commanding_s: int
     flat_out: int
 
 
@@ -78,14 +79,14 @@ class Commanded(msgspec.Struct, frozen=True):
     """What was seen while so many people commanded.
 
     Attributes:
-        latencies_ns: From somebody's sending until the end was told.
+        latencies_ns: From somebody's sending until the end was told, one second after another.
         refused: How many were not told an end, because somebody else was faster.
         cpu_s: Of the gateway, what robots said included.
         seconds: For how long.
     """
 
     people: int
-    latencies_ns: list[int]
+    latencies_ns: list[list[int]]
     refused: int
     cpu_s: float
     seconds: float
@@ -101,7 +102,7 @@ class Seen(msgspec.Struct, frozen=True):
         fed_cpu_s, fed_s, fed: While robots reported and nobody commanded: processor time, time,
             messages.
         commanded: While people commanded, as many as the plan says, one number after another.
-        flat_out: While as much was commanded as could be.
+        flat_out: While as much was commanded as could be, some times over.
         burst_ns: What one message costs when many wait, from as many robots as there are.
         stops_ns: From the receipt of a stop until the last adapter had it.
         robots_sent, people_sent: What the other processes say of themselves.
@@ -115,7 +116,7 @@ class Seen(msgspec.Struct, frozen=True):
     fed_s: float
     fed: int
     commanded: tuple[Commanded, ...]
-    flat_out: Commanded
+    flat_out: tuple[Commanded, ...]
     burst_ns: list[int]
     stops_ns: list[int]
     robots_sent: Sent
@@ -275,7 +276,8 @@ async def _see(plan: Plan, gateway: Gateway, messenger: BenchMessenger, start_s:
     rss = rss_bytes()
     return Seen(
         plan.robots, start_s, rss, quiet_cpu_s / quiet_s, fed_cpu_s, fed_s, fed,
-        tuple(commanded), await _flat_out(plan, Crowd(gateway, messenger)),
+        tuple(commanded),
+        tuple([await _flat_out(plan, Crowd(gateway, messenger)) for _ in range(STRETCHES)]),
         burst(feed, plan.robots), await _stop(gateway, messenger, robots),
         robots_sent[0], tuple(people_sent),
     )  # fmt: skip
@@ -290,20 +292,22 @@ async def _all_heard(robots: dict[str, FedRobot]) -> None:
 async def _command(plan: Plan, people: int, crowd: Crowd, ended: list[Sent]) -> Commanded:
     async with line("people", (people, plan.robots, plan.per_s), crowd.take, ended):
         await asyncio.sleep(SETTLING_S)  # what is said the first time is read once
-        crowd.latencies_ns.clear()
+        found: list[list[int]] = []
         stretch = Stretch()
-        await asyncio.sleep(plan.commanding_s)
+        for _ in range(plan.commanding_s):
+            crowd.latencies_ns = []
+            await asyncio.sleep(1.0)
+            found.append(crowd.latencies_ns)
         cpu_s, seconds = stretch.end()
-        latencies_ns = list(crowd.latencies_ns)
-    return Commanded(people, latencies_ns, await crowd.told(), cpu_s, seconds)
+    return Commanded(people, found, await crowd.told(), cpu_s, seconds)
 
 
 async def _flat_out(plan: Plan, crowd: Crowd) -> Commanded:
     people = min(max(plan.people), plan.robots)  # each robot has one person: nobody is in the way
     stretch = Stretch()
-    await crowd.command(plan.flat_out, plan.robots, people)
+    await crowd.command(plan.flat_out // STRETCHES, plan.robots, people)
     cpu_s, seconds = stretch.end()
-    return Commanded(people, crowd.latencies_ns, 0, cpu_s, seconds)
+    return Commanded(people, [crowd.latencies_ns], 0, cpu_s, seconds)
 
 
 async def _stop(
