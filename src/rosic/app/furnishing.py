@@ -309,7 +309,7 @@ class Furnishing:
 
     def _watch_ends(self) -> None:
         """Hear of orders that end, but only while somebody waits for a robot."""
-        waited_for = any(self._access.waiting.queue(robot) for robot in self._rooms.profiles)
+        waited_for = bool(self._access.waiting.wanted())
         self._pipeline.lives.after = self._order_ended if waited_for else None
 
     def _order_ended(self, robot: RobotId) -> None:

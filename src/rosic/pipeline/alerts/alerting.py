@@ -20,6 +20,7 @@ from rosic.pipeline.alerts.book import Alarm
 from rosic.pipeline.alerts.following import Following
 from rosic.pipeline.alerts.placed import Occurrence, Placed
 from rosic.pipeline.reach import Notice
+from rosic.pipeline.rounds import go_round
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -101,9 +102,7 @@ class Alerting:
 
     async def run(self) -> None:
         """Look until cancelled. What fails is logged, and looked at again."""
-        while self.following:
-            self.look()
-            await self._clock.sleep(EVERY_S)
+        await go_round(self._clock, EVERY_S, self.following, self.look)
 
     async def close(self) -> None:
         """Write down what is open, within bounds; what is being asked of a robot is given up."""
@@ -113,14 +112,14 @@ class Alerting:
             await asyncio.wait((self._writing,), timeout=WRITTEN_WITHIN_S)
             self._writing.cancel()
 
-    def look(self) -> None:
-        """Look once at every robot that has rules."""
-        for robot, row in self.following.items():
+    def look(self, robots: Iterable[RobotId]) -> None:
+        """Look once at these robots, which have rules."""
+        for robot in robots:
             try:
                 presence = self._rooms.linker.presence(robot)
                 if self.judged is not None:
                     presence = self.judged(robot, presence)
-                for following in row:
+                for following in self.following[robot]:
                     self._feed(following, presence)
             except Exception:
                 log.exception("the rules of %s could not be followed", robot)

@@ -137,15 +137,20 @@ class Watching:
             if not levels:
                 return
             among = dict.fromkeys(r for level in levels for task in level for r in task.left)
-            glances = {r: self.glance(r) for r in among if r in self._rooms.profiles}
+            least = self._least()
+            glances = {r: self.glance(r, least) for r in among if r in self._rooms.profiles}
             for task, robot in assign(fleet, levels, glances, now_ns).pairs:
                 try:
                     await self._dispatching.feed(e.Chosen(task, robot))
                 except RecordUnavailable:
                     log.warning("task %s waits: nothing can be written down", task)
 
-    def glance(self, robot: RobotId) -> Glance:
-        """Return what a look at a robot shows now."""
+    def _least(self) -> int:
+        """Return how many steps whoever has done least has done: the measure of load."""
+        return min(self._dispatching.finished.values(), default=0)
+
+    def glance(self, robot: RobotId, least: int = 0) -> Glance:
+        """Return what a look at a robot shows now, where somebody has done as little as this."""
         rooms = self._rooms
         presence = rooms.linker.presence(robot)
         free = (
@@ -167,7 +172,7 @@ class Watching:
             holder=holder,
             battery=float(battery) if isinstance(battery, int | float) else None,
             place=_place(presence),
-            load=finished.get(robot, 0) - min(finished.values(), default=0),
+            load=finished.get(robot, 0) - least,
         )
 
 

@@ -19,7 +19,7 @@ from rosic.core.message import ChatKind, Weight
 from rosic.core.saying import in_language
 from rosic.errors import MessageGone, MessengerFault, RecordUnavailable, TooManyRequests
 from rosic.pipeline.livecards import words_livecards as words
-from rosic.pipeline.livecards.drawing import Drawing, pace_of
+from rosic.pipeline.livecards.drawing import ROBOTS_AT_MOST, Drawing, in_order, pace_of
 from rosic.pipeline.livecards.livecard import KIND, LiveCard, chat_of, key_of, read_fact
 from rosic.pipeline.livecards.picturing import Pictured
 
@@ -219,7 +219,7 @@ class LiveCards:
         if not self._running or not self._all():
             return
         shown = {card: self._robots(card) for card in self._cards.values()}
-        self._glimpses.look({robot for robots in shown.values() for robot in robots})
+        self._glimpses.look({r for robots in shown.values() for r in robots[:ROBOTS_AT_MOST]})
         now_ns = self._clock.monotonic_ns()
         for card, robots in shown.items():
             if not robots:
@@ -235,7 +235,7 @@ class LiveCards:
     def _robots(self, card: LiveCard) -> tuple[RobotId, ...]:
         """Return what a card shows now: never what its owner may not see (I11)."""
         sees = self._sides.sees(card.owner)
-        return tuple(r for r in card.robots if r in sees) if card.robots else tuple(sorted(sees))
+        return tuple(r for r in card.robots if r in sees) if card.robots else in_order(sees)
 
     def _without_picture(self, card: LiveCard) -> None:
         """Go on in a new message: what shows a picture shows one for good."""
@@ -294,7 +294,7 @@ class LiveCards:
         robots = self._robots(card)
         if not robots:
             return  # it is about to end
-        self._glimpses.look(robots)
+        self._glimpses.look(robots[:ROBOTS_AT_MOST])
         began_ns = self._clock.monotonic_ns()
         outbound = self.drawing.outbound(card, robots, weight)
         # Until it is known to be there, what the chat shows may be either.
