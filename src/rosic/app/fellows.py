@@ -58,7 +58,7 @@ def fellowship_of(gateway: Gateway, parts: Parts, teller: Teller, memory: Memory
     fellowship.restore(memory.facts)
     AmongClerk(fellowship, rooms).employ(gateway.pipeline.reception.office)
     fleet = gateway.furnishing.fleet
-    circle.desk.tasks = Assisting(rooms, fleet.dispatching)
+    circle.desk.tasks = Assisting(rooms, fleet.dispatching, fleet.watching)
     fleet.watching.engaged = book.engages
     for robot, adapter in gateway.robots.items():
         if isinstance(adapter, Fellow):
