@@ -1,8 +1,9 @@
-"""One place for five scenarios: a gateway, the fake server, twelve robots as ROS 2 nodes."""
+"""One place for five scenarios: a gateway, the fake server, ten robots as ROS 2 nodes."""
 
 from __future__ import annotations
 
 import asyncio
+import re
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -96,6 +97,20 @@ class Scenes:
         """Have somebody write; return the reply that says what is expected."""
         return await self.place.ask(self.people[who], text, expected)
 
+    async def gives(self, who: str, text: str) -> str:
+        """Have somebody give a task; return its number."""
+        given = await self.asks(who, f"/task {text}", "Task ")
+        found = re.match(r"Task (\d+): ", given["text"])
+        assert found, given["text"]
+        return found[1]
+
+    async def has(self, who: str, kind: str, text: str) -> str:
+        """Return which robot of a kind carries out what somebody reads a card about."""
+        card = await self.reads(who, text)
+        found = re.search(rf"{kind} (\d): ", card["text"])
+        assert found, card["text"]
+        return found[1]
+
     async def says(self, who: str, text: str) -> int:
         """Have somebody write, and wait for nothing."""
         return await self.place.say(self.people[who], text)
@@ -134,7 +149,7 @@ class Scenes:
         await self.place.control.tap(account, account, under, label)
         await self.reads(who, expected)
 
-    async def breaks(self, robot: str, name: str, value: bool | float) -> None:  # noqa: FBT001
+    async def breaks(self, robot: str, name: str, value: bool | float) -> None:
         """Break something in a robot, or mend it."""
         await set_fault(self._runtime, robot, name, value)
 
@@ -214,6 +229,7 @@ def _write(place: Lab, people: dict[str, int]) -> None:
         for robot in ROVERS
     ]
     text = place.config.read_text().replace("[gateway]\n", '[gateway]\npreempt = ["kuka1"]\n')
+    text = text.replace("lease_idle_s = 1.0", "lease_idle_s = 20.0")
     place.config.write_text("\n\n".join([text, *tables, RULES]))
 
 

@@ -85,49 +85,41 @@ async def test_class_twenty_students_share_one_arm(here: Scenes) -> None:
 
 async def test_fleet_a_carrier_fails_and_its_task_is_moved_exactly_once(here: Scenes) -> None:
     here.from_now()
-    await here.asks("Manager", "/task carriers goto x=1 y=0 then goto x=0 y=0", "Task 1: ")
-    await here.reads("Manager", "task 1, step 1 of 2")
-    await here.asks("Manager", "/task carriers goto x=0.5 y=0", "Task 2: ")
-    victim = await _at_step(here, "Manager", "task 1, step 2 of 2")
-    assert "at work" in (await here.asks("Manager", "/fleet", "robot"))["text"]
-    await here.breaks(victim, "battery", 0.0)
+    one = await here.gives("Manager", "carriers goto x=1 y=0 then goto x=0 y=0")
+    await here.reads("Manager", f"task {one}, step 1 of 2")
+    two = await here.gives("Manager", "carriers goto x=0.5 y=0")
+    failing = await here.has("Manager", "Carrier", f"task {one}, step 2 of 2")
+    await here.says("Manager", "/fleet")
+    await here.reads("Manager", " at work, ")
+    await here.breaks(f"carrier{failing}", "battery", 0.0)
     left = await here.reads("Manager", "The task goes to another robot. 1 of 2 steps are done")
-    assert "has failed at it" in left["text"]
-    done = await here.reads("Manager", "Task 1 (goto x=1 y=0; goto x=0 y=0): done by Carrier ")
-    assert not done["text"].endswith(f"Carrier {victim[-1]}.")
-    await here.reads("Manager", "Task 2 (goto x=0.5 y=0): done by Carrier ")
+    assert f"Carrier {failing} has failed at it" in left["text"]
+    done = await here.reads("Manager", f"Task {one} (goto x=1 y=0; goto x=0 y=0): done by Carrier ")
+    assert not done["text"].endswith(f"Carrier {failing}.")
+    await here.reads("Manager", f"Task {two} (goto x=0.5 y=0): done by Carrier ")
     await here.asks("Manager", "/tasks", "No task is open.")
-    card = await here.asks("Manager", "/fleet", "0 robots at work")
-    assert f"Carrier {victim[-1]}: battery 0 %, low" in card["text"]
+    await here.comes_to("Manager", f"status carrier{failing}", "battery 0 %")
     begun = [skill for n in (1, 2, 3) for skill in here.acted(f"carrier{n}")]
-    assert len(begun) == 4, "two steps, one of them once more, and the other task"
+    assert begun == ["goto"] * 4, "two steps, one of them once more, and the other task"
     assert await here.shown("Manager", "The task goes to another robot") == 1
-    await here.breaks(victim, "battery", 1.0)
-
-
-async def _at_step(here: Scenes, who: str, text: str) -> str:
-    """Return which carrier is at a step, by what its person reads."""
-    card = await here.reads(who, text)
-    found = re.search(r"Carrier (\d)", card["text"])
-    assert found, card["text"]
-    return f"carrier{found[1]}"
+    await here.breaks(f"carrier{failing}", "battery", 1.0)
+    await here.comes_to("Manager", f"status carrier{failing}", "battery 100 %")
 
 
 async def test_shift_groups_overlap_and_what_runs_is_handed_over(here: Scenes) -> None:
     here.from_now()
     north, south, night = "North manager", "South manager", "Night manager"
-    moving = await here.says(north, "carrier2 goto x=-0.8 y=0")
+    moving = await here.says(north, "carrier2 goto x=-0.8 y=0.3")
     await here.reads(north, "received", to=moving)
     await here.asks(south, "carrier2 goto x=0 y=0", f"taken by {north}")
     await here.asks(south, "carrier1 goto x=0 y=0", 'I do not know "carrier1"')
-    await here.asks(north, "/task carrier1 goto x=-1 y=0 then goto x=0 y=0", "Task 3: ")
-    await here.reads(north, "task 3, step 1 of 2")
-    await here.asks(north, f"/handover {south}", "may move no robot for these tasks: 3")
+    task = await here.gives(north, "carrier1 goto x=-1.5 y=0 then goto x=0 y=0")
+    await here.reads(north, f"task {task}, step 1 of 2")
+    await here.asks(north, f"/handover {south}", f"may move no robot for these tasks: {task}")
     await here.asks(north, f"/handover {night}", "is asked")
     await here.taps(night, "I take over", f"Yours now, from {north}: ")
     await here.reads(north, f"{night} has taken over")
-    await here.reads(night, "task 3, step 2 of 2")
-    await here.reads(night, "Task 3 (goto x=-1 y=0; goto x=0 y=0): done by Carrier 1.")
+    await here.reads(night, f"Task {task} (goto x=-1.5 y=0; goto x=0 y=0): done by Carrier 1.")
     await here.reads(north, "done ", to=moving)
     assert (here.acted("carrier1"), here.acted("carrier2")) == (["goto", "goto"], ["goto"])
     assert here.acted("carrier3") == []
@@ -138,36 +130,48 @@ async def test_swarm_a_rover_asks_for_help_another_accepts_and_a_stop_stops_all(
 ) -> None:
     here.from_now()
     leader = "Search leader"
-    up = await here.asks(leader, "crazyflies takeoff 1 m", "done ")
-    await here.place.until(lambda: all("takeoff" in here.acted(drone) for drone in DRONES))
-    await here.place.reads(here.people[leader], "hovering", to=up["reply_to"])
-    await here.asks(leader, "/task rovers goto x=2 y=0", "Task 4: ")
-    first = await _rover_at(here, leader, "task 4")
-    other = "rover2" if first == "rover1" else "rover1"
-    await here.breaks(first, "mud", value=True)
-    await here.reads(leader, "stuck: the wheels turn, and nothing moves")
-    await here.thinks(first, "help", what="stuck in the mud")
-    await here.reads(leader, f"Rover {first[-1]} asks for help: stuck in the mud.")
-    asked = await here.heard(other, "help")
-    await here.thinks(other, "accept", id=asked["id"])
-    await here.reads(leader, f"Rover {other[-1]} helps Rover {first[-1]} (stuck in the mud).")
-    assert (await here.heard(first, "helped"))["by"] == other
-    await here.reads(leader, f"Rover {other[-1]} goes on with it")
-    await here.place.until(lambda: here.acted(other) == ["goto"])
-    stopped = await here.says(leader, "stop")
-    said = await here.reads(leader, "Crazyflie 3 on the ground", to=stopped)
-    assert said["text"].count("on the ground") == 3
-    assert said["text"].count("at rest") == 2
+    up = await here.says(leader, "crazyflies takeoff 1 m")
+    card = await here.reads(leader, "hovering", to=up)
+    assert await here.place.until(lambda: all("takeoff" in here.acted(drone) for drone in DRONES))
+    assert card["text"].count("Crazyflie") >= len(DRONES)
+
+    one, two = await _two_rovers_go(here, leader)
+    helps = await _one_helps_the_other(here, leader, one, two)
+
+    await here.says(leader, "stop")
+    said = await here.reads(leader, "STOP: Crazyflie 1 ")
+    assert said["text"].count("at rest") + said["text"].count("on the ground") == len(DRONES) + 2
     assert "has not confirmed" not in said["text"]
-    await here.reads(leader, "Task 4 (goto x=2 y=0): paused.")
-    for robot in (*DRONES, other):
-        await here.asks(leader, f"status {robot}", f"stopped by {leader}")
-    await here.breaks(first, "mud", value=False)
-    assert here.acted(other) == ["goto"], "nothing goes on by itself"
+    await here.reads(leader, f"Task {one} (goto x=2 y=0): paused.")
+    held = await here.asks(leader, "status", f"stopped by {leader}")
+    assert held["text"].count(f"stopped by {leader}") == len(DRONES) + 2
+    begun = here.acted(f"rover{helps}")
+    assert begun == ["goto", "goto"], "its own task, and the other's"
 
 
-async def _rover_at(here: Scenes, who: str, text: str) -> str:
-    card = await here.reads(who, text)
-    found = re.search(r"Rover (\d)", card["text"])
-    assert found, card["text"]
-    return f"rover{found[1]}"
+async def _two_rovers_go(here: Scenes, leader: str) -> tuple[str, str]:
+    """Give each a task; return the numbers."""
+    one = await here.gives(leader, "rovers goto x=2 y=0")
+    two = await here.gives(leader, "rovers goto x=0 y=2")
+    return one, two
+
+
+async def _one_helps_the_other(here: Scenes, leader: str, one: str, two: str) -> str:
+    """Let the first get stuck and the second help; return which one helped."""
+    stuck = await here.has(leader, "Rover", f"· task {one}")
+    helps = await here.has(leader, "Rover", f"· task {two}")
+    assert {stuck, helps} == {"1", "2"}
+    await here.breaks(f"rover{stuck}", "mud", value=True)
+    await here.reads(leader, "stuck: the wheels turn, and nothing moves")
+    await here.thinks(f"rover{stuck}", "help", what="stuck in the mud")
+    await here.reads(leader, f"Rover {stuck} asks for help: stuck in the mud.")
+    asked = await here.heard(f"rover{helps}", "help")
+    await here.thinks(f"rover{helps}", "accept", id=asked["id"])
+    told = await here.reads(leader, f"Rover {helps} helps Rover {stuck} (stuck in the mud).")
+    assert f"Task {two} leaves Rover {helps} and waits for a robot." in told["text"]
+    assert (await here.heard(f"rover{stuck}", "helped"))["by"] == f"rover{helps}"
+    await here.breaks(f"rover{stuck}", "mud", value=False)
+    await here.thinks(f"rover{stuck}", "over", id=asked["id"])
+    await here.reads(leader, f"Rover {stuck} needs no more help")
+    await here.reads(leader, f"Task {one} (goto x=2 y=0): Rover {helps} goes on with it.")
+    return helps

@@ -38,6 +38,15 @@ async def _script(stage: Stage) -> None:
     tasks = stage.gateway.furnishing.fleet.dispatching.fleet.tasks
     stuck = await stage.until(lambda: tasks["1"].robot, "Task 1 did not begin")
     helper = await stage.until(lambda: tasks["2"].robot, "Task 2 did not begin")
+    await _gets_help(stage, stuck, helper)
+    await stage.says(LEADER, "/fleet rovers", hears="at work")
+    stage.aside("That is enough for the leader. One word, and everything comes to rest.")
+    await stage.says(LEADER, "stop", hears="at rest (")
+    await stage.hears(LEADER, "paused.")
+    await stage.says(LEADER, "/tasks", hears="2: ")
+
+
+async def _gets_help(stage: Stage, stuck: str, helper: str) -> None:
     stage.aside(f"The ground gives way under {_shown(stage, stuck)}. It asks for help itself.")
     _rover(stage, stuck).mud = True
     await stage.hears(LEADER, "has failed at it")
@@ -52,11 +61,6 @@ async def _script(stage: Stage) -> None:
     await stage.hears(LEADER, "needs no more help")
     stage.aside("It is out. Both tasks find a robot again.")
     await stage.hears(LEADER, "goes on with it")
-    await stage.says(LEADER, "/fleet rovers", hears="at work")
-    stage.aside("That is enough for the leader. One word, and everything comes to rest.")
-    await stage.says(LEADER, "stop", hears="at rest (")
-    await stage.hears(LEADER, "paused.")
-    await stage.says(LEADER, "/tasks", hears="2: ")
 
 
 def _helps(robot: SpeakingRobot, told: Mapping[str, Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from importlib import import_module
 from math import inf
 from typing import TYPE_CHECKING
@@ -12,6 +13,8 @@ from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.machines.world import CUBE
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.robots.ros2.nodes.machine_node import MachineNode
     from rosic.robots.ros2.ros import RosObject
     from rosic.robots.simulated.machines.world import World
@@ -39,6 +42,10 @@ class Faults:
     def __init__(self, owner: MachineNode, world: World) -> None:
         self._owner = owner
         self._world = world
+        self._special: dict[str, Callable[[object], str]] = {
+            WATCHDOG: self._watchdog,
+            **{name: partial(self._outside, name) for name in (DRIFT, FIRE, MUD)},
+        }
         self._result = import_module("rcl_interfaces.msg").SetParametersResult
         names: dict[str, bool | float] = {LINK: True}
         if owner.machine.battery is not None:
@@ -71,10 +78,8 @@ class Faults:
             if not isinstance(value, float) or not 0.0 <= value <= 1.0:
                 return "a battery is a number from 0.0 to 1.0"
             self._world.set_battery(self._owner.id, value)
-        elif name == WATCHDOG:
-            return self._watchdog(value)
-        elif name in {DRIFT, FIRE, MUD}:
-            return self._afield(name, value)
+        elif name in self._special:
+            return self._special[name](value)
         elif not isinstance(value, bool):
             return "true or false"
         elif name == LINK:
@@ -92,7 +97,7 @@ class Faults:
         machine.watchdog_s = value or inf
         return ""
 
-    def _afield(self, name: str, value: object) -> str:
+    def _outside(self, name: str, value: object) -> str:
         machine = self._owner.machine
         if isinstance(machine, Watcher) and name == DRIFT and isinstance(value, float):
             machine.drift_c = value
