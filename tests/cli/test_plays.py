@@ -91,7 +91,10 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
 
     assert "had by    Carrier 1: North manager (1), Night manager (2)" in shift
 
-    assert "Rover 2 helps Rover 1 (stuck in the mud)." in swarm
+    helped = re.search(r"(Rover \d) helps (Rover \d) \(stuck in the mud\)\.", swarm)
+    assert helped
+    assert f"Task 1 goes from {helped[2]} to {helped[1]}." in swarm
+    assert f"Task 2 (goto x=2.5 y=-0.5): {helped[2]} goes on with it." in swarm
     assert "stopped   Crazyflie 1, Crazyflie 2, Crazyflie 3, Rover 1, Rover 2" in swarm
     assert swarm.partition(SUMMARY)[2].count("z 0.00 m") == 3
 

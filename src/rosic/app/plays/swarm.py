@@ -43,7 +43,7 @@ async def _script(stage: Stage) -> None:
     stage.aside("That is enough for the leader. One word, and everything comes to rest.")
     await stage.says(LEADER, "stop", hears="at rest (")
     await stage.hears(LEADER, "paused.")
-    await stage.says(LEADER, "/tasks", hears="2: ")
+    await stage.says(LEADER, "/tasks", hears="paused")
 
 
 async def _gets_help(stage: Stage, stuck: str, helper: str) -> None:
@@ -53,14 +53,15 @@ async def _gets_help(stage: Stage, stuck: str, helper: str) -> None:
     stage.robot(stuck).says("help", what="stuck in the mud")
     await stage.hears(LEADER, "asks for help: stuck in the mud")
     await stage.hears(LEADER, f"Task 2 leaves {_shown(stage, helper)}")
-    stage.aside(f"{_shown(stage, helper)} has accepted, and leaves its task for that.")
-    await stage.says(LEADER, f"{helper} goto x=0.3 y=0", hears="done ")
+    stage.aside(f"{_shown(stage, helper)} has accepted: it takes over, and its own task waits.")
+    await stage.hears(LEADER, f"{_shown(stage, helper)} goes on with it")
+    await stage.says(LEADER, "/assist", hears="is helped by")
     _rover(stage, stuck).mud = False
     help_id = next(told["id"] for told in stage.robot(stuck).heard if told["kind"] == "helped")
     stage.robot(stuck).says("over", id=help_id)
     await stage.hears(LEADER, "needs no more help")
-    stage.aside("It is out. Both tasks find a robot again.")
-    await stage.hears(LEADER, "goes on with it")
+    stage.aside(f"{_shown(stage, stuck)} is out again, and takes what was left.")
+    await stage.hears(LEADER, f"{_shown(stage, stuck)} goes on with it")
 
 
 def _helps(robot: SpeakingRobot, told: Mapping[str, Any]) -> None:
