@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from rosic.core.limits import Convert
     from rosic.core.roles import Care
-    from rosic.core.skill import Skill
 
 NEVER_NS = 2**63 - 1
 
