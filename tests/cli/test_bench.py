@@ -94,9 +94,11 @@ def test_the_bench_of_fleets_assigns_tasks_and_compares_sizes() -> None:
     for case in cases.values():
         assert {"name", "rate_per_s", "p50_us", "p99_us"} <= set(case)
         assert 0 < case["p50_us"] <= case["p99_us"]
-    assert cases["1000 to 200: solver"]["p50_us"] < 1e6 * slowness()
-    assert cases["1000 to 200: solver"]["cost_m"] < cases["1000 to 200: nearest idle"]["cost_m"]
-    assert cases["6 to 6: solver"]["cost_m"] == cases["6 to 6: every way tried"]["cost_m"]
+    assert cases["1000 to 200: solver"]["p50_us"] < 1_000_000 * slowness()
+    small, near, tried, large, large_near = report["cases"][:5]
+    assert small["cost_m"] == tried["cost_m"] < near["cost_m"]
+    assert large["cost_m"] < large_near["cost_m"]
+    assert large["pairs"] == large_near["pairs"] == 200
     for robots in (10, 200):
         commanded = cases[f"{robots} robots, 500 commanding: a command"]
         assert commanded["rate_per_s"] > 0
@@ -114,16 +116,3 @@ def test_an_unknown_bench_names_those_that_exist() -> None:
     assert ran.status == 2
     assert "pipeline" in ran.err
     assert "stop" in ran.err
-
-
-@pytest.mark.limit(120)
-def test_the_bench_of_fleets_finds_the_best_and_says_what_a_choice_costs() -> None:
-    ran = rosic("bench", "fleet", "--quick", "--json", within_s=100)
-
-    assert (ran.status, ran.err) == (0, "")
-    report = json.loads(ran.out)
-    assert set(report) == {"machine", "method", "cases"}
-    small, near, tried, large, large_near = report["cases"]
-    assert small["cost_m"] == tried["cost_m"] < near["cost_m"]
-    assert large["cost_m"] < large_near["cost_m"]
-    assert large["pairs"] == large_near["pairs"] == 200

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 
 CLOCK = SystemClock()
 IDS = count(1)
+SAID = count()
 STARTING_S = 60.0
 TOGETHER = 50
 SKILLS = 10
@@ -162,14 +163,14 @@ class Crowd:
     def take(self, words: bytes) -> None:
         """Take one message."""
         wish = read_wish(words)
-        inbound = inbound_of(str(wish.person), text_of(wish.robot, wish.number))
+        inbound = inbound_of(str(wish.person), text_of(wish.robot, next(SAID)))
         task = asyncio.create_task(self._follow(inbound, wish.sent_ns, wish.spent_ns))
         self._waiting.add(task)
         task.add_done_callback(self._waiting.discard)
 
     async def command(self, times: int, robots: int, people: int) -> None:
         """Have robots commanded in turns, as fast as it goes, some at a time."""
-        numbers = iter(range(times))
+        numbers = islice(SAID, times)
 
         async def lane() -> None:
             for number in numbers:
@@ -201,8 +202,8 @@ class Crowd:
 
 
 def text_of(robot: RobotId, number: int) -> str:
-    """Return what somebody says to a robot: hardly ever the same twice."""
-    return f"{robot} skill{number % SKILLS} {0.01 + number % 4_990 / 1_000:g} m"
+    """Return what somebody says to a robot: never the same twice in a run."""
+    return f"{robot} skill{number % SKILLS} {0.01 + number % 49_900 / 10_000:g} m"
 
 
 def inbound_of(person: str, text: str) -> Inbound:

@@ -12,6 +12,7 @@ from weakref import WeakValueDictionary
 
 import msgspec
 
+from rosic.core.alike import kinds_of
 from rosic.core.authority import Scope
 from rosic.core.limits import Limit, LimitRule, Unfit, fit_limits, parse_limit
 from rosic.core.rate import RateLimit, parse_rate
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
     from rosic.core.limits import Convert
     from rosic.core.roles import Care
-    from rosic.core.skill import Skill
 
 NEVER_NS = 2**63 - 1
 
@@ -151,7 +151,7 @@ class Tables:
         self.convert = convert
         self._named: dict[tuple[Scope, RobotId], frozenset[str]] = {}
         self._links: dict[str, tuple[_Link, ...]] = {}
-        self._kinds = _kinds(fleet, self.care)
+        self._kinds = kinds_of(fleet, self.care)
         self._rows: dict[tuple[str, bool, int, tuple[frozenset[str], ...]], dict[str, Right]] = {}
         self._giving: dict[tuple[RobotId, str], tuple[str, ...]] = {}
         self._together: dict[tuple[frozenset[RobotId], ...], frozenset[RobotId]] = {}
@@ -328,26 +328,6 @@ class _Edition(msgspec.Struct, frozen=True):
 
 _MOST_TOGETHER = 256
 _MOST_NAMED = 65_536  # scopes of keys come and go; this is a memory, not a record
-
-
-def _kinds(fleet: Fleet, care: dict[RobotId, dict[str, Caution]]) -> dict[RobotId, int]:
-    """Number the robots so that those with the same skills and the same care have one number.
-
-    By which topic, service or action a skill is carried out is nothing to rights.
-    """
-    met: dict[str, int] = {}
-    kinds = {FLEET: -1}
-    for robot, skills in fleet.skills.items():
-        plain = {name: _unbound(skill) for name, skill in skills.items()}
-        mine = repr((plain, care.get(robot, {})))
-        kinds[robot] = met.setdefault(mine, len(met))
-    return kinds
-
-
-def _unbound(skill: Skill) -> Skill:
-    return msgspec.structs.replace(
-        skill, topic=None, service=None, action=None, set_parameters=None
-    )
 
 
 def _bare(scopes: tuple[str, ...]) -> tuple[_Link, ...]:

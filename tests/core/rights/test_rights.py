@@ -239,9 +239,12 @@ def test_rights_on_many_robots_are_drawn_up_without_comparing_each_with_each() -
 
 def test_what_somebody_sees_by_several_grants_is_joined_once() -> None:
     held = rights({"p": (Grant(role="viewer", robots=("omni",)), Grant(role="operator", id="g1",
-                   robots=("kuka1",), expires_ns=NOW + 10))})  # fmt: skip
+                   robots=("kuka1",), expires_ns=NOW + 10)),
+                   "q": (Grant(role="viewer", robots=("omni",)), Grant(role="admin", id="g2",
+                   robots=("omni",)))})  # fmt: skip
     assert held.visible("p", NOW) == {"omni", "kuka1"}
     assert held.visible("p", NOW) is held.visible("p", NOW)
+    assert held.visible("q", NOW) == {"omni"}, "not what somebody else sees"
     assert held.visible("p", NOW + 10) == {"omni"}, "what has ended is not remembered"
     held = held.with_grants(2, "p", (Grant(role="viewer", robots=("kuka1",)),))
     assert held.visible("p", NOW) == {"kuka1"}

@@ -7,11 +7,15 @@ from contextlib import asynccontextmanager
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import pytest
+
 from rosic.core.alert_rule import Alert
+from rosic.core.fleet.task import State
 from rosic.core.order import Rest, Stop
 from rosic.core.robot import Busy, Link, Profile, Telemetry
 from rosic.core.words import NAMED_AT_MOST
 from rosic.messengers.telegram.text import MESSAGE_UNITS
+from rosic.pipeline.fleet.watching import at_once
 from rosic.pipeline.livecards.drawing import ROBOTS_AT_MOST
 from rosic.pipeline.rounds import AT_ONCE, go_round
 from rosic.robots.memory import MemoryRobot
@@ -113,6 +117,24 @@ async def test_a_card_looks_at_those_that_it_shows_alone() -> None:
         await here.quiet()
         cards = here.gateway.furnishing.live_cards
         assert len(cards._glimpses._seen) == ROBOTS_AT_MOST
+
+
+@pytest.mark.parametrize(("robots", "tasks"), [(0, 200), (200, 200), (1_000, 40), (10**6, 1)])
+def test_many_robots_are_weighed_for_fewer_tasks_at_once(robots: int, tasks: int) -> None:
+    assert at_once(robots) == tasks
+
+
+async def test_more_tasks_than_are_weighed_at_once_are_all_done() -> None:
+    async with warehouse() as here:
+        for _ in range(at_once(ROBOTS) + 5):
+            await here.say("/task any wave")
+        fleet = here.gateway.furnishing.fleet.dispatching.fleet
+        assert len(fleet.waiting) == at_once(ROBOTS) + 5, "nobody is there yet"
+        here.appear()
+        await here.clock.advance(5.0)
+        await here.quiet()
+        tasks = fleet.tasks.values()
+        assert {task.state for task in tasks} == {State.DONE}
 
 
 async def test_a_round_is_made_a_few_at_a_time_and_takes_its_time_in_all() -> None:

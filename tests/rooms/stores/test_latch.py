@@ -209,8 +209,10 @@ async def test_thousands_of_robots_are_stopped_at_once_and_stay_so(tmp_path: Pat
     robots = [f"robot{number}" for number in range(5_000)]
     latch = FileLatch(tmp_path / "latch", robots_min=len(robots))
     latch.read()
-    await asyncio.gather(*(latch.write(robot, 1, latched=True) for robot in robots))
+    writing = [latch.write(robot, 1, latched=True) for robot in robots]
+    faults = [fault for fault in await asyncio.gather(*writing, return_exceptions=True) if fault]
     await latch.close()
+    assert not faults
     assert FileLatch(tmp_path / "latch").read() == dict.fromkeys(robots, (1, True))
 
 

@@ -30,6 +30,8 @@ LOST_AFTER_NS: Final = 3_000_000_000
 """A robot that is at work and not heard of for so long has lost its task."""
 AT_ONCE: Final = 200
 """So many tasks are weighed at once; a stop does not wait while the others are looked at."""
+PAIRS_AT_ONCE: Final = 40_000
+"""Of tasks and robots. Where there are many robots, fewer tasks are weighed at once."""
 
 log = logging.getLogger("rosic.fleet")
 
@@ -133,7 +135,9 @@ class Watching:
             await self._let_help()
             fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
             leave = self._dispatching.not_now() | self.prefer.keys()
-            levels = by_priority(fleet, now_ns, leave=leave, at_most=AT_ONCE)
+            levels = by_priority(
+                fleet, now_ns, leave=leave, at_most=at_once(len(self._rooms.profiles))
+            )
             if not levels:
                 return
             among = dict.fromkeys(r for level in levels for task in level for r in task.left)
@@ -195,6 +199,11 @@ class Watching:
             place=_place(presence),
             load=finished.get(robot, 0) - least,
         )
+
+
+def at_once(robots: int) -> int:
+    """Return how many tasks are weighed at once where there are so many robots."""
+    return max(1, min(AT_ONCE, PAIRS_AT_ONCE // max(1, robots)))
 
 
 def _place(presence: Presence) -> tuple[float, float] | None:
