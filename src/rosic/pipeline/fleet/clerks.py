@@ -16,6 +16,7 @@ from rosic.pipeline.fleet import words_fleet as words
 from rosic.pipeline.fleet.letters import Said
 from rosic.pipeline.fleet.reading import able
 from rosic.pipeline.fleet.task_line import read_wish
+from rosic.pipeline.freshness import check_errand_fresh
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
@@ -88,6 +89,7 @@ class TaskClerk:
             NotUnderstood: No such robot, group, skill or task.
             NotPermitted: Not theirs to ask for.
             OutOfBounds: A value, a number or a time that makes no sense.
+            Expired: Robots would move because of it, and it was not sent just now.
             TooManyRequests: There are too many.
         """
         first, *rest = asked.rest.split() or [""]
@@ -102,6 +104,7 @@ class TaskClerk:
         return await self._give(asked)
 
     async def _give(self, asked: Asked) -> Reply:
+        check_errand_fresh(asked.inbound, f"/task {asked.rest}")
         fleet, who = self._dispatching.fleet, asked.caller.principal
         if sum(1 for _ in fleet.open()) >= OPEN_AT_MOST:
             raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
@@ -207,9 +210,11 @@ class TaskClerk:
     async def _go(self, asked: Asked, task: Task) -> Reply:
         if task.state not in RESTING:
             raise NotUnderstood(words.does_not_fit(task))
+        check_errand_fresh(asked.inbound, f"/task go {task.id}")
         return await self._act(asked, task, e.Released(task.id), "go")
 
     async def _was_done(self, asked: Asked, task: Task) -> Reply:
         if task.state is not State.UNKNOWN:
             raise NotUnderstood(words.does_not_fit(task))
+        check_errand_fresh(asked.inbound, f"/task done {task.id}")
         return await self._act(asked, task, e.Released(task.id, skip=True), "done")

@@ -17,6 +17,7 @@ from rosic.pipeline.fleet import words_missions as words
 from rosic.pipeline.fleet.clerks import ANY, OPEN_AT_MOST
 from rosic.pipeline.fleet.letters import Said
 from rosic.pipeline.fleet.reading import able
+from rosic.pipeline.freshness import check_errand_fresh
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -66,11 +67,14 @@ class MissionClerk:
         Raises:
             NotUnderstood: No such mission, or nothing to do.
             NotPermitted: Somebody else's.
+            Expired: Robots would move because of it, and it was not sent just now.
         """
         verb, _, name = asked.rest.strip().casefold().partition(" ")
         name = name.strip()
         if not verb:
             return await self.missions(asked)
+        if name and (verb == "start" or ACTS.get(verb, Why.NONE) is None):
+            check_errand_fresh(asked.inbound, f"/mission {asked.rest}")
         if verb == "start" and name:
             return await self._start(asked, self._named(name))
         if verb in ACTS and name:

@@ -1,0 +1,43 @@
+"""Tasks where they meet stops, crashes, backlogs and each other: nothing moves unwanted."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+
+from msgspec.structs import replace
+
+from rosic.core.order import Ending
+from rosic.stores.memory import MemoryStore
+from tests.rooms.pipeline.test_tasks import heard, later, tasks, warehouse, worker
+
+SECOND_NS = 1_000_000_000
+
+
+async def test_a_task_that_waited_on_the_way_here_is_not_given() -> None:
+    async with warehouse().open() as here:
+        old_ns = here.clock.wall_ns() - 3_600 * SECOND_NS
+        told = await here.say("/task w1 wave", sent_ns=old_ns)
+        assert not tasks(here), told
+        here.chat.gap()
+        missed_ns = here.clock.wall_ns() - SECOND_NS
+        told = await here.say("/task w1 wave", sent_ns=missed_ns)
+        assert not tasks(here), told
+        await heard(here)
+        assert here.acted("w1") == 0
+
+
+async def test_a_task_that_is_brought_again_after_a_crash_is_not_given_twice() -> None:
+    store = MemoryStore()
+    async with warehouse(store).open() as here:
+        await here.clock.advance(1)
+        said = here.chat.say("/task w1 wave")
+        await here.quiet()
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here)
+        crashed = deepcopy(store)
+    async with later(crashed).open() as here:
+        here.chat.gap()
+        here.chat.deliver(replace(said, listening_since_ns=here.chat.listening_since_ns))
+        await here.quiet()
+        await heard(here)
+        assert here.acted("w1") == 0
