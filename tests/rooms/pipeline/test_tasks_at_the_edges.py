@@ -7,7 +7,9 @@ from copy import deepcopy
 from msgspec.structs import replace
 
 from rosic.core.order import Ending
+from rosic.core.record import Fact
 from rosic.stores.memory import MemoryStore
+from tests.rooms.pipeline.place import BO, SlowStore
 from tests.rooms.pipeline.test_tasks import heard, later, tasks, warehouse, worker
 
 SECOND_NS = 1_000_000_000
@@ -41,3 +43,16 @@ async def test_a_task_that_is_brought_again_after_a_crash_is_not_given_twice() -
         await here.quiet()
         await heard(here)
         assert here.acted("w1") == 0
+
+
+async def test_two_people_at_once_give_two_tasks() -> None:
+    store = SlowStore(Fact)
+    async with warehouse(store).open() as here:
+        here.chat.say("/task w1 wave")
+        here.chat.say("/task w2 move 1 m", account=BO, chat=BO)
+        await here.quiet()
+        store.ready.set()
+        await heard(here)
+        telling = here.gateway.furnishing.fleet.telling
+        said = {task.among: telling.what(task) for task in tasks(here).values()}
+        assert said == {("w1",): "wave", ("w2",): "move 1 m"}

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
     from rosic.errors import Refusal
     from rosic.organiser.zones import Zone
-    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.fleet.dispatching import Dispatching, Given
     from rosic.pipeline.fleet.task_line import Wish
     from rosic.pipeline.fleet.telling import Telling
     from rosic.pipeline.office import Asked, Office
@@ -105,6 +105,16 @@ class TaskClerk:
 
     async def _give(self, asked: Asked) -> Reply:
         check_errand_fresh(asked.inbound, f"/task {asked.rest}")
+        [(task, said)] = await self._dispatching.give(lambda: self._made(asked))
+        names = [self._telling.shown(robot) for robot in task.among]
+        return Reply(words.given(task, said.shown, words.one_of(names)))
+
+    def _made(self, asked: Asked) -> Given:
+        """Return the task that somebody asks for.
+
+        Raises:
+            Refusal: As `task`.
+        """
         fleet, who = self._dispatching.fleet, asked.caller.principal
         if sum(1 for _ in fleet.open()) >= OPEN_AT_MOST:
             raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
@@ -131,9 +141,7 @@ class TaskClerk:
         )
         said = Said(lines, asked.messenger.name, asked.inbound.chat)
         decided = Decided(act="task", by=who, about=task.id, at_ns=now_ns, digest=asked.cid)
-        await self._dispatching.give(((task, said),), decided)
-        names = [self._telling.shown(robot) for robot in found.robots]
-        return Reply(words.given(task, said.shown, words.one_of(names)))
+        return [(task, said)], decided
 
     def _nobody(self, wanted: str, why: Refusal | None) -> Refusal:
         if why is None:

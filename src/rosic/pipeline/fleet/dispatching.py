@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.fleet import events as e
 from rosic.core.fleet.reacting import react
@@ -25,13 +25,15 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.fleet.task import Task, TaskId
     from rosic.core.order import Outcome
-    from rosic.core.record import Record
+    from rosic.core.record import Decided, Record
     from rosic.core.robot import RobotId
     from rosic.pipeline.changes import Changes
     from rosic.pipeline.fleet.attempting import Attempt, Attempting
     from rosic.pipeline.fleet.letters import Said
     from rosic.pipeline.fleet.recalling import Recalling
     from rosic.pipeline.rooms import Rooms
+
+Given: TypeAlias = "tuple[list[tuple[Task, Said]], Decided]"
 
 AGAIN_NS = 2_000_000_000
 """A task that no robot took just now is not offered again at once."""
@@ -105,21 +107,28 @@ class Dispatching:
         self.changed()
         return True
 
-    async def give(self, given: Iterable[tuple[Task, Said]], *records: Record) -> None:
+    async def give(self, make: Callable[[], Given]) -> list[tuple[Task, Said]]:
         """Take tasks in: all of them or none. What need not be known any more is let go.
 
+        Args:
+            make: Returns the tasks, and what is decided with them. Called once nothing else can
+                change meanwhile, so that no two tasks have one number.
+
         Raises:
+            Refusal: From `make`; nothing was taken in.
             RecordUnavailable: Nothing was taken in.
         """
         now_ns = self._clock.wall_ns()
         async with self._changes.turn() as turn:
+            given, decided = make()
             stale = self.fleet.stale()
             facts = [*self.fleet.forgotten(stale), *self.letters.forgotten(stale)]
             for task, said in given:
                 facts.append(self.letters.fact(task.id, task.author, said))
                 facts += self.fleet.facts(react(self.fleet, e.Given(task), now_ns))
-            await turn.write((*records, *facts))
+            await turn.write((decided, *facts))
         self.changed()
+        return given
 
     def _do(self, doings: Iterable[e.Doing]) -> None:
         for doing in doings:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
     from rosic.pipeline.fleet.clerks import TaskClerk
-    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.fleet.dispatching import Dispatching, Given
     from rosic.pipeline.office import Asked, Office
     from rosic.pipeline.rooms import Rooms
 
@@ -169,6 +169,16 @@ class MissionClerk:
 
     async def _start(self, asked: Asked, mission: Mission) -> Reply:
         """Give all tasks of a mission at once; each waits for those before it."""
+        given = await self._dispatching.give(lambda: self._made(asked, mission))
+        run = given[0][0].mission
+        return Reply(words.started(mission.shown, run, len(given)), words.run_buttons(run))
+
+    def _made(self, asked: Asked, mission: Mission) -> Given:
+        """Return the tasks of a mission.
+
+        Raises:
+            TooManyRequests, NotUnderstood: None of it is begun.
+        """
         fleet = self._dispatching.fleet
         leaves = lay_out(mission, self._missions)
         if sum(1 for _ in fleet.open()) + len(leaves) > OPEN_AT_MOST:
@@ -180,8 +190,7 @@ class MissionClerk:
             act="mission", by=asked.caller.principal, about=run,
             at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
         )  # fmt: skip
-        await self._dispatching.give(given, decided)
-        return Reply(words.started(mission.shown, run, len(given)), words.run_buttons(run))
+        return given, decided
 
     def _task(
         self, asked: Asked, leaf: Leaf, run: str, first: int, number: int
