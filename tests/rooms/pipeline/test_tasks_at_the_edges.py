@@ -6,11 +6,13 @@ from copy import deepcopy
 
 from msgspec.structs import replace
 
+from rosic.core.fleet.task import State
 from rosic.core.order import Ending
-from rosic.core.record import Fact
+from rosic.core.record import Claimed, Fact
+from rosic.core.robot import Busy
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import BO, SlowStore
-from tests.rooms.pipeline.test_tasks import heard, later, tasks, warehouse, worker
+from tests.rooms.pipeline.test_tasks import WAREHOUSE, heard, later, tasks, warehouse, worker
 
 SECOND_NS = 1_000_000_000
 
@@ -56,3 +58,44 @@ async def test_two_people_at_once_give_two_tasks() -> None:
         telling = here.gateway.furnishing.fleet.telling
         said = {task.among: telling.what(task) for task in tasks(here).values()}
         assert said == {("w1",): "wave", ("w2",): "move 1 m"}
+
+
+async def test_a_task_that_is_cancelled_while_it_is_claimed_moves_nothing() -> None:
+    store = SlowStore(Claimed)
+    async with warehouse(store).open() as here:
+        await here.say("/task w1 wave")
+        await here.say("/task cancel 1")
+        await heard(here)
+        store.ready.set()
+        await heard(here)
+        assert here.acted("w1") == 0
+        assert tasks(here)["1"].state is State.CANCELLED
+
+
+async def test_a_task_that_is_paused_while_it_is_claimed_goes_on_with_one_robot() -> None:
+    store = SlowStore(Claimed)
+    async with warehouse(store).open() as here:
+        await here.say("/task warehouse wave")
+        await here.say("/task pause 1")
+        await heard(here)
+        await here.say("/task go 1")
+        await heard(here)
+        store.ready.set()
+        await heard(here, 4)
+        assert sum(here.acted(name) for name in ("w1", "w2", "w3")) == 1
+
+
+async def test_an_order_that_waits_for_its_robot_goes_with_its_task() -> None:
+    queues = tuple(replace(robot, busy=Busy.QUEUE) for robot in WAREHOUSE[:1])
+    store = SlowStore(Claimed)
+    async with warehouse(store, fleet=queues).open() as here:
+        here.chat.say("w1 move 1 m", chat="other")
+        await here.say("/task w1 wave")
+        store.ready.set()
+        await heard(here)
+        assert here.gateway.rooms.linker.waiting("w1") == 1
+        await here.say("/task cancel 1")
+        await heard(here)
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here)
+        assert here.acted("w1") == 1

@@ -18,6 +18,7 @@ from rosic.errors import (
     FirstNeeded,
     NotPermitted,
     NotUnderstood,
+    OrderVoid,
     OutOfBounds,
     Refusal,
     Repeated,
@@ -88,6 +89,18 @@ class Attempt(NamedTuple):
     took: bool
 
 
+class Asker(NamedTuple):
+    """Who waits for an attempt.
+
+    Attributes:
+        over: Called once the order has ended and that is on disk.
+        wanted: Whether the attempt still counts.
+    """
+
+    over: Callable[[Outcome], None]
+    wanted: Callable[[], bool]
+
+
 class Attempting:
     """Gives the orders of tasks."""
 
@@ -106,16 +119,17 @@ class Attempting:
         self._rooms.organiser.check_unlocked(caller)
         return caller
 
-    async def attempt(
-        self, task: Task, doing: Begin, said: Said, over: Callable[[Outcome], None]
-    ) -> Attempt:
+    async def attempt(self, task: Task, doing: Begin, said: Said, asker: Asker) -> Attempt | None:
         """Ask a robot for one step. On return its order is on disk and under way.
 
         Args:
             task: Which; its author asks.
             doing: Which step, of whom.
             said: What was said for the task.
-            over: Called once the order has ended and that is on disk.
+            asker: Who waits for it.
+
+        Returns:
+            None if it was not wanted any more once it was on disk: no robot has heard of it.
 
         Raises:
             Refusal: Why not. No robot has moved because of it.
@@ -137,7 +151,8 @@ class Attempting:
         except BaseException:
             rooms.organiser.abandon(permits)
             raise
-        self._begin(order, caller, (messenger, chat), task, over)
+        if not self._begin(order, caller, (messenger, chat), task, asker):
+            return None
         return Attempt(doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits))
 
     def _request(self, doing: Begin, line: Do, cid: CommandId) -> Request:
@@ -158,10 +173,13 @@ class Attempting:
         return places[0]
 
     def _begin(
-        self, order: Order, caller: Caller, where: tuple[Messenger, Chat], task: Task,
-        over: Callable[[Outcome], None],
-    ) -> None:  # fmt: skip
-        """RELAYCOMMAND goes on in a life of its own."""
+        self, order: Order, caller: Caller, where: tuple[Messenger, Chat], task: Task, asker: Asker
+    ) -> bool:
+        """RELAYCOMMAND goes on in a life of its own, unless nobody wants it any more.
+
+        Between the look and the beginning nothing else happens: whoever takes the task from its
+        robot from here on finds the order there, and ends it.
+        """
         hands, shown = self._hands, self._rooms.profiles[order.robot].shown
         catalogue = hands.teller.languages.of(caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
@@ -171,10 +189,15 @@ class Attempting:
         what = in_language(order.words, catalogue)
         title = in_language(words.order_title(f"{shown}: {what}", task), catalogue)
         life = AwaitedLife(shown, title, hands.face, self._clock.wall_ns(), wording)
-        life.over = over
         card.show(order.cid, life)
-        hands.lives.begin(order, ByRule(caller), card, life)
+        wanted = asker.wanted()
+        if wanted:
+            life.over = asker.over
+            hands.lives.begin(order, ByRule(caller), card, life)
+        else:
+            hands.lives.forgo(order, ByRule(caller), card, life, OrderVoid(words.NOT_WANTED))
         hands.teller.show(card)
+        return wanted
 
 
 def attempt_id(task: Task, attempt: int) -> CommandId:

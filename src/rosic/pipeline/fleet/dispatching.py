@@ -16,7 +16,7 @@ from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import HELD, Why
 from rosic.core.order import Ending
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
-from rosic.pipeline.fleet.attempting import attempt_id, end_after, end_of
+from rosic.pipeline.fleet.attempting import Asker, attempt_id, end_after, end_of
 from rosic.pipeline.fleet.letters import Letters
 
 if TYPE_CHECKING:
@@ -153,30 +153,48 @@ class Dispatching:
 
     async def _begin(self, doing: e.Begin) -> None:
         task = self.fleet.tasks.get(doing.task)
-        if task is None or task.attempt != doing.attempt or task.leaving:
+        if task is None or task.attempt != doing.attempt or not self._counts(task):
             return  # called back before it began: the recall says what becomes of it
         said = self.letters.get(task.id)
         if said is None:
             await self._feed(e.Held(task.id, Why.CANCELLED))
             return
-        over = partial(self._over, task, doing.robot)
+        asker = Asker(partial(self._over, task, doing.robot), partial(self._counts, task))
         try:
-            attempt = await self._attempting.attempt(task, doing, said, over)
+            attempt = await self._attempting.attempt(task, doing, said, asker)
         except Refusal as refusal:
-            self.why[task.id] = refusal.sentence
-            self._again_ns[task.id] = self._clock.monotonic_ns() + AGAIN_NS
-            if isinstance(refusal, Unrecognised):
-                await self._feed(e.Held(task.id, Why.PAUSED))
-            else:
-                await self._feed(e.Ended(task.id, doing.attempt, end_of(refusal)))
+            if self._counts(task):
+                await self._refused(task, refusal)
         except (RosicError, Exception):
             log.exception("task %s could not be given to %s", task.id, doing.robot)
             await self._feed(e.Ended(task.id, doing.attempt, e.End.UNKNOWN))
         else:
+            if attempt is None:
+                self._give_back(doing.robot, task.author)
+                return
             before = self.begun.get(task.id)
             took = attempt.took or (before is not None and before.took)  # with an earlier step
             self.begun[task.id] = attempt._replace(took=took)
             await self._feed(e.Begun(task.id, doing.attempt))
+
+    async def _refused(self, task: Task, refusal: Refusal) -> None:
+        """An attempt was not admitted, or not claimed."""
+        self.why[task.id] = refusal.sentence
+        self._again_ns[task.id] = self._clock.monotonic_ns() + AGAIN_NS
+        if isinstance(refusal, Unrecognised):
+            await self._feed(e.Held(task.id, Why.PAUSED))
+        else:
+            await self._feed(e.Ended(task.id, task.attempt, end_of(refusal)))
+
+    def _counts(self, task: Task) -> bool:
+        """Whether the attempt that a task had is still the one to be made."""
+        now = self.fleet.tasks.get(task.id)
+        return (
+            now is not None
+            and now.attempt == task.attempt
+            and now.state in HELD
+            and not now.leaving
+        )
 
     def _over(self, task: Task, robot: RobotId, outcome: Outcome) -> None:
         """An order has ended, and that is on disk."""

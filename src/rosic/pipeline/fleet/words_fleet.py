@@ -57,6 +57,7 @@ HOW_TO: Final = said(
 )
 NONE_OPEN: Final = said("No task is open.")
 NO_STEPS: Final = said("Say what is to be done: /task omni wave.")
+NOT_WANTED: Final = said("Its task left the robot before this could begin. Nothing was done.")
 TOO_LATE: Final = said("That time is over. Nothing was done.")
 ERASED: Final = said("what was said for it is erased")
 
