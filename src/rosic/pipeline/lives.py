@@ -299,9 +299,7 @@ class Lives:
         if server is None or server.task is None:
             return
         while not (server.relaying or self._idle(server) or server.task.done()):  # noqa: ASYNC110
-            await asyncio.sleep(
-                0
-            )  # its turn has come: it is relayed in a moment
+            await asyncio.sleep(0)  # its turn has come: it is relayed in a moment
         if not server.relaying:
             return
         if server.rested is not None:  # somebody cuts it off already: once is enough

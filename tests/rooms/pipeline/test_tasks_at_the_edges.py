@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 from copy import deepcopy
 
 from msgspec.structs import replace
 
 from rosic.core.fleet.task import State
 from rosic.core.order import Ending
-from rosic.core.record import Claimed, Fact
+from rosic.core.record import Claimed, Concluded, Fact
 from rosic.core.robot import Busy
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import BO, SlowStore
@@ -99,3 +100,37 @@ async def test_an_order_that_waits_for_its_robot_goes_with_its_task() -> None:
         worker(here, "w1").end(Ending.DONE)
         await heard(here)
         assert here.acted("w1") == 1
+
+
+async def test_a_stop_between_two_steps_is_meant_too() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task warehouse wave then wave")
+        worker(here, "w1").end(Ending.DONE)
+        for _ in range(400):
+            if tasks(here)["1"].attempt == 2:
+                break
+            await asyncio.sleep(0)
+        here.gateway.stop_lane.stop_robots(("w1",), "someone")
+        await heard(here, 3)
+        assert tasks(here)["1"].state is State.PAUSED
+
+
+async def test_a_stop_that_is_undone_at_once_was_meant_too() -> None:
+    store = SlowStore(Concluded)
+    async with warehouse(store).open() as here:
+        await here.say("/task warehouse wave")
+        await here.say("stop w1")
+        await here.say("resume w1")
+        store.ready.set()
+        await heard(here, 3)
+        assert tasks(here)["1"].state is State.PAUSED
+
+
+async def test_whatever_a_stopped_robot_says_its_task_goes_nowhere_else() -> None:
+    for ending in (Ending.FAILED, Ending.UNKNOWN, Ending.CANCELLED):
+        async with warehouse().open() as here:
+            await here.say("/task warehouse wave")
+            worker(here, "w1").end(ending)
+            here.gateway.stop_lane.stop_robots(("w1",), "someone")
+            await heard(here, 3)
+            assert tasks(here)["1"].state is State.PAUSED

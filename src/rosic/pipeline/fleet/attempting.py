@@ -6,6 +6,7 @@ give a robot up: what would want that is refused, and said.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.container.letters import ReplyTo
@@ -22,6 +23,7 @@ from rosic.errors import (
     OutOfBounds,
     Refusal,
     Repeated,
+    RobotStopped,
     Unrecognised,
 )
 from rosic.organiser.grounds import NOTHING
@@ -97,7 +99,7 @@ class Asker(NamedTuple):
         wanted: Whether the attempt still counts.
     """
 
-    over: Callable[[Outcome], None]
+    over: Callable[[Order, Outcome], None]
     wanted: Callable[[], bool]
 
 
@@ -192,7 +194,7 @@ class Attempting:
         card.show(order.cid, life)
         wanted = asker.wanted()
         if wanted:
-            life.over = asker.over
+            life.over = partial(asker.over, order)
             hands.lives.begin(order, ByRule(caller), card, life)
         else:
             hands.lives.forgo(order, ByRule(caller), card, life, OrderVoid(words.NOT_WANTED))
@@ -209,6 +211,8 @@ def end_of(refusal: Refusal) -> End:
     """Return what a refusal means for a task."""
     if isinstance(refusal, Repeated):
         return End.UNKNOWN  # it was claimed before, and nobody here saw its end
+    if isinstance(refusal, RobotStopped):
+        return End.STOPPED
     return End.REFUSED if isinstance(refusal, NEVER) else End.BUSY
 
 
@@ -217,11 +221,13 @@ def end_after(outcome: Outcome, *, stopped: bool) -> End:
 
     Args:
         outcome: What the robot did.
-        stopped: Somebody has stopped it meanwhile.
+        stopped: Somebody has stopped the robot since it was admitted, resumed or not.
     """
     ending = outcome.ending
-    if ending is Ending.CANCELLED or (ending is Ending.REFUSED and stopped):
-        return End.STOPPED if stopped else End.TAKEN
+    if stopped and ending not in {Ending.DONE, Ending.SENT}:
+        return End.STOPPED
+    if ending is Ending.CANCELLED:
+        return End.TAKEN
     if ending is Ending.REFUSED:
         never = {refusal.code for refusal in NEVER} | {Unrecognised.code}
         return End.REFUSED if outcome.code in never else End.BUSY

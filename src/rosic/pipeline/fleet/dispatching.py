@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.core.fleet.task import Task, TaskId
-    from rosic.core.order import Outcome
+    from rosic.core.order import Order, Outcome
     from rosic.core.record import Decided, Record
     from rosic.core.robot import RobotId
     from rosic.pipeline.changes import Changes
@@ -159,7 +159,7 @@ class Dispatching:
         if said is None:
             await self._feed(e.Held(task.id, Why.CANCELLED))
             return
-        asker = Asker(partial(self._over, task, doing.robot), partial(self._counts, task))
+        asker = Asker(partial(self._over, task), partial(self._counts, task))
         try:
             attempt = await self._attempting.attempt(task, doing, said, asker)
         except Refusal as refusal:
@@ -196,9 +196,9 @@ class Dispatching:
             and not now.leaving
         )
 
-    def _over(self, task: Task, robot: RobotId, outcome: Outcome) -> None:
+    def _over(self, task: Task, order: Order, outcome: Outcome) -> None:
         """An order has ended, and that is on disk."""
-        attempt = self.begun.get(task.id)
+        attempt, robot = self.begun.get(task.id), order.robot
         number = task.attempt
         if self._closing:
             self._note(e.Ended(task.id, number, e.End.SHUT_DOWN), outcome)
@@ -206,7 +206,8 @@ class Dispatching:
         current = self.fleet.tasks.get(task.id)
         if current is not None and current.author != task.author:
             self._give_back(robot, task.author)  # it was handed over meanwhile
-        end = end_after(outcome, stopped=self._rooms.board[robot].latched)
+        stopped = self._rooms.board[robot].generation != order.permit.stop_generation
+        end = end_after(outcome, stopped=stopped)
         if outcome.note:
             self.why[task.id] = outcome.note
         if end is e.End.DONE:
