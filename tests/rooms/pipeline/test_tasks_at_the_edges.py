@@ -11,6 +11,7 @@ from rosic.core.fleet.task import State
 from rosic.core.order import Ending
 from rosic.core.record import Claimed, Concluded, Fact
 from rosic.core.robot import Busy
+from rosic.pipeline.fleet.words_fleet import ERASED
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import BO, SlowStore
 from tests.rooms.pipeline.test_tasks import WAREHOUSE, heard, later, tasks, warehouse, worker
@@ -134,3 +135,23 @@ async def test_whatever_a_stopped_robot_says_its_task_goes_nowhere_else() -> Non
             here.gateway.stop_lane.stop_robots(("w1",), "someone")
             await heard(here, 3)
             assert tasks(here)["1"].state is State.PAUSED
+
+
+async def test_whoever_is_erased_leaves_no_words_and_no_robot_moves_for_them() -> None:
+    store = MemoryStore()
+    async with warehouse(store).open() as here:
+        await here.say("/task w1 wave", account=BO, chat=BO)
+        await here.say("/task w1 move 1 m", account=BO, chat=BO)
+        await here.say("/shared w1 follow", account=BO, chat=BO)
+        post = here.gateway.among.circle.around.post
+        assert list(post.chats("w1", "road"))
+        assert "2: move 1 m" in await here.say("/tasks")
+        await here.say("/forget me confirmed", account=BO, chat=BO)
+        await heard(here, 15)
+        assert {task.state for task in tasks(here).values()} == {State.CANCELLED}
+        telling = here.gateway.furnishing.fleet.telling
+        assert {telling.what(task) for task in tasks(here).values()} == {ERASED}
+        assert not [fact for fact in await store.facts("shared-ear", "", 9) if fact.body]
+        await here.say("resume w1")
+        await heard(here)
+        assert here.acted("w1") == 1

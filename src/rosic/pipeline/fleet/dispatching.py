@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.core.fleet.task import Task, TaskId
+    from rosic.core.identity import PrincipalId
     from rosic.core.order import Order, Outcome
-    from rosic.core.record import Decided, Record
+    from rosic.core.record import Decided, Fact, Record
     from rosic.core.robot import RobotId
     from rosic.pipeline.changes import Changes
     from rosic.pipeline.fleet.attempting import Attempt, Attempting
@@ -129,6 +130,17 @@ class Dispatching:
             await turn.write((decided, *facts))
         self.changed()
         return given
+
+    def end_all(self, author: PrincipalId) -> tuple[Fact, ...]:
+        """Return what is to be written so that nothing somebody has said is known any more."""
+        theirs = [task.id for task in self.fleet.tasks.values() if task.author == author]
+        return self.letters.forgotten(theirs)
+
+    async def ended(self, author: PrincipalId) -> None:
+        """Cancel everything that somebody wants: they are nobody any more."""
+        for task in [task for task in self.fleet.open() if task.author == author]:
+            self.why.pop(task.id, None)
+            await self._feed(e.Held(task.id, Why.CANCELLED))
 
     def _do(self, doings: Iterable[e.Doing]) -> None:
         for doing in doings:
