@@ -155,3 +155,24 @@ async def test_whoever_is_erased_leaves_no_words_and_no_robot_moves_for_them() -
         await here.say("resume w1")
         await heard(here)
         assert here.acted("w1") == 1
+
+
+async def test_tasks_that_nobody_can_begin_keep_no_other_waiting() -> None:
+    async with warehouse().open() as here:
+        await here.say("stop w1")
+        for _ in range(201):
+            await here.say("/task w1 wave priority 9")
+        await here.say("/task w2 wave", account=BO, chat=BO)
+        await heard(here)
+        assert tasks(here)["202"].state is State.RUNNING
+
+
+async def test_what_one_robot_refuses_it_is_not_asked_again_at_once() -> None:
+    async with warehouse(fleet=WAREHOUSE[:1]).open() as here:
+        for _ in range(40):
+            await here.say("/task w1 wave")
+        here.clock.jump_wall(-100)
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here, 10)
+        assert here.gateway.rooms.organiser.in_doubt
+        assert 2 <= sum(task.attempt for task in tasks(here).values()) <= 8

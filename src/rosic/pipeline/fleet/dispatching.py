@@ -69,6 +69,7 @@ class Dispatching:
         self.tell: Callable[[Task, Task], object] = _unheard
         self.changed: Callable[[], object] = _nothing
         self._again_ns: dict[TaskId, int] = {}
+        self._asked_ns: dict[RobotId, int] = {}
         self._rooms = rooms
         self._changes = changes
         self._clock = clock
@@ -192,7 +193,7 @@ class Dispatching:
     async def _refused(self, task: Task, refusal: Refusal) -> None:
         """An attempt was not admitted, or not claimed."""
         self.why[task.id] = refusal.sentence
-        self._again_ns[task.id] = self._clock.monotonic_ns() + AGAIN_NS
+        self._not_now(task)
         if isinstance(refusal, Unrecognised):
             await self._feed(e.Held(task.id, Why.PAUSED))
         else:
@@ -225,7 +226,7 @@ class Dispatching:
         if end is e.End.DONE:
             self.finished[robot] = self.finished.get(robot, 0) + 1
         if end is e.End.BUSY:
-            self._again_ns[task.id] = self._clock.monotonic_ns() + AGAIN_NS
+            self._not_now(task)
         self._spawn(self._ended(e.Ended(task.id, number, end), robot, attempt))
 
     async def _ended(self, event: e.Ended, robot: RobotId, attempt: Attempt | None) -> None:
@@ -266,11 +267,19 @@ class Dispatching:
 
     # ---- beginning and ending ----
 
-    def not_now(self) -> frozenset[TaskId]:
-        """Return the tasks that were refused just now."""
+    def not_now(self) -> tuple[frozenset[TaskId], frozenset[RobotId]]:
+        """Return the tasks that were refused just now, and the robots that did not take one.
+
+        What one robot refuses for one task it mostly refuses for the next.
+        """
         now_ns = self._clock.monotonic_ns()
         self._again_ns = {task: at for task, at in self._again_ns.items() if at > now_ns}
-        return frozenset(self._again_ns)
+        self._asked_ns = {robot: at for robot, at in self._asked_ns.items() if at > now_ns}
+        return frozenset(self._again_ns), frozenset(self._asked_ns)
+
+    def _not_now(self, task: Task) -> None:
+        again_ns = self._clock.monotonic_ns() + AGAIN_NS
+        self._again_ns[task.id] = self._asked_ns[task.robot] = again_ns
 
     async def settle(self, ends: Callable[[Task], e.End | None]) -> None:
         """Settle tasks that had a robot when the last run ended.

@@ -132,12 +132,11 @@ class Watching:
             return
         async with self._planning:
             fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
-            leave = self._dispatching.not_now()
-            levels = by_priority(fleet, now_ns, leave=leave, at_most=AT_ONCE)
-            if not levels:
+            if not fleet.waiting:
                 return
-            among = dict.fromkeys(r for level in levels for task in level for r in task.left)
-            glances = {r: self.glance(r) for r in among if r in self._rooms.profiles}
+            leave, left_alone = self._dispatching.not_now()
+            glances = {r: self.glance(r) for r in self._rooms.profiles if r not in left_alone}
+            levels = by_priority(fleet, glances, now_ns, leave=leave, at_most=AT_ONCE)
             for task, robot in assign(fleet, levels, glances, now_ns).pairs:
                 try:
                     await self._dispatching.feed(e.Chosen(task, robot))
