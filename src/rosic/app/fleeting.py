@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.contracts.messenger import catching_up
 from rosic.core.fleet import events as e
 from rosic.core.fleet.state import STANDING, TASK
 from rosic.core.order import Ending
@@ -65,6 +66,7 @@ class Fleeting:
         self.telling = Telling(rooms, hands.reach, self.dispatching)
         self.dispatching.tell = self.telling.tell
         self.dispatching.changed = self._changed
+        self.dispatching.behind = lambda: any(map(catching_up, hands.reach.messengers))
         self._usage = Usage(clock.monotonic_ns())
         self._hands = hands
         self._planning: asyncio.Task[None] | None = None

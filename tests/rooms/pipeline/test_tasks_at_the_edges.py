@@ -176,3 +176,23 @@ async def test_what_one_robot_refuses_it_is_not_asked_again_at_once() -> None:
         await heard(here, 10)
         assert here.gateway.rooms.organiser.in_doubt
         assert 2 <= sum(task.attempt for task in tasks(here).values()) <= 8
+
+
+async def test_no_task_begins_before_what_was_sent_meanwhile_has_come() -> None:
+    store = MemoryStore()
+    async with warehouse(store).open() as here:
+        await here.say("/task w1 wave then wave")
+        here.chat.behind = True
+        await here.say("/task w2 wave")
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here, 5)
+        assert (here.acted("w1"), here.acted("w2")) == (1, 0), "a stop may be on its way"
+    here = later(store)
+    here.chat.behind = True
+    async with here.open():
+        await heard(here, 5)
+        await here.say("stop w2")
+        here.chat.behind = False
+        await heard(here, 5)
+        assert here.acted("w2") == 0
+        assert tasks(here)["2"].state is State.PAUSED

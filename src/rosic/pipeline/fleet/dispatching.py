@@ -39,6 +39,8 @@ Given: TypeAlias = "tuple[list[tuple[Task, Said]], Decided]"
 AGAIN_NS = 2_000_000_000
 """A task that no robot took just now is not offered again at once."""
 
+BEHIND_S = 0.1
+
 log = logging.getLogger("rosic.fleet")
 
 
@@ -54,6 +56,7 @@ class Dispatching:
         finished: How many steps each robot has done since the start.
         tell: Hears of a task before and after a change that people may want to know.
         changed: Called after every change: there may be something to choose.
+        behind: Whether what people sent while nobody listened may still come.
     """
 
     def __init__(
@@ -68,6 +71,7 @@ class Dispatching:
         self.finished: dict[RobotId, int] = {}
         self.tell: Callable[[Task, Task], object] = _unheard
         self.changed: Callable[[], object] = _nothing
+        self.behind: Callable[[], bool] = _up_to_date
         self._again_ns: dict[TaskId, int] = {}
         self._asked_ns: dict[RobotId, int] = {}
         self._rooms = rooms
@@ -165,9 +169,13 @@ class Dispatching:
     # ---- what follows ----
 
     async def _begin(self, doing: e.Begin) -> None:
+        while self.behind():  # a stop may be on its way: until it is heard nothing begins
+            await self._clock.sleep(BEHIND_S)
         task = self.fleet.tasks.get(doing.task)
-        if task is None or task.attempt != doing.attempt or not self._counts(task):
-            return  # called back before it began: the recall says what becomes of it
+        if task is not None and task.attempt == doing.attempt and self._counts(task):
+            await self._ask(task, doing)  # else it was called back before it began
+
+    async def _ask(self, task: Task, doing: e.Begin) -> None:
         said = self.letters.get(task.id)
         if said is None:
             await self._feed(e.Held(task.id, Why.CANCELLED))
@@ -308,3 +316,7 @@ def _unheard(_before: Task, _after: Task) -> None:
 
 def _nothing() -> None:
     return None
+
+
+def _up_to_date() -> bool:
+    return False
