@@ -11,6 +11,7 @@ from rosic.core.fleet.task import State
 from rosic.core.order import Ending
 from rosic.core.record import Claimed, Concluded, Fact
 from rosic.core.robot import Busy
+from rosic.pipeline.fleet.clerks import OF_ONE_AT_MOST
 from rosic.pipeline.fleet.words_fleet import ERASED
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import BO, SlowStore
@@ -196,3 +197,15 @@ async def test_no_task_begins_before_what_was_sent_meanwhile_has_come() -> None:
         await heard(here, 5)
         assert here.acted("w2") == 0
         assert tasks(here)["2"].state is State.PAUSED
+
+
+async def test_nobody_keeps_the_others_from_giving_tasks() -> None:
+    async with warehouse(fleet=WAREHOUSE[:1]).open() as here:
+        for _ in range(OF_ONE_AT_MOST):
+            here.chat.say("/task w1 wave")
+        await here.clock.advance(1)
+        told = await here.say("/task w1 wave")
+        assert "You have 500 tasks open already" in told
+        assert len(tasks(here)) == OF_ONE_AT_MOST
+        await here.say("/task w1 wave", account=BO, chat=BO)
+        assert len(tasks(here)) == OF_ONE_AT_MOST + 1

@@ -19,6 +19,7 @@ from rosic.pipeline.fleet.task_line import read_wish
 from rosic.pipeline.freshness import check_errand_fresh
 
 if TYPE_CHECKING:
+    from rosic.core.fleet.state import FleetState
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
     from rosic.errors import Refusal
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.rooms import Rooms
 
 OPEN_AT_MOST: Final = 2_000
+OF_ONE_AT_MOST: Final = 500
+"""So many are one person's, so that nobody keeps the others from giving any."""
 SHOWN_AT_MOST: Final = 20
 ANY: Final = frozenset({"any", "anybody", "anyone"})
 ASSIGN: Final = "assign"
@@ -116,8 +119,7 @@ class TaskClerk:
             Refusal: As `task`.
         """
         fleet, who = self._dispatching.fleet, asked.caller.principal
-        if sum(1 for _ in fleet.open()) >= OPEN_AT_MOST:
-            raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
+        check_room(fleet, who, 1)
         now_ns = self._rooms.organiser.wall_ns()
         wish = read_wish(asked.rest, now_ns, self._zone)
         wanted, robots, used = self._target(wish, who)
@@ -226,3 +228,16 @@ class TaskClerk:
             raise NotUnderstood(words.does_not_fit(task))
         check_errand_fresh(asked.inbound, f"/task done {task.id}")
         return await self._act(asked, task, e.Released(task.id, skip=True), "done")
+
+
+def check_room(fleet: FleetState, who: PrincipalId, more: int) -> None:
+    """See that so many more tasks of somebody can be taken in.
+
+    Raises:
+        TooManyRequests: There are too many, of theirs or of everybody's.
+    """
+    tasks = list(fleet.open())
+    if sum(task.author == who for task in tasks) + more > OF_ONE_AT_MOST:
+        raise TooManyRequests(words.too_many_of_one(OF_ONE_AT_MOST), retry_after_s=60.0)
+    if len(tasks) + more > OPEN_AT_MOST:
+        raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)

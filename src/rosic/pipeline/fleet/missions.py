@@ -11,10 +11,10 @@ from rosic.core.fleet.task import OVER, RESTING, Need, State, Task, Why
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.record import Decided
 from rosic.core.saying import joined
-from rosic.errors import NotUnderstood, TooManyRequests
+from rosic.errors import NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_missions as words
-from rosic.pipeline.fleet.clerks import ANY, OPEN_AT_MOST
+from rosic.pipeline.fleet.clerks import ANY, check_room
 from rosic.pipeline.fleet.letters import Said
 from rosic.pipeline.fleet.reading import able
 from rosic.pipeline.freshness import check_errand_fresh
@@ -181,8 +181,7 @@ class MissionClerk:
         """
         fleet = self._dispatching.fleet
         leaves = lay_out(mission, self._missions)
-        if sum(1 for _ in fleet.open()) + len(leaves) > OPEN_AT_MOST:
-            raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
+        check_room(fleet, asked.caller.principal, len(leaves))
         first = int(fleet.next_id())
         run = f"{mission.name}{NUMBERED}{first}"
         given = [self._task(asked, leaf, run, first, number) for number, leaf in enumerate(leaves)]

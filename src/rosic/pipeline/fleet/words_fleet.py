@@ -137,6 +137,13 @@ def too_many(most: int) -> str:
     )
 
 
+def too_many_of_one(most: int) -> str:
+    """Return that somebody has as many tasks open as one person may have."""
+    return said(
+        "You have {most} tasks open already. Cancel some, or wait until they are done.", most=most
+    )
+
+
 def no_chat(name: str) -> str:
     """Return that nobody could be told what came of a task."""
     return said("{name} cannot be reached, so nothing is done for them.", name=name)
