@@ -7,6 +7,7 @@ from copy import deepcopy
 
 from msgspec.structs import replace
 
+from rosic.core.fleet.state import KEPT_OVER
 from rosic.core.fleet.task import State
 from rosic.core.order import Ending
 from rosic.core.record import Claimed, Concluded, Fact
@@ -209,3 +210,15 @@ async def test_nobody_keeps_the_others_from_giving_tasks() -> None:
         assert len(tasks(here)) == OF_ONE_AT_MOST
         await here.say("/task w1 wave", account=BO, chat=BO)
         assert len(tasks(here)) == OF_ONE_AT_MOST + 1
+
+
+async def test_what_was_said_of_tasks_that_are_forgotten_is_forgotten_too() -> None:
+    async with warehouse(fleet=WAREHOUSE[:1]).open() as here:
+        dispatching = here.gateway.furnishing.fleet.dispatching
+        for _ in range(KEPT_OVER + 20):
+            await here.say("/task w1 wave once")
+            worker(here, "w1").end(Ending.FAILED, "the gripper is open")
+            await here.quiet()
+            await here.say(f"/task cancel {max(tasks(here), key=int)}")
+        assert len(tasks(here)) <= KEPT_OVER + 1
+        assert set(dispatching.why) | set(dispatching.rested) <= set(tasks(here))

@@ -133,6 +133,9 @@ class Dispatching:
                 facts.append(self.letters.fact(task.id, task.author, said))
                 facts += self.fleet.facts(react(self.fleet, e.Given(task), now_ns))
             await turn.write((decided, *facts))
+        for gone in stale:
+            self.why.pop(gone, None)
+            self.rested.pop(gone, None)
         self.changed()
         return given
 
