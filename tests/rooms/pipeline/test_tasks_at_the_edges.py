@@ -222,3 +222,15 @@ async def test_what_was_said_of_tasks_that_are_forgotten_is_forgotten_too() -> N
             await here.say(f"/task cancel {max(tasks(here), key=int)}")
         assert len(tasks(here)) <= KEPT_OVER + 1
         assert set(dispatching.why) | set(dispatching.rested) <= set(tasks(here))
+
+
+async def test_whoever_resumes_a_robot_reads_what_it_begins_by_itself() -> None:
+    async with warehouse(fleet=WAREHOUSE[:1]).open() as here:
+        await here.say("/task w1 wave", account=BO, chat=BO)
+        await here.say("/task w1 move 1 m", account=BO, chat=BO)
+        await here.say("stop w1")
+        told = await here.say("resume w1")
+        assert "It moves by itself as soon as it is given a task that waits: 2." in told
+        await here.say("/task cancel 2")
+        await here.say("stop w1")
+        assert "by itself" not in await here.say("resume w1")

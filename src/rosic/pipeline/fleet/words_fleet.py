@@ -137,6 +137,15 @@ def too_many(most: int) -> str:
     )
 
 
+def begins(tasks: Sequence[str], more: int) -> str:
+    """Return what a robot that was resumed may begin by itself; at least one task."""
+    named = ", ".join(tasks)
+    first = said(
+        "It moves by itself as soon as it is given a task that waits: {tasks}.", tasks=named
+    )
+    return joined(" ", (first, and_more(more))) if more else first
+
+
 def too_many_of_one(most: int) -> str:
     """Return that somebody has as many tasks open as one person may have."""
     return said(
