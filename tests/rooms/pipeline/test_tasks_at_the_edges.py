@@ -15,7 +15,7 @@ from rosic.core.robot import Busy
 from rosic.pipeline.fleet.clerks import OF_ONE_AT_MOST
 from rosic.pipeline.fleet.words_fleet import ERASED
 from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import BO, SlowStore
+from tests.rooms.pipeline.place import BO, BrokenStore, SlowStore
 from tests.rooms.pipeline.test_tasks import WAREHOUSE, heard, later, tasks, warehouse, worker
 
 SECOND_NS = 1_000_000_000
@@ -234,3 +234,13 @@ async def test_whoever_resumes_a_robot_reads_what_it_begins_by_itself() -> None:
         await here.say("/task cancel 2")
         await here.say("stop w1")
         assert "by itself" not in await here.say("resume w1")
+
+
+async def test_a_robot_is_taken_out_of_the_fleet_although_nothing_can_be_written() -> None:
+    store = BrokenStore()
+    async with warehouse(store).open() as here:
+        store.broken = True
+        assert "is stopped and takes no part" in await here.say("/robot disable w1")
+        store.broken = False
+        assert "so it stays stopped" in await here.say("resume w1")
+        assert here.gateway.rooms.board["w1"].latched

@@ -121,4 +121,5 @@ class RobotClerk:
             act=f"robot-{standing.value}", by=asked.caller.principal, about=robot,
             at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
         )  # fmt: skip
-        await self._dispatching.feed(e.Stood(robot, standing), decided)
+        out = standing is not Standing.ACTIVE  # and that, too, waits for no disk
+        await self._dispatching.feed(e.Stood(robot, standing), decided, happened=out)
