@@ -38,6 +38,7 @@ def test_a_configuration_that_is_shown_is_good(text: str, tmp_path: Path) -> Non
         *blocks("robots/profiles.md", "yaml"),
         *blocks("robots/alerts.md", "yaml"),
         *blocks("robots/among.md", "yaml"),
+        *blocks("robots/benchmarks.md", "yaml"),
     ],
 )
 def test_a_profile_that_is_shown_is_good(text: str, tmp_path: Path) -> None:

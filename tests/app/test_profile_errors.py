@@ -70,7 +70,7 @@ CASES = [
          "'zz' is not known here.", "Known here: among, dialogue, heartbeat_s, kind, model, "
          "namespace."),
     Case("the id of a skill is its key", "    title: Move\n", "    id: other #!\n",
-         "'id' is not known here.", "Known here: action, class, "),
+         "'id' is not known here.", "Known here: action, benchmark, class, "),
     Case("missing id", "id: rover\n", "", "'id' is missing in this file."),
     Case("missing inside", "link: { kind: ros2, namespace: /rover }",
          "link: { namespace: /rover } #!",

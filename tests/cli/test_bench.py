@@ -83,9 +83,47 @@ def test_the_bench_of_the_pipeline_covers_a_large_place() -> None:
     assert 500 < cases["a person's memory: 10000 people, 100 roles"]["bytes_each"] <= 2048
 
 
+@pytest.mark.limit(410)
+def test_the_bench_of_fleets_assigns_tasks_and_compares_sizes() -> None:
+    ran = rosic("bench", "fleet", "--quick", "--json", within_s=400)
+
+    assert (ran.status, ran.err) == (0, "")
+    report = json.loads(ran.out)
+    assert set(report) == {"machine", "method", "cases"}
+    cases = {case["name"]: case for case in report["cases"]}
+    for case in cases.values():
+        assert {"name", "rate_per_s", "p50_us", "p99_us"} <= set(case)
+        assert 0 < case["p50_us"] <= case["p99_us"]
+    assert cases["1000 to 200: solver"]["p50_us"] < 1e6 * slowness()
+    assert cases["1000 to 200: solver"]["cost_m"] < cases["1000 to 200: nearest idle"]["cost_m"]
+    assert cases["6 to 6: solver"]["cost_m"] == cases["6 to 6: every way tried"]["cost_m"]
+    for robots in (10, 200):
+        commanded = cases[f"{robots} robots, 500 commanding: a command"]
+        assert commanded["rate_per_s"] > 0
+        assert commanded["refused"] >= 0
+        assert cases[f"{robots} robots: a report"]["cpu_us"] > 0
+        assert f"{robots} robots: stop" in cases
+    assert cases["200 robots: a report"]["bytes_each"] > 0
+    assert "p99 at 200 robots is" in report["method"]
+    assert "neither is counted" in report["method"]
+
+
 def test_an_unknown_bench_names_those_that_exist() -> None:
     ran = rosic("bench", "walk")
 
     assert ran.status == 2
     assert "pipeline" in ran.err
     assert "stop" in ran.err
+
+
+@pytest.mark.limit(120)
+def test_the_bench_of_fleets_finds_the_best_and_says_what_a_choice_costs() -> None:
+    ran = rosic("bench", "fleet", "--quick", "--json", within_s=100)
+
+    assert (ran.status, ran.err) == (0, "")
+    report = json.loads(ran.out)
+    assert set(report) == {"machine", "method", "cases"}
+    small, near, tried, large, large_near = report["cases"]
+    assert small["cost_m"] == tried["cost_m"] < near["cost_m"]
+    assert large["cost_m"] < large_near["cost_m"]
+    assert large["pairs"] == large_near["pairs"] == 200

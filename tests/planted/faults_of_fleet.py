@@ -147,4 +147,25 @@ OF_TASKS = (
         without="False",
         caught_by=(f"{ROBOTS}::test_an_offer_is_good_for_one_person_and_for_a_while",),
     ),
+    Fault(
+        name="I1 a message gives its task again after a crash",
+        file="pipeline/fleet/dispatching.py",
+        guard="            self.origins.check(cid)\n            stale",
+        without="            stale",
+        caught_by=(f"{TASKS}::test_the_same_message_has_its_effect_once_whatever_crashes_between",),
+    ),
+    Fault(
+        name="I9 a task is given to a robot before that is on disk",
+        file="pipeline/fleet/dispatching.py",
+        guard="            if happened:\n",
+        without="            if True:\n",
+        caught_by=(f"{TASKS}::test_nothing_moves_that_could_not_be_written_down",),
+    ),
+    Fault(
+        name="I11 everybody reads what somebody has said for a task",
+        file="pipeline/fleet/telling.py",
+        guard="        if who == task.author:\n",
+        without="        if True:\n",
+        caught_by=(f"{ROBOTS}::test_what_somebody_has_said_is_read_by_them_alone",),
+    ),
 )

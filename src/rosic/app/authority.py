@@ -142,13 +142,13 @@ def _nothing() -> None:
 
 def fleet_of(profiles: Iterable[Profile]) -> Fleet:
     """Return the robots there are, as rights see them."""
-    groups: dict[str, tuple[str, ...]] = {}
+    groups: dict[str, list[str]] = {}
     skills = {}
     for profile in profiles:
         skills[profile.id] = skills_of(profile)
         for group in profile.groups:
-            groups[group] = (*groups.get(group, ()), profile.id)
-    return Fleet(skills=skills, groups=groups)
+            groups.setdefault(group, []).append(profile.id)
+    return Fleet(skills=skills, groups={name: tuple(some) for name, some in groups.items()})
 
 
 def rulebook_of(

@@ -8,33 +8,43 @@ from typing import TYPE_CHECKING
 from rosic.contracts.messenger import catching_up
 from rosic.core.fleet import events as e
 from rosic.core.fleet.state import STANDING, TASK
+from rosic.core.fleet.task import Why
 from rosic.core.order import Ending
 from rosic.core.record import Refused, Told
 from rosic.errors import Repeated, StoreFault
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.fleet.attempting import Attempting, attempt_id
+from rosic.pipeline.fleet.cards import FLEET_CARD, FleetCards
 from rosic.pipeline.fleet.clerks import TaskClerk
 from rosic.pipeline.fleet.company import CompanyClerk
 from rosic.pipeline.fleet.dispatching import Dispatching
 from rosic.pipeline.fleet.handing import HandoverClerk
 from rosic.pipeline.fleet.letters import KIND as LETTER
 from rosic.pipeline.fleet.missions import MissionClerk
+from rosic.pipeline.fleet.origins import KIND as ORIGIN
 from rosic.pipeline.fleet.overview import Overview
 from rosic.pipeline.fleet.recalling import Recalling
 from rosic.pipeline.fleet.robots_clerk import RobotClerk
 from rosic.pipeline.fleet.telling import Telling
+from rosic.pipeline.fleet.timetable import KIND as TIMES
+from rosic.pipeline.fleet.timetable import Timetable
 from rosic.pipeline.fleet.usage import Usage
 from rosic.pipeline.fleet.watching import Watching
+from rosic.pipeline.livecards.asking import CardClerk
 
 if TYPE_CHECKING:
     from rosic.app.parts import Settings
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
     from rosic.core.fleet.task import Task
-    from rosic.core.record import Memory
+    from rosic.core.identity import PrincipalId
+    from rosic.core.record import Fact, Memory
+    from rosic.core.robot import RobotId
     from rosic.pipeline import Pipeline
     from rosic.pipeline.alerts.running import Hands
     from rosic.pipeline.changes import Changes
+    from rosic.pipeline.livecards.drawing import Sides as CardSides
+    from rosic.pipeline.livecards.livecards import LiveCards
     from rosic.pipeline.rooms import Rooms
 
 _ENDS = {
@@ -53,6 +63,7 @@ class Fleeting:
         dispatching: Where it changes.
         watching: Looks after it.
         telling: Tells people.
+        overview: Looks at all of it.
     """
 
     def __init__(self, rooms: Rooms, changes: Changes, clock: Clock, hands: Hands) -> None:
@@ -69,18 +80,21 @@ class Fleeting:
         self.dispatching.behind = lambda: any(map(catching_up, hands.reach.messengers))
         self._usage = Usage(clock.monotonic_ns())
         self._hands = hands
+        self.overview = Overview(rooms, self.dispatching, self.watching, self.telling, self._usage)
         self._planning: asyncio.Task[None] | None = None
 
     def furnish(self, pipeline: Pipeline, memory: Memory, settings: Settings) -> None:
         """Take over what earlier runs wrote, and take the errands."""
         fleet, letters = self.dispatching.fleet, self.dispatching.letters
-        for kind, keeper in ((TASK, fleet), (STANDING, fleet), (LETTER, letters)):
+        origins = self.dispatching.origins
+        kept = ((TASK, fleet), (STANDING, fleet), (LETTER, letters), (ORIGIN, origins))
+        for kind, keeper in kept:
             keeper.restore(memory.facts.get(kind, ()))
             self._changes.keep(kind, keeper.apply)
         office, rooms, dispatching = pipeline.reception.office, self._rooms, self.dispatching
         tasks = TaskClerk(rooms, dispatching, self.telling, zone_named(settings.zone))
         tasks.employ(office)
-        MissionClerk(rooms, dispatching, tasks, settings.missions).employ(office)
+        self._furnish_missions(tasks, memory, settings, pipeline)
         robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
         robots.employ(office)
         pipeline.resuming.barred = robots.barred
@@ -89,7 +103,27 @@ class Fleeting:
         CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
             office
         )
-        Overview(rooms, dispatching, self.watching, self.telling, self._usage).employ(office)
+
+    def show_on_cards(
+        self, robots: LiveCards, sides: CardSides, pipeline: Pipeline, memory: Memory
+    ) -> None:
+        """Let the fleet be shown like robots are, in cards of its own."""
+        messengers = self._hands.reach.messengers
+        cards = FleetCards(self.overview, self._changes, messengers, self._clock, sides)
+        cards.restore(memory.facts.get(FLEET_CARD, ()))
+        robots.others = cards
+        clerk = CardClerk(cards, cards.glimpses, self._rooms.vocabulary, sides)
+        pipeline.reception.office.employ("fleet", clerk.card)
+
+    def _furnish_missions(
+        self, tasks: TaskClerk, memory: Memory, settings: Settings, pipeline: Pipeline
+    ) -> None:
+        zone, changes = zone_named(settings.zone), self._changes
+        self._timetable = timetable = Timetable(changes, self._hands.reach, self._clock, zone)
+        timetable.restore(memory.facts.get(TIMES, ()))
+        missions = MissionClerk(self._rooms, changes, tasks, settings.missions, timetable, zone)
+        missions.employ(pipeline.reception.office)
+        timetable.starter = missions.at_its_time
 
     # ---- after an interruption ----
 
@@ -120,6 +154,13 @@ class Fleeting:
         store.note(Told(cid, self._clock.wall_ns()))
         return e.End.BUSY
 
+    def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        """Return what lets go everything that somebody has said; nobody carries it out then."""
+        return (
+            *self.dispatching.letters.end_all(principal),
+            *self._timetable.end_all(principal),
+        )
+
     # ---- while it runs ----
 
     def _changed(self) -> None:
@@ -138,11 +179,26 @@ class Fleeting:
     def run(self) -> None:
         """Let robots begin from now on."""
         self.watching.run()
+        self._timetable.run()
         self._changed()
+
+    async def reallocate(self, robot: RobotId) -> bool:
+        """Give what a robot does for a task to another one, for whoever has seen it deviate.
+
+        Returns:
+            False if it has no task, or leaves it already.
+        """
+        fleet = self.dispatching.fleet
+        task = fleet.tasks.get(fleet.holds.get(robot, ""))
+        if task is None or task.leaving:
+            return False
+        deviated = e.Deviated(task.id, task.attempt, Why.LATE)
+        return await self.dispatching.feed(deviated, happened=True)
 
     async def close(self) -> None:
         """Nothing begins any more; what ends is noted until the record is closed."""
         self.dispatching.shut()
+        await self._timetable.close()
         await self.watching.close()
         if self._planning is not None:
             self._planning.cancel()

@@ -7,6 +7,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.app.alarming import Alarms
+from rosic.app.benchmarking import Sides as Askers
+from rosic.app.benchmarking import furnish_benchmarks, show_benchmarks
 from rosic.app.fleeting import Fleeting
 from rosic.authoriser.codes import telegram_link
 from rosic.authoriser.misuse import COUNTED_AS, RULE, SUSPICIOUS
@@ -20,6 +22,7 @@ from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import zone_named
 from rosic.pipeline.alerts.running import Hands
 from rosic.pipeline.consent import Consent
+from rosic.pipeline.fleet.by_rule import RuleTasks
 from rosic.pipeline.going import Going
 from rosic.pipeline.handover import Handover
 from rosic.pipeline.livecards.asking import CardClerk
@@ -89,6 +92,7 @@ class Furnishing:
         live_cards: Shows in chats how robots are.
         fleet: Brings tasks to robots.
         retracting: Takes away what held a secret.
+        judging: Follows robots against their benchmarks.
     """
 
     def __init__(
@@ -149,6 +153,11 @@ class Furnishing:
         alarms.furnish(self._pipeline, memory, settings.people)
         self.fleet = Fleeting(self._rooms, self._access.changes, clock, hands)
         self.fleet.furnish(self._pipeline, memory, settings)
+        alarms.running.tasks = RuleTasks(self._rooms, self.fleet.dispatching)
+        self.judging = furnish_benchmarks(self._rooms, self._access, self._pipeline, memory, clock)
+        asking = Askers(alarms.alerting, self._glimpses, self._naming)
+        show_benchmarks(self.judging, self._rooms, self._pipeline, asking)
+        self.fleet.show_on_cards(self.live_cards, self._card_sides, self._pipeline, memory)
         return alarms
 
     async def close(self) -> None:
@@ -157,6 +166,7 @@ class Furnishing:
         await self.live_cards.close()
         await self.fleet.close()
         await self.retracting.close()
+        await self.judging.settings.written()
 
     # ---- people ----
 
@@ -299,7 +309,7 @@ class Furnishing:
 
     def _watch_ends(self) -> None:
         """Hear of orders that end, but only while somebody waits for a robot."""
-        waited_for = any(self._access.waiting.queue(robot) for robot in self._rooms.profiles)
+        waited_for = bool(self._access.waiting.wanted())
         self._pipeline.lives.after = self._order_ended if waited_for else None
 
     def _order_ended(self, robot: RobotId) -> None:
@@ -319,8 +329,8 @@ class Furnishing:
 
     def _furnish_cards(self, messengers: Sequence[Messenger], clock: Clock) -> None:
         rooms, pipeline = self._rooms, self._pipeline
-        glimpses = Glimpses(rooms, pipeline.lives, pipeline.face)
-        sides = CardSides(
+        self._glimpses = glimpses = Glimpses(rooms, pipeline.lives, pipeline.face)
+        sides = self._card_sides = CardSides(
             sees=self._sees,
             name_of=rooms.organiser.name_of,
             shown=lambda robot: rooms.profiles[robot].shown,

@@ -50,7 +50,6 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline import Pipeline
     from rosic.pipeline.languages import Languages
-    from rosic.pipeline.livecards.livecards import LiveCards
     from rosic.pipeline.rooms import Rooms
 
 PERSON = re.compile("p[0-9a-f]{16}")  # how ids of people look
@@ -124,7 +123,7 @@ class Holding:
         )  # fmt: skip
         holdings = holdings_of(around, vault, self.archive, parts, self._room)
         self.holdings, self.preferences = holdings, holdings.preferences
-        erasing = self.erasing = Erasing(holdings, self._sides(pipeline, furnishing.live_cards))
+        erasing = self.erasing = Erasing(holdings, self._sides(pipeline, furnishing))
         filing = employ_clerks(pipeline.reception.office, holdings, erasing)
         take_over(memory.facts, holdings, erasing)
         self._follow_settings()
@@ -205,7 +204,7 @@ class Holding:
         if self._aside is not None:
             await self._aside.end(principal)
 
-    def _sides(self, pipeline: Pipeline, cards: LiveCards) -> Sides:
+    def _sides(self, pipeline: Pipeline, furnishing: Furnishing) -> Sides:
         rooms, access, authority = self._rooms, self._access, self._authority
         directory = rooms.authoriser.directory
 
@@ -220,7 +219,8 @@ class Holding:
                 *rooms.organiser.calendar.end_all(principal),
                 *access.waiting.leave_all(principal),
                 *access.wishes.end_all(principal),
-                *cards.end_all(principal),
+                *furnishing.live_cards.end_all(principal),
+                *furnishing.fleet.end_all(principal),
                 *(record for end in self.also_ends for record in end(principal)),
                 *(r for key in good for r in access.keys.revoke(key.id, by).records),
             )

@@ -6,6 +6,7 @@ from typing import Final
 
 from rosic.app.shape import Bounds, Field, Form
 from rosic.core.alert_rule import Alert
+from rosic.core.benchmark import Benchmark, ErrorBound
 from rosic.core.geography import GeographicFrame
 from rosic.core.joints import Joints
 from rosic.core.robot import (
@@ -115,6 +116,14 @@ FORMS: Final[dict[Field, Form]] = {
     (Alert, "run"): _LINE._replace(empty=True),
     (Alert, "author"): _LINE._replace(empty=True),
     (Alert, "run_every"): _LENGTH,
+    (Benchmark, "per_s"): NAMED,
+    (Benchmark, "battery"): NAMED,
+    (Benchmark, "errors"): NAMED,
+    (ErrorBound, "measured"): Form(
+        rf"{_NAME}|pose\.(x|y|yaw)",
+        "something that is measured",
+        "Write a fact that the robot reports, as distance_m, or pose.x, pose.y, pose.yaw.",
+    ),
     (Profile, "id"): NAMED,
     (Profile, "groups"): NAMED,
     (Profile, "words"): WORD,
@@ -191,6 +200,7 @@ BOUNDS: Final[dict[Field, Bounds]] = {
     (Link, "heartbeat_s"): Bounds(0.1, 3600),
     (Files, "max_mb"): Bounds(0.001, 2_000),
     (ReceiptSource, "within_s"): Bounds(0.1, 600),
+    (Benchmark, "late"): Bounds(1.01, 1000),
     (AtRest, "below"): Bounds(1e-6, 10),
     (Skill, "lifetime_s"): Bounds(0.1, 3600),
     (Skill, "cost"): Bounds(1, COST_MAX),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
 
+from rosic.app.profile_benchmarks import expected
 from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.profile_poses import meant, moved, of_trajectory
 from rosic.app.shape import Finding, Rules
@@ -70,6 +71,7 @@ def profile_rules(units: UnitTable) -> Rules:
                 _stoppable,
                 moved,
                 _strategies,
+                expected,
                 words,
                 alerts,
             ),

@@ -79,7 +79,8 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
 
 def latch_of(config: Config) -> FileLatch:
     """Return where the stops of a gateway are kept, besides its record."""
-    return FileLatch(config.data / STOPS)
+    # Robots that are gone keep their places: there is room for as many again.
+    return FileLatch(config.data / STOPS, robots_min=2 * len(config.robots))
 
 
 def settings_of(config: Config) -> Settings:

@@ -30,6 +30,12 @@ def _schedule(quick: bool) -> Report:
     return measure(quick=quick)
 
 
+def _start(quick: bool) -> Report:
+    from rosic.bench.start import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick)
+
+
 def _telegram(quick: bool) -> Report:
     from rosic.bench.telegram import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
@@ -46,6 +52,7 @@ BENCHES: dict[str, Callable[[bool], Report]] = {
     "fleet": _fleet,
     "pipeline": _pipeline,
     "schedule": _schedule,
+    "start": _start,
     "stop": _stop,
     "telegram": _telegram,
 }

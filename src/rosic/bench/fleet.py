@@ -1,4 +1,4 @@
-"""``rosic bench fleet``: how long choosing robots for tasks takes, and how good the choice is."""
+"""``rosic bench fleet``: choosing robots for tasks, and what ever more robots and people cost."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.bench import crowds
 from rosic.bench.report import Case, Report, case_of, machine
 from rosic.core.fleet.events import Given
 from rosic.core.fleet.planning import Glance, by_priority, cost, nearest_idle
@@ -134,7 +135,8 @@ def measure(*, quick: bool = False) -> Report:
         *(_case(f"{TASKS} to {ROBOTS}", way, large) for way in ("solver", "nearest idle")),
     ]
     method = METHOD.format(runs=runs, small=len(small))
-    return Report(machine=machine(), method=method, cases=tuple(cases))
+    how, crowded = crowds.measure(quick=quick)
+    return Report(machine=machine(), method=f"{method} {how}", cases=(*cases, *crowded))
 
 
 def _full(one: Floor) -> bool:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
 SHORT_US = 100.0  # below, a table shows nanoseconds
 
@@ -33,6 +33,15 @@ class Case(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     permitted_share: float | msgspec.UnsetType = msgspec.UNSET
     bytes_each: float | None = None
     cost_m: float | None = None
+
+    def beside(self) -> Iterator[str]:
+        """Yield what a table says besides rate and times."""
+        if self.permitted_share is not msgspec.UNSET:
+            yield f"{self.permitted_share:>6.1%} of what is permitted"
+        if self.bytes_each is not None:
+            yield f"{self.bytes_each:.0f} bytes each"
+        if self.cost_m is not None:
+            yield f"costs {self.cost_m:.2f} m a pair"
 
 
 class Report(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -83,21 +92,19 @@ def as_json(report: Report) -> str:
     return msgspec.json.encode(report).decode()
 
 
-def _share(case: Case) -> str:
-    if case.permitted_share is msgspec.UNSET:
-        return ""
-    return f"   {case.permitted_share:>6.1%} of what is permitted"
-
-
 def as_text(report: Report) -> str:
     """Return a table for people."""
     width = max(len(case.name) for case in report.cases)
     lines = [report.machine, report.method, ""]
     lines += [
-        f"{case.name:<{width}}  {case.rate_per_s:>10.0f} /s   p50 {_us(case.p50_us)} us   "
-        f"p99 {_us(case.p99_us)} us{_share(case)}"
-        + ("" if case.bytes_each is None else f"   {case.bytes_each:.0f} bytes each")
-        + ("" if case.cost_m is None else f"   costs {case.cost_m:.2f} m a pair")
+        "   ".join(
+            (
+                f"{case.name:<{width}}  {case.rate_per_s:>10.0f} /s",
+                f"p50 {_us(case.p50_us)} us",
+                f"p99 {_us(case.p99_us)} us",
+                *case.beside(),
+            )
+        )
         for case in report.cases
     ]
     return "\n".join([*lines, *([""] if report.findings else []), *report.findings])

@@ -32,7 +32,7 @@ class Command(NamedTuple):
 
 COMMANDS: dict[str, Command] = {
     "init": Command("rosic.cli.init", "a few questions, then a configuration that works"),
-    "demo": Command("rosic.cli.demo", "six simulated robots in this terminal; no account, no ROS"),
+    "demo": Command("rosic.cli.demo", "simulated robots in this terminal, or a play: demo fleet"),
     "run": Command("rosic.cli.run", "start the gateway of a configuration file"),
     "check": Command("rosic.cli.check", "say everything that is wrong with a configuration file"),
     "robot check": Command("rosic.cli.robot_check", "say everything that is wrong with a profile"),

@@ -43,7 +43,8 @@ class Alert(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         severity: How much it matters.
         tell: Who is told first: whoever has the robot, who may operate it, or the admins.
         escalate_after: The next circle is told after so long, until somebody has seen it.
-        run: What the robot does then, as people would type it: ``home``.
+        run: What the robot does then, as people would type it: ``home``; or ``stop``, ``pause``,
+            ``reallocate``.
         author: Whose right it is run with: the name of a person in the configuration.
         run_every: It is run at most this often.
     """

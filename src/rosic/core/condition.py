@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.alert import Reading
+from rosic.core.benchmark import DEVIATION, FINE
 from rosic.core.language.units import NONE, UnitTable
 
 if TYPE_CHECKING:
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 LINK_AGE = "link_age"
 OFFLINE = "offline"
 SILENT = "silent"
-OWN = frozenset({LINK_AGE, OFFLINE, SILENT})
+DEVIATES = "deviates"
+OWN = frozenset({LINK_AGE, OFFLINE, SILENT, DEVIATION, DEVIATES})
 # A robot that reports says something every second at least.
 SILENT_AFTER_S = 1.5
 # How far beyond its threshold a value has to be for an alarm to be over, unless a rule says so.
@@ -59,7 +61,7 @@ class Condition(msgspec.Struct, frozen=True, kw_only=True):
 
     Attributes:
         name: The value that counts; empty for the robot as a whole.
-        kind: ``bounds``, ``word``, ``silent`` or ``offline``.
+        kind: ``bounds``, ``word``, ``silent``, ``offline`` or ``deviates``.
         fine: Outside it is bad.
         clear: Within it is good.
         word: What a text has to be to be bad.
@@ -81,6 +83,8 @@ class Condition(msgspec.Struct, frozen=True, kw_only=True):
         value = self.value(presence)
         if self.kind == SILENT:
             return _bad(value is None)
+        if self.kind == DEVIATES:
+            return _bad(value != FINE) if isinstance(value, str) else Reading.MISSING
         if self.kind == "word":
             known = isinstance(value, str)
             return _bad(str(value).casefold() == self.word) if known else Reading.MISSING
@@ -221,13 +225,16 @@ def _read(said: str, names: Names, *, wanted: bool = False) -> Condition:
 def _alone(said: str, names: Names) -> Condition:
     if said in {OFFLINE, SILENT}:
         return Condition(name="", kind=said)
+    if said == DEVIATES:
+        names.unit(DEVIATION)
+        return Condition(name=DEVIATION, kind=DEVIATES)
     found = _ALONE.fullmatch(said)
     if found is not None and found["silent"]:
         names.unit(found["name"])
         return Condition(name=found["name"], kind=SILENT, unit=_shown(names, found["name"]))
     raise ValueError(
         f"{said!r} is no condition: write battery < 20 %, x outside 1 to 2 m, mode is manual, "
-        "link_age > 5 s, offline or silent"
+        "link_age > 5 s, deviates, offline or silent"
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from fnmatch import translate
+from fnmatch import fnmatchcase, translate
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -42,6 +42,16 @@ class Fleet(msgspec.Struct, frozen=True):
         skills = self.skills.get(robot)
         return () if skills is None else (*skills, READ, RESUME, FILES, *AMONG, GRANT)
 
+    def means(self, said: str, robot: RobotId) -> bool:
+        """Whether ``robots`` would return this one; asked of one, it looks at no other."""
+        if FLEET in (said, robot):
+            return said == robot
+        if said in self.skills:
+            return said == robot
+        if said in self.groups:
+            return robot in self.groups[said] and robot in self.skills
+        return robot in self.skills and fnmatchcase(robot, said)
+
     def robots(self, said: str) -> tuple[RobotId, ...]:
         """Return whom a pattern, a robot's name or a group's plain name means."""
         if said == FLEET:
@@ -66,7 +76,7 @@ def words_given(scope: Scope, robot: RobotId, fleet: Fleet) -> frozenset[str]:
             return frozenset({READ, *verbs} if verbs else ())
         # Whoever may give rights on the whole may give them on each robot.
         return frozenset({READ, GRANT} if GRANT in verbs else ())
-    if robot == FLEET or robot not in fleet.robots(scope.robot):
+    if robot == FLEET or not fleet.means(scope.robot, robot):
         return frozenset()
     found = _matching(scope.skill, fleet.words(robot))
     if scope.skill != GRANT:
@@ -79,7 +89,7 @@ def words_given(scope: Scope, robot: RobotId, fleet: Fleet) -> frozenset[str]:
 
 def words_meant(scope: Scope, robot: RobotId, fleet: Fleet) -> frozenset[str]:
     """Return which words of a robot a scope of care means: a wildcard, only its own skills."""
-    if robot not in fleet.robots(scope.robot):
+    if not fleet.means(scope.robot, robot):
         return frozenset()
     if scope.skill in fleet.words(robot):
         return frozenset({scope.skill})

@@ -130,7 +130,7 @@ class Rights:
         if len(holdings) == 1:  # nearly everybody
             return holdings[0].table.seen if now_ns < holdings[0].until_ns else NOTHING
         live = [h.seen for h in holdings if now_ns < h.until_ns]
-        return live[0] if len(live) == 1 else frozenset().union(*live)
+        return live[0] if len(live) == 1 else self._tables.together(tuple(live))
 
     def ways(
         self, principal: PrincipalId, robot: RobotId, skill: str

@@ -276,6 +276,11 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         """What people read."""
         return self.title or self.id
 
+    @property
+    def benchmarked(self) -> bool:
+        """Whether anything is expected of it."""
+        return any(skill.benchmark is not None for skill in self.skills.values())
+
     def offers(self, sight: Sight) -> bool:
         """Whether people may look at the robot in this way: opt-in, robot by robot."""
         return (self.camera if sight is Sight.PICTURE else self.map) is not None

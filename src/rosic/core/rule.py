@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.alert import Pace
-from rosic.core.alert_rule import Alert
-from rosic.core.condition import OWN, Condition, Names, compile_condition, seconds
+from rosic.core.alert_rule import Alert, Circle
+from rosic.core.benchmark import DEVIATION
+from rosic.core.condition import DEVIATES, OWN, Condition, Names, compile_condition, seconds
 from rosic.core.language import Context, Do, Vocabulary, bind, understand
 from rosic.core.robot import RobotId
 from rosic.errors import Refusal
@@ -17,10 +18,17 @@ if TYPE_CHECKING:
     from rosic.core.language import UnitTable
     from rosic.core.robot import Profile
 
-STOP = "stop"
+STOP, PAUSE, REALLOCATE = "stop", "pause", "reallocate"
+# What a rule may do that is no skill of its robot.
+ACTS = frozenset({STOP, PAUSE, REALLOCATE})
 LONGEST_S = 86_400.0
 ESCALATES_AFTER_S = 10.0
 RUNS_EVERY_S = 10.0
+
+
+OFF_BENCHMARK = Alert(
+    name="off_benchmark", when=DEVIATES, lasting="1 s", say="Off its benchmark", tell=Circle.HOLDER
+)
 
 
 class Rule(msgspec.Struct, frozen=True, kw_only=True):
@@ -36,6 +44,12 @@ class Rule(msgspec.Struct, frozen=True, kw_only=True):
     condition: Condition
     pace: Pace
     run_every_ns: int
+
+    @property
+    def act(self) -> str:
+        """What it does that is no skill of its robot: ``stop``, ``pause``, ``reallocate``."""
+        said = self.alert.run.strip().casefold()
+        return said if said in ACTS else ""
 
     @property
     def key(self) -> str:
@@ -64,6 +78,8 @@ def compile_rule(profile: Profile, alert: Alert, units: UnitTable) -> Rule:
     values = {name: described.unit for name, described in profile.telemetry.items()}
     if clashing := OWN & set(values):
         raise Wrong("when", f"a value may not be called {min(clashing)}, which rules know already")
+    if profile.benchmarked:
+        values[DEVIATION] = ""
     try:
         condition = compile_condition(alert.when, alert.clear, Names(values, units))
     except ValueError as fault:
@@ -97,7 +113,16 @@ def rules_of(profile: Profile, units: UnitTable) -> list[Rule]:
         for name, described in profile.telemetry.items()
         if described.alert_below is not None and name not in about and f"{name}_low" not in names
     ]
+    if profile.benchmarked and not about_deviations(stated):
+        low.append(compile_rule(profile, OFF_BENCHMARK, units))
     return stated + low
+
+
+def about_deviations(rules: list[Rule]) -> bool:
+    """Whether one of them is about benchmarks already, or has taken the name."""
+    return any(
+        rule.condition.name == DEVIATION or rule.alert.name == OFF_BENCHMARK.name for rule in rules
+    )
 
 
 def _low(name: str, limit: float, unit: str) -> Alert:
@@ -128,13 +153,13 @@ def _time(key: str, said: str, units: UnitTable, least_s: float) -> float:
 
 
 def read_run(rule: Rule, vocabulary: Vocabulary) -> Do | None:
-    """Return what a rule runs, understood as if typed; None for a stop.
+    """Return what a rule runs, understood as if typed; None for what every robot can do.
 
     Raises:
         Wrong: It is no single command of this robot, or a value is missing or out of bounds.
     """
     said = rule.alert.run
-    if said.strip().casefold() == STOP:
+    if rule.act:
         return None
     context = Context(rule.robot, frozenset({rule.robot}))
     lines = understand(f"{rule.robot} {said}", vocabulary, context)

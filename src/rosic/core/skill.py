@@ -8,6 +8,8 @@ from typing import TypeAlias
 
 import msgspec
 
+from rosic.core.benchmark import Benchmark
+
 Argument: TypeAlias = float | int | str
 Meaning: TypeAlias = float | tuple[float, ...]
 
@@ -189,6 +191,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         words: Other names people use for it.
         lifetime_s: Instead of the class's.
         cost: How much of a rate limit it takes: of the person's, the robot's, the role's.
+        benchmark: How long it should take, with how much of the battery, how exactly.
     """
 
     id: str = ""
@@ -202,6 +205,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     service: ServiceBinding | None = None
     action: ActionBinding | None = None
     set_parameters: ParametersBinding | None = None
+    benchmark: Benchmark | None = None
 
     def __post_init__(self) -> None:
         bindings = (self.topic, self.service, self.action, self.set_parameters)

@@ -138,7 +138,7 @@ class Tables:
     """Spreads grants out, each kind of grant once. What it remembers changes no answer."""
 
     __slots__ = (
-        "_giving", "_holdings", "_kinds", "_links", "_named", "_rows", "_shared",
+        "_giving", "_holdings", "_kinds", "_links", "_named", "_rows", "_shared", "_together",
         "care", "convert", "fleet", "preempt", "rates", "rulebook",
     )  # fmt: skip
 
@@ -154,6 +154,7 @@ class Tables:
         self._kinds = _kinds(fleet, self.care)
         self._rows: dict[tuple[str, bool, int, tuple[frozenset[str], ...]], dict[str, Right]] = {}
         self._giving: dict[tuple[RobotId, str], tuple[str, ...]] = {}
+        self._together: dict[tuple[frozenset[RobotId], ...], frozenset[RobotId]] = {}
         # Weak: what the last holder gave back is forgotten.
         self._shared: WeakValueDictionary[Grant, Table] = WeakValueDictionary()
         self._holdings: WeakValueDictionary[Grant, Holding] = WeakValueDictionary()
@@ -185,6 +186,15 @@ class Tables:
             if len(self._named) < _MOST_NAMED:
                 self._named[key] = found
         return found
+
+    def together(self, seen: tuple[frozenset[RobotId], ...]) -> frozenset[RobotId]:
+        """Return all robots of some tables; joined once, and not for each message of somebody."""
+        joined = self._together.get(seen)
+        if joined is None:
+            if len(self._together) >= _MOST_TOGETHER:
+                self._together.clear()
+            joined = self._together[seen] = frozenset().union(*seen)
+        return joined
 
     def roles_giving(self, robot: RobotId, skill: str) -> tuple[str, ...]:
         """Return the roles that give a right, the least of them first."""
@@ -316,19 +326,28 @@ class _Edition(msgspec.Struct, frozen=True):
     ends: bool
 
 
+_MOST_TOGETHER = 256
 _MOST_NAMED = 65_536  # scopes of keys come and go; this is a memory, not a record
 
 
 def _kinds(fleet: Fleet, care: dict[RobotId, dict[str, Caution]]) -> dict[RobotId, int]:
-    """Number the robots so that those with the same skills and the same care have one number."""
-    met: list[tuple[dict[str, Skill], dict[str, Caution]]] = []
+    """Number the robots so that those with the same skills and the same care have one number.
+
+    By which topic, service or action a skill is carried out is nothing to rights.
+    """
+    met: dict[str, int] = {}
     kinds = {FLEET: -1}
     for robot, skills in fleet.skills.items():
-        mine = (skills, care.get(robot, {}))
-        if mine not in met:
-            met.append(mine)
-        kinds[robot] = met.index(mine)
+        plain = {name: _unbound(skill) for name, skill in skills.items()}
+        mine = repr((plain, care.get(robot, {})))
+        kinds[robot] = met.setdefault(mine, len(met))
     return kinds
+
+
+def _unbound(skill: Skill) -> Skill:
+    return msgspec.structs.replace(
+        skill, topic=None, service=None, action=None, set_parameters=None
+    )
 
 
 def _bare(scopes: tuple[str, ...]) -> tuple[_Link, ...]:

@@ -36,6 +36,10 @@ NOTHING_VISIBLE = said(
 )
 
 
+NAMED_AT_MOST = 50
+"""A message that names more robots than this is read by nobody, and is sent in many parts."""
+
+
 def help_for_all(examples: Sequence[str]) -> str:
     """Return the general help, with examples from the robots this person may see."""
     return filled(HELP, examples="\n".join(f"  {example}" for example in examples))
@@ -124,43 +128,74 @@ def _values(profile: Profile, values: Mapping[str, float | str]) -> Iterable[str
         if isinstance(value, str):
             yield joined(" ", (name, value))
         elif value is not None:
-            shown = f"{value:.0f}" if described.unit == "%" else f"{value + 0.0:.2f}"
+            shown = f"{value:.0f}" if described.unit == "%" else f"{value:z.2f}"
             text = f"{shown} {described.unit}".rstrip()
             yield joined(" ", (name, measured(text, value, described.unit)))
 
 
 def rests(profiles: Mapping[str, Profile], found: Iterable[Rest]) -> str:
     """Return the answer to a stop, once everything was measured or given up on."""
+    rests = tuple(found)
+    if len(rests) > NAMED_AT_MOST:
+        return joined("", ("STOP: ", joined(" ", _counted(profiles, rests))))
     confirmed: list[str] = []
     missing: list[str] = []
-    for rest in found:
+    for rest in rests:
         shown = profiles[rest.robot].shown
         if rest.confirmed:
             confirmed.append(
                 joined("", (shown, " ", rest.note or said("at rest"), f" ({rest.seconds:.2f} s)."))
             )
         else:
-            missing.append(
-                said("{shown} has not confirmed the stop. Use its own stop button.", shown=shown)
-            )
+            missing.append(_unconfirmed(shown))
     return joined("", ("STOP: ", joined(" ", [*missing, *confirmed])))
+
+
+def _counted(profiles: Mapping[str, Profile], rests: Sequence[Rest]) -> Iterable[str]:
+    """Yield the answer to a stop of more robots than can be named: those that matter by name."""
+    missing = [rest for rest in rests if not rest.confirmed]
+    yield from (_unconfirmed(profiles[rest.robot].shown) for rest in missing[:NAMED_AT_MOST])
+    if len(missing) > NAMED_AT_MOST:
+        yield said(
+            "{count} more have not confirmed the stop. Use their own stop buttons.",
+            count=len(missing) - NAMED_AT_MOST,
+        )
+    if len(missing) < len(rests):
+        yield said(
+            "{count} of {all} robots have confirmed that they are at rest, within {seconds:.2f} s.",
+            count=len(rests) - len(missing),
+            all=len(rests),
+            seconds=max(rest.seconds for rest in rests if rest.confirmed),
+        )
+
+
+def _unconfirmed(shown: str) -> str:
+    return said("{shown} has not confirmed the stop. Use its own stop button.", shown=shown)
+
+
+def _names(shown: Sequence[str]) -> str:
+    if len(shown) > NAMED_AT_MOST:
+        return said("{count} robots", count=len(shown))
+    return ", ".join(shown)
 
 
 def stopping(shown: Sequence[str]) -> str:
     """Return what is said while rest is being measured."""
-    return said("STOP sent to {robots}.", robots=", ".join(shown))
+    return said("STOP sent to {robots}.", robots=_names(shown))
 
 
 def stopped_unseen(shown: Sequence[str]) -> str:
     """Return what a stop is answered with by a run that did not see it end."""
     return said(
         "STOP was sent to {robots}. ROSIC was interrupted before rest was seen; please look.",
-        robots=", ".join(shown),
+        robots=_names(shown),
     )
 
 
 def resumed(shown: Sequence[str]) -> str:
     """Return the answer to a resume."""
+    if len(shown) > NAMED_AT_MOST:
+        return said("{count} robots are ready again.", count=len(shown))
     return joined(" ", (said("{name} is ready again.", name=name) for name in shown))
 
 

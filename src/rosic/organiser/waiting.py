@@ -222,6 +222,10 @@ class WaitingList:
 
     # ---- looking ----
 
+    def wanted(self) -> tuple[RobotId, ...]:
+        """Return the robots that somebody waits for."""
+        return tuple(self._queues)
+
     def queue(self, robot: RobotId) -> tuple[PrincipalId, ...]:
         """Return who waits for a robot, the next one first."""
         return tuple(waiting.principal for waiting in self._queues.get(robot, ()))

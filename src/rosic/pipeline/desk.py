@@ -17,7 +17,7 @@ from rosic.core.saying import joined, said
 from rosic.pipeline.replies import ASK_FIRST
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot import Profile, RobotId
@@ -75,9 +75,7 @@ class Desk:
 
     def _look(self, caller: Caller, chat: Chat, line: Line, visible: frozenset[RobotId]) -> Reply:
         if isinstance(line, Status):
-            return Reply(
-                joined("\n", (self._status(robot) for robot in line.robots or sorted(visible)))
-            )
+            return Reply(self._states(line.robots or sorted(visible)))
         if isinstance(line, Use):
             return self._use(caller, chat, line)
         if isinstance(line, Help) and line.topic:
@@ -87,7 +85,7 @@ class Desk:
             general = words.help_for_all(self._examples(visible))
             lines = (general, *self._beside(caller.principal, visible))
             return Reply(joined("\n", lines), self._robots(visible))
-        return Reply(WHICH, self._robots(visible))
+        return Reply(_which(visible), self._robots(visible))
 
     def _beside(self, principal: PrincipalId, visible: frozenset[RobotId]) -> Iterator[str]:
         """Yield what somebody can ask for beside orders."""
@@ -131,13 +129,13 @@ class Desk:
         visible = self._organiser.visible(asked.caller.principal)
         if not visible:
             return Reply(words.NO_INFORMATION)
-        return Reply(joined("\n", [words.INFORMATION, *map(self._status, sorted(visible))]))
+        return Reply(joined("\n", (words.INFORMATION, self._states(sorted(visible)))))
 
     def menu(self, principal: PrincipalId) -> Reply:
         """Return what somebody may begin with: robots; where there is only one, what it can do."""
         visible = self._organiser.visible(principal)
         if len(visible) != 1:
-            return Reply(WHICH, self._robots(visible)) if visible else Reply("")
+            return Reply(_which(visible), self._robots(visible)) if visible else Reply("")
         [robot] = visible
         skills = self._skills(principal, self._profiles[robot])
         what = said("What should {robot} do?", robot=self._profiles[robot].shown)
@@ -146,6 +144,13 @@ class Desk:
     def members(self, name: str) -> tuple[RobotId, ...]:
         """Return the robots that a choice means: one, a group's, or none."""
         return (name,) if name in self._profiles else self._vocabulary.members(name)
+
+    def _states(self, robots: Sequence[RobotId]) -> str:
+        lines = [self._status(robot) for robot in robots[: words.NAMED_AT_MOST]]
+        if len(robots) > len(lines):
+            more = len(robots) - len(lines)
+            lines.append(said("and {count} more: say status and their names", count=more))
+        return joined("\n", lines)
 
     def _status(self, robot: RobotId) -> str:
         holder = self._organiser.whose(robot)
@@ -185,7 +190,8 @@ class Desk:
         return (*((button,) for button in often), *rows(buttons), *rows(seen), tuple(last))
 
     def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:
-        return rows([Button(self._profiles[r].shown, f"use {r}") for r in sorted(visible)])
+        some = sorted(visible)[: words.NAMED_AT_MOST]
+        return rows([Button(self._profiles[r].shown, f"use {r}") for r in some])
 
     def _examples(self, visible: Iterable[RobotId]) -> list[str]:
         examples: list[str] = []
@@ -201,6 +207,16 @@ class Desk:
                     examples.append(f"{robot} {words.spoken(skill)}")
                     break
         return examples[:EXAMPLES]
+
+
+def _which(visible: frozenset[RobotId]) -> str:
+    if len(visible) <= words.NAMED_AT_MOST:
+        return WHICH
+    return said(
+        "Which robot? Say its name: these are {some} of {all}.",
+        some=words.NAMED_AT_MOST,
+        all=len(visible),
+    )
 
 
 def rows(buttons: list[Button]) -> tuple[tuple[Button, ...], ...]:

@@ -44,8 +44,8 @@ class Watcher(Protocol):
     def began(self, order: Order) -> None:
         """Hear that an order is handed to its robot now."""
 
-    def ended(self, order: Order) -> None:
-        """Hear that it is over."""
+    def ended(self, order: Order, outcome: Outcome) -> None:
+        """Hear that it is over, and how."""
 
 
 class OrderLife:
@@ -248,7 +248,7 @@ class Lives:
         if self.after is not None:
             self.after(life.order.robot)
         if self.watch is not None and life.begun:
-            self.watch.ended(life.order)
+            self.watch.ended(life.order, outcome)
         life.words = life.shown.wording(outcome, self.wall_ns())
         life.card.ending = True
         self._container.conclude(life.order, outcome, life.words, life.concluded)

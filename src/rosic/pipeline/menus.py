@@ -29,6 +29,8 @@ EVERYBODY: Final = (
     ("stop", said("Stop every robot you may see")),
     ("resume", said("Let a stopped robot move again")),
     ("again", said("Do the last thing once more")),
+    ("task", said("Let whichever robot can do something")),
+    ("fleet", said("See all robots and tasks at a glance")),
     ("book", said("Have a robot for a time of your own")),
     ("wish", said("Say when you would like a robot")),
     ("ask", said("Ask for a right that you lack")),

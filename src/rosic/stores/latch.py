@@ -45,12 +45,16 @@ class FileLatch:
 
     Args:
         path: Made, for its owner only, by the first ``read`` or ``write``.
-        robots_max: Room in a new file; an existing one keeps the room it was made with.
+        robots_max: Room in a new file.
+        robots_min: An existing one with less room is made anew with as much, before anything
+            moves; one with more keeps what it has.
     """
 
-    def __init__(self, path: Path, *, robots_max: int = 4096) -> None:
+    def __init__(self, path: Path, *, robots_max: int = 4096, robots_min: int = 0) -> None:
         self._path = path
-        self._robots_max = robots_max
+        self._robots_max = max(robots_max, robots_min)
+        self._robots_min = robots_min
+        self._free: list[int] = []
         self._file: int | None = None
         self._opening = threading.Lock()
         self._places: dict[RobotId, int] = {}
@@ -123,8 +127,7 @@ class FileLatch:
         with self._opening:
             if self._file is None:
                 self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-                if not self._path.exists():
-                    create(self._path, slots.empty_file(self._robots_max))
+                self._make_room()
                 descriptor = os.open(self._path, os.O_RDWR | os.O_CLOEXEC)
                 try:
                     self._learn(descriptor)
@@ -133,6 +136,15 @@ class FileLatch:
                     raise
                 self._file = descriptor
             return self._file
+
+    def _make_room(self) -> None:
+        """See that there is a file, and room in it. A power cut leaves the old one or the new."""
+        if not self._path.exists():
+            create(self._path, slots.empty_file(self._robots_max))
+        elif self._robots_min:
+            content = self._path.read_bytes()
+            if slots.robots_max_of(content) < self._robots_min:
+                create(self._path, slots.enlarged(content, self._robots_min))
 
     def _learn(self, descriptor: int) -> None:
         content = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
@@ -147,6 +159,8 @@ class FileLatch:
                 known = self._states.get(place.robot)
                 if known is None or known.generation <= place.generation:
                     self._states[place.robot] = place
+        taken = set(self._places.values())
+        self._free = [index for index in reversed(range(room)) if index not in taken]
 
     # ---- in the thread ----
 
@@ -176,16 +190,12 @@ class FileLatch:
                     said("The stop holds, but the stop file has no room for it.")
                 )
                 return
-            self._places[state.robot] = self._free_place()
+            self._places[state.robot] = self._free.pop()
         elif state.generation < known.generation:
             return
         self._states[state.robot] = state
         # Stays here until the disk has confirmed it: what failed is written again with the next.
         self._unsure.add(state.robot)
-
-    def _free_place(self) -> int:
-        taken = set(self._places.values())
-        return next(index for index in range(self._robots_max) if index not in taken)
 
     def _overwrite(self, descriptor: int) -> None:
         """Write every state the disk has not confirmed, neighbours together.

@@ -76,6 +76,19 @@ def robots_max_of(content: bytes) -> int:
     return found[1]
 
 
+def enlarged(content: bytes, robots_max: int) -> bytes:
+    """Return a file with more room; every slot is as it was, damaged ones included.
+
+    Raises:
+        Damaged: It is no stop file, or a part of it is missing.
+    """
+    room = robots_max_of(content)
+    more = bytes((robots_max - room) * SLOT_BYTES)
+    names, states = state_offset(0, room), len(content)
+    held = content[SLOT_BYTES:names], content[names:states]
+    return b"".join((header(robots_max), held[0], more, held[1], more))
+
+
 def pack_name(robot: RobotId) -> bytes:
     """Return the slot that says whose place this is."""
     return pack(b"name", robot.encode(), 0, b"")

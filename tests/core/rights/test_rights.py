@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import random
+from typing import TYPE_CHECKING
 
+import msgspec
 import pytest
 
 from rosic.core.asking import Allowed
@@ -12,9 +14,13 @@ from rosic.core.decision import decide
 from rosic.core.reach import FLEET, GRANT, Fleet
 from rosic.core.rights import Rights
 from rosic.core.roles import DEFAULT_ROLES, Care, Grant, Role, Rulebook, chains, loops, priority_of
+from rosic.core.skill import Skill, TopicBinding
 from tests.core.rights import product, worlds
 from tests.core.rights.product import CONVERT, a_skill
 from tests.core.rights.worlds import NOW, SKILLS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 FLEET_HERE = Fleet(
     {
@@ -194,3 +200,48 @@ def test_a_key_reaches_only_what_its_scopes_say() -> None:
     assert held.covers(scopes, FLEET, "invite")
     assert not held.covers(scopes, "kuka1", "home")
     assert not held.covers(scopes, "omni", "read")
+
+
+PATTERNS = ("kuka1", "omni", "kuka*", "*", "k?ka1", "[ko]*", "arms", "fleet", "nobody", "")
+
+
+@pytest.mark.parametrize("said", PATTERNS)
+def test_one_robot_is_meant_by_a_scope_if_it_is_among_all_that_are(said: str) -> None:
+    for robot in ("kuka1", "omni", "other", FLEET):
+        assert FLEET_HERE.means(said, robot) == (robot in FLEET_HERE.robots(said))
+
+
+class Walked(dict[str, dict[str, Skill]]):
+    """Counts how often somebody goes through all robots."""
+
+    times = 0
+
+    def __iter__(self) -> Iterator[str]:
+        self.times += 1
+        return super().__iter__()
+
+
+def bound(name: str, topic: str) -> Skill:
+    return msgspec.structs.replace(
+        a_skill(name, SKILLS[name]), topic=TopicBinding(name=topic, type="std_msgs/msg/Empty")
+    )
+
+
+def test_rights_on_many_robots_are_drawn_up_without_comparing_each_with_each() -> None:
+    skills = Walked({f"r{n}": {"move": bound("move", f"/r{n}/move")} for n in range(300)})
+    book = Rulebook(roles=DEFAULT_ROLES)
+    held = Rights.draw_up(1, book, Fleet(skills), {"p": (Grant(role="operator"),)}, CONVERT)
+    assert skills.times < 20
+    assert held.visible("p", NOW) == set(skills)
+    # What differs only in how it is carried out is the same right.
+    assert held.may("p", "r7", "move") is held.may("p", "r8", "move") is not None
+
+
+def test_what_somebody_sees_by_several_grants_is_joined_once() -> None:
+    held = rights({"p": (Grant(role="viewer", robots=("omni",)), Grant(role="operator", id="g1",
+                   robots=("kuka1",), expires_ns=NOW + 10))})  # fmt: skip
+    assert held.visible("p", NOW) == {"omni", "kuka1"}
+    assert held.visible("p", NOW) is held.visible("p", NOW)
+    assert held.visible("p", NOW + 10) == {"omni"}, "what has ended is not remembered"
+    held = held.with_grants(2, "p", (Grant(role="viewer", robots=("kuka1",)),))
+    assert held.visible("p", NOW) == {"kuka1"}

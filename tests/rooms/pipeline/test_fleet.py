@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rosic.core.fleet.task import State
+from rosic.core.message import ChatKind
 from rosic.core.order import Ending
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, VI
@@ -35,7 +36,7 @@ async def test_a_retired_robot_is_given_nothing_also_after_a_restart_until_it_is
         assert "Task 1 (wave): failed" in told, "nobody else was wanted"
     async with later(store).open() as here:
         here.gateway.rooms.board["w1"].latched = False
-        await here.say("/task warehouse wave")
+        await here.say("/task warehouse wave", message="another")
         assert tasks(here)["2"].robot in {"w2", "w3"}
         assert "/robot add w1" in await here.say("/robot enable w1")
         told = await here.say("/robot add w1")
@@ -65,11 +66,20 @@ async def test_the_view_shows_every_robot_every_task_and_what_is_not_as_it_shoul
         assert "In use 17 % of the time" in told
         assert "w1: one task waits; 0 of 1 robots are free." in told
         lines = told.splitlines()
+        assert lines.pop().startswith("updated 12:00:00")
         assert lines[-3:-1] == [
             "w2: battery 12 %, low · free · heard 0 ms ago",
             "w3: not there · free · heard 0 ms ago",
         ]
         assert lines[-1] == "w1: task 1 (wave) · running · heard 0 ms ago"
+        message, _ = here.last()
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here, 8)
+        now = here.chat.shown(message).text
+        assert "w1: task 2 (move 1 m) · running" in now, "the same message, edited"
+        await here.say("/fleet off")
+        await heard(here, 8)
+        assert "w1:" not in here.chat.shown(message).text
 
 
 async def test_a_shift_is_handed_over_only_when_it_is_accepted_and_rights_are_the_others() -> None:
@@ -148,3 +158,26 @@ async def test_a_broadcast_asks_each_for_itself_and_shows_who_received_it() -> N
         assert shown.count("received by the robot") >= 2
         assert [here.acted(name) for name in ("w1", "w2", "w3")] == [1, 1, 1]
         assert "no robot and no group" in await here.say("/broadcast nowhere wave")
+
+
+async def test_what_somebody_has_said_is_read_by_them_alone() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 move 3 m then wave", account=BO)
+        assert "1: move 3 m; wave · w1 · running" in await here.say("/tasks", account=BO)
+        told = await here.say("/tasks") + await here.say("/fleet")
+        assert "1: Move; Wave · w1 · running" in told
+        assert "task 1 (Move; Wave)" in told
+        assert "3 m" not in told
+        shared = await here.say("/fleet", account=BO, chat="-5", kind=ChatKind.GROUP)
+        assert "task 1 (Move; Wave)" in shared
+        assert "3 m" not in shared
+
+
+async def test_what_somebody_has_said_goes_with_them() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 wave", account=BO)
+        fleet = here.gateway.furnishing.fleet
+        async with here.gateway.access.changes.turn() as turn:
+            await turn.write(fleet.end_all(_id(here, "Bo")))
+        assert fleet.dispatching.letters.get("1") is None
+        assert "what was said for it is erased" in await here.say("/task 1", account=BO)

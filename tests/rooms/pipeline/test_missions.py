@@ -7,6 +7,7 @@ from msgspec.structs import replace
 from rosic.core.fleet.mission import Mission, Part
 from rosic.core.fleet.task import State
 from rosic.core.order import Ending
+from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import BO, VI, Place
 from tests.rooms.pipeline.test_tasks import heard, tasks, warehouse, worker
 
@@ -20,8 +21,8 @@ RESTOCK = Mission(
 )
 
 
-def lab() -> Place:
-    here = warehouse()
+def lab(store: MemoryStore | None = None) -> Place:
+    here = warehouse(store)
     loud = Mission(name="loud", do=(Part(on="w1", steps=("wave",)),))
     here.gateway._settings = replace(here.gateway._settings, missions=(RESTOCK, loud))
     return here
@@ -93,3 +94,41 @@ async def test_nobody_starts_or_ends_what_they_may_not() -> None:
         assert "is Ada's" in await here.say("/mission cancel restock", account=BO)
         assert "I know no mission called dance" in await here.say("/mission start dance")
         assert "w1: wave" in await here.say("/mission loud")
+
+
+async def test_it_begins_by_itself_at_its_time_once_each_time() -> None:
+    store = MemoryStore()
+    async with lab(store).open() as here:
+        told = await here.say("/mission start loud in 2 min")
+        assert "1: loud begins by itself, " in told
+        await heard(here, 60)
+        assert not tasks(here)
+        told = await heard(here, 90)
+        assert "loud is begun as loud-1 · one task" in told
+        assert here.acted("w1") == 1
+        await heard(here, 200)
+        assert len(tasks(here)) == 1
+        assert "That time is over" in await here.say("/mission start loud 2020-01-01 10:00")
+        worker(here, "w1").end(Ending.DONE)
+        await here.say("/mission start loud every day 8:00")
+        assert "loud begins by itself, next " in await here.say("/missions")
+        for _ in range(2):
+            here.clock.jump_wall(86_400)
+            await heard(here, 5)
+        assert len(tasks(here)) <= 2, "what was slept through is left out"
+    here = lab(store)
+    here.clock.jump_wall(2 * 86_400 + 400)
+    async with here.open():
+        assert "loud begins by itself, next " in await here.say("/missions")
+        assert "has planned that" in await here.say("/mission off 1", account=BO)
+        assert "does not begin by itself any more" in await here.say("/mission off 1")
+        assert "begins by itself" not in await here.say("/missions")
+
+
+async def test_what_is_planned_begins_only_while_whoever_planned_it_may() -> None:
+    async with lab().open() as here:
+        await here.say("/mission start loud in 1 min", account=BO)
+        await here.say("/lock Bo")
+        told = await heard(here, 90, account=BO)
+        assert "loud was to begin now, and does not." in told
+        assert here.acted("w1") == 0

@@ -7,14 +7,17 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from rosic.core.fleet.state import TASK
 from rosic.core.fleet.task import State
 from rosic.core.order import Ending, Outcome
+from rosic.core.record import Fact
 from rosic.core.robot import Busy
 from rosic.core.roles import DEFAULT_ROLES, Care, Rulebook
 from rosic.core.view import Pose
+from rosic.errors import StoreFault
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import ADA, BO, FLEET, VI, Place, profile
+from tests.rooms.pipeline.place import ADA, BO, FLEET, VI, BrokenStore, Place, profile
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
     from rosic.core.fleet.task import Task
     from rosic.core.gate import Gate
     from rosic.core.order import Order
+    from rosic.core.record import Record
     from rosic.core.robot import Presence, Profile
 
 WAREHOUSE = tuple(profile(name, groups=("warehouse",)) for name in ("w1", "w2", "w3"))
@@ -246,8 +250,11 @@ async def test_after_a_crash_what_may_have_been_done_is_said_and_not_repeated() 
         crashed = deepcopy(store)
     async with later(crashed).open() as here:
         assert tasks(here)["1"].state is State.UNKNOWN
+        said = "\n".join(told.outbound.text for told in here.chat.told)
+        assert "w1: wave · task 1" in said
+        assert "It may or may not have been carried out" in said
         assert "not known whether it was done" in await here.say("/task 1")
-        assert "Task 1 (wave): done" in await here.say("/task done 1")
+        assert "Task 1 (wave): done" in await here.say("/task done 1", message="another")
         assert [here.acted(name) for name in ("w1", "w2", "w3")] == [0, 0, 0]
         assert tasks(here)["2"].state is State.QUEUED, "w1 is held until somebody has looked"
         await here.say("resume w1")
@@ -264,7 +271,7 @@ async def test_after_an_orderly_end_what_ran_is_paused() -> None:
     async with later(store).open() as here:
         task = tasks(here)["1"]
         assert (task.state, task.done) == (State.PAUSED, 1)
-        await here.say("/task go 1")
+        await here.say("/task go 1", message="another")
         await heard(here)
         assert tasks(here)["1"].state is State.RUNNING
         assert "step 2 of 2" in "\n".join(t.outbound.text for t in here.chat.told)
@@ -293,3 +300,77 @@ async def test_what_wants_a_tap_is_not_given_as_a_task() -> None:
         assert "w1 does this only when somebody confirms it: Wave. Say it as a command." in told
         await here.say("/task warehouse wave")
         assert tasks(here)["1"].among == ("w2", "w3")
+
+
+async def test_the_same_message_has_its_effect_once_whatever_crashes_between() -> None:
+    store = MemoryStore()
+    async with warehouse(store).open() as here:
+        await here.say("/task w1 wave", message="m1")
+        assert list(tasks(here)) == ["1"]
+        crashed = deepcopy(store)
+    async with later(crashed).open() as here:
+        sent_ns = here.clock.wall_ns()
+        await here.say("/task w1 wave", message="m1", sent_ns=sent_ns)
+        assert list(tasks(here)) == ["1"]
+        await here.say("/task go 1", message="m2")
+        await here.say("resume w1")
+        await heard(here, 2)
+        assert here.acted("w1") == 1
+        crashed = deepcopy(crashed)
+    async with later(crashed).open() as here:
+        here.clock.jump_wall(HOUR_S)
+        await here.say("resume w1")
+        await here.say("/task go 1", message="m2")
+        await heard(here, 2)
+        assert here.acted("w1") == 0, "that message was followed before the crash"
+
+
+class ForgetsTasks(BrokenStore):
+    """Writes everything but tasks, once it is asked to."""
+
+    tasks = True
+
+    async def write(self, *records: Record) -> None:
+        forgets = any(isinstance(r, Fact) and r.kind == TASK for r in records)
+        if forgets and not self.tasks:
+            raise StoreFault("the disk is full")
+        await super().write(*records)
+
+
+async def test_nothing_moves_that_could_not_be_written_down() -> None:
+    store = ForgetsTasks()
+    async with Warehouse(store, fleet=WAREHOUSE).open() as here:
+        store.tasks = False
+        assert "nothing was changed" in await here.say("/task w1 wave")
+        assert not tasks(here)
+        store.tasks = True
+        here.gateway.rooms.board["w1"].latched = True
+        await here.say("/task w1 wave")
+        here.gateway.rooms.board["w1"].latched = False
+        store.tasks = False
+        await heard(here, 5)
+        assert here.acted("w1") == 0
+        assert tasks(here)["1"].state is State.QUEUED
+        store.tasks = True
+        await heard(here, 5)
+        assert here.acted("w1") == 1
+
+
+async def test_a_task_whose_words_are_erased_is_carried_out_by_nobody() -> None:
+    async with warehouse().open() as here:
+        here.gateway.rooms.board["w1"].latched = True
+        await here.say("/task w1 wave")
+        here.gateway.furnishing.fleet.dispatching.letters._said.clear()
+        here.gateway.rooms.board["w1"].latched = False
+        await heard(here, 3)
+        assert tasks(here)["1"].state is State.CANCELLED
+        assert here.acted("w1") == 0
+
+
+async def test_a_robot_that_deviates_may_be_told_to_give_its_task_away() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task warehouse wave")
+        assert await here.gateway.furnishing.fleet.reallocate("w1")
+        await heard(here, 2)
+        assert tasks(here)["1"].robot in {"w2", "w3"}
+        assert not await here.gateway.furnishing.fleet.reallocate("w1")

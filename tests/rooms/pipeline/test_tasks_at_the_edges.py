@@ -60,7 +60,7 @@ async def test_two_people_at_once_give_two_tasks() -> None:
         store.ready.set()
         await heard(here)
         telling = here.gateway.furnishing.fleet.telling
-        said = {task.among: telling.what(task) for task in tasks(here).values()}
+        said = {task.among: telling.what(task, task.author) for task in tasks(here).values()}
         assert said == {("w1",): "wave", ("w2",): "move 1 m"}
 
 
@@ -147,12 +147,12 @@ async def test_whoever_is_erased_leaves_no_words_and_no_robot_moves_for_them() -
         await here.say("/shared w1 follow", account=BO, chat=BO)
         post = here.gateway.among.circle.around.post
         assert list(post.chats("w1", "road"))
-        assert "2: move 1 m" in await here.say("/tasks")
+        assert "2: move 1 m" in await here.say("/tasks", account=BO, chat=BO)
         await here.say("/forget me confirmed", account=BO, chat=BO)
         await heard(here, 15)
         assert {task.state for task in tasks(here).values()} == {State.CANCELLED}
         telling = here.gateway.furnishing.fleet.telling
-        assert {telling.what(task) for task in tasks(here).values()} == {ERASED}
+        assert {telling.what(task, task.author) for task in tasks(here).values()} == {ERASED}
         assert not [fact for fact in await store.facts("shared-ear", "", 9) if fact.body]
         await here.say("resume w1")
         await heard(here)

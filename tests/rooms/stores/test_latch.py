@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from typing import TYPE_CHECKING
 
@@ -180,6 +181,37 @@ async def test_room_is_bounded_and_said(tmp_path: Path) -> None:
     await latch.close()
     # An existing file keeps the room it was made with.
     assert len(FileLatch(tmp_path / "latch", robots_max=100).read()) == 3
+
+
+async def test_more_robots_than_a_file_has_room_for_get_a_larger_one(tmp_path: Path) -> None:
+    path = tmp_path / "latch"
+    latch = await a_latch(path)
+    await latch.write("omni", 4, latched=True)
+    await latch.close()
+    damage(path, lambda content: content.__setitem__(STATE + 41, content[STATE + 41] ^ 1))
+    before = FileLatch(path).read()
+
+    latch = FileLatch(path, robots_min=5_000)
+    assert latch.read() == before == {"omni": (4, True), "kuka1": (5, True)}
+    assert path.stat().st_size == len(slots.empty_file(5_000))
+    assert path.stat().st_mode & 0o777 == 0o600
+    for number in range(20):
+        await latch.write(f"robot{number}", 1, latched=True)
+    await latch.close()
+
+    latch = FileLatch(path, robots_min=10)
+    assert latch.read() == before | {f"robot{number}": (1, True) for number in range(20)}
+    assert path.stat().st_size == len(slots.empty_file(5_000)), "never smaller"
+    await latch.close()
+
+
+async def test_thousands_of_robots_are_stopped_at_once_and_stay_so(tmp_path: Path) -> None:
+    robots = [f"robot{number}" for number in range(5_000)]
+    latch = FileLatch(tmp_path / "latch", robots_min=len(robots))
+    latch.read()
+    await asyncio.gather(*(latch.write(robot, 1, latched=True) for robot in robots))
+    await latch.close()
+    assert FileLatch(tmp_path / "latch").read() == dict.fromkeys(robots, (1, True))
 
 
 async def test_a_failed_write_is_said_and_made_good_by_the_next(tmp_path: Path) -> None:

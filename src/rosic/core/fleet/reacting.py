@@ -252,7 +252,8 @@ def _found(fleet: FleetState, task: Task, event: e.Found, now_ns: int) -> e.Step
     """Settle a task that had a robot when the last run ended. No robot begins because of it."""
     if task.state not in HELD:
         return e.NOTHING
-    if event.end in {None, e.End.UNKNOWN, e.End.SENT}:
+    counted = task.done > task.asked  # told, and on disk, before the run ended
+    if event.end in {None, e.End.UNKNOWN, e.End.SENT} and not counted:
         return _doubted(task, Why.RESTARTED, now_ns)
     if event.end in {e.End.BUSY, e.End.REFUSED} and not task.leaving:
         after = _free(task, State.QUEUED, now_ns)  # nothing was claimed: it waits as before

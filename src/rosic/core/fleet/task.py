@@ -83,6 +83,7 @@ class Task(msgspec.Struct, frozen=True, kw_only=True):
         among: Robots that can carry it out, in the order in which they were named.
         wanted: A robot's id, a group's name, or empty for any that can.
         steps: How many there are; each is one order.
+        skills: Of the steps, for those who may not read what was said.
         priority: 0 to 9; higher goes first.
         given_ns: Wall clock.
         until_ns: Wall clock; not begun later. 0 never passes.
@@ -107,6 +108,7 @@ class Task(msgspec.Struct, frozen=True, kw_only=True):
     among: tuple[RobotId, ...]
     wanted: str = ""
     steps: int = 1
+    skills: tuple[str, ...] = ()
     priority: int = 1
     given_ns: int = 0
     until_ns: int = 0

@@ -8,13 +8,13 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 # name.
 ERRANDS = frozenset(
     {
-        "again", "alerts", "approve", "archive", "ask", "assist", "authenticator", "book",
-        "broadcast", "cancel", "card", "channel", "chart", "clip", "code", "data", "decline", "end",
-        "files", "fleet", "forget", "grant", "handover", "information", "invite", "language",
-        "lock", "map", "me", "mission", "missions", "mute", "mydata", "path", "people", "picture",
-        "plan", "quiet", "revoke", "robot", "role", "security", "seen", "settings", "share",
-        "shared", "shelf", "slots", "strategy", "take", "task", "tasks", "together", "topic",
-        "trajectory", "unlock", "unmute", "wait", "wish",
+        "again", "alerts", "approve", "archive", "ask", "assist", "authenticator", "benchmark",
+        "book", "broadcast", "cancel", "card", "channel", "chart", "clip", "code", "data",
+        "decline", "end", "files", "fleet", "forget", "grant", "handover", "information",
+        "invite", "language", "lock", "map", "me", "mission", "missions", "mute", "mydata",
+        "path", "people", "picture", "plan", "quiet", "revoke", "robot", "role", "security",
+        "seen", "settings", "share", "shared", "shelf", "slots", "strategy", "take", "task",
+        "tasks", "together", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
     }
 )  # fmt: skip
 

@@ -20,9 +20,10 @@ from rosic.pipeline.alerts.book import Alarm
 from rosic.pipeline.alerts.following import Following
 from rosic.pipeline.alerts.placed import Occurrence, Placed
 from rosic.pipeline.reach import Notice
+from rosic.pipeline.rounds import go_round
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.core.identity import PrincipalId
@@ -54,6 +55,7 @@ class Alerting:
         book: What the record keeps.
         circles: Who is around a robot.
         following: The rules, by robot.
+        judged: Adds to what a robot reports how it does against its benchmarks.
         placed: Which messages tell of which alarm.
     """
 
@@ -65,6 +67,7 @@ class Alerting:
         self.circles = circles
         self.following: dict[RobotId, list[Following]] = {}
         self.placed = Placed()
+        self.judged: Callable[[RobotId, Presence], Presence] | None = None
         self._lines: dict[str, Do | None] = {}
         self._running: Running | None = None
         self._rooms = rooms
@@ -99,9 +102,7 @@ class Alerting:
 
     async def run(self) -> None:
         """Look until cancelled. What fails is logged, and looked at again."""
-        while self.following:
-            self.look()
-            await self._clock.sleep(EVERY_S)
+        await go_round(self._clock, EVERY_S, self.following, self.look)
 
     async def close(self) -> None:
         """Write down what is open, within bounds; what is being asked of a robot is given up."""
@@ -111,12 +112,14 @@ class Alerting:
             await asyncio.wait((self._writing,), timeout=WRITTEN_WITHIN_S)
             self._writing.cancel()
 
-    def look(self) -> None:
-        """Look once at every robot that has rules."""
-        for robot, row in self.following.items():
+    def look(self, robots: Iterable[RobotId]) -> None:
+        """Look once at these robots, which have rules."""
+        for robot in robots:
             try:
                 presence = self._rooms.linker.presence(robot)
-                for following in row:
+                if self.judged is not None:
+                    presence = self.judged(robot, presence)
+                for following in self.following[robot]:
                     self._feed(following, presence)
             except Exception:
                 log.exception("the rules of %s could not be followed", robot)
@@ -256,7 +259,7 @@ class Alerting:
             self.tell(rule, alarm.told, words.not_run(rule, self.shown(rule), words.fault()))
         else:
             if self._lines[rule.key] is None:
-                self.tell(rule, alarm.told, words.stopped(rule, self.shown(rule)))
+                self.tell(rule, alarm.told, words.acted(rule, self.shown(rule)))
 
 
 def _is_urgent(rule: Rule) -> bool:

@@ -6,12 +6,13 @@ for nobody and confirms nothing: what would want a person's tap is not done, and
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from rosic.container.letters import ReplyTo
 from rosic.core.identity import command_id
 from rosic.core.order import Request
 from rosic.core.record import Decided
+from rosic.core.rule import PAUSE, REALLOCATE
 from rosic.errors import NotPermitted, RobotBusy, TakeOver, TooManyRequests
 from rosic.organiser.grounds import NOTHING, Grounds
 from rosic.organiser.words_calendar import length
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from rosic.core.language import Do
     from rosic.core.life import Face
     from rosic.core.order import Permit
+    from rosic.core.robot import RobotId
     from rosic.core.rule import Rule
     from rosic.pipeline.alerts.book import Book
     from rosic.pipeline.changes import Changes
@@ -49,6 +51,26 @@ class Hands(NamedTuple):
     face: Face
 
 
+class Tasks(Protocol):
+    """Whoever keeps the tasks of a fleet. A refusal says that nothing was changed."""
+
+    async def pause(self, robot: RobotId, by: PrincipalId, why: str) -> bool:
+        """Pause the task of a robot; it comes to rest. False: it has none.
+
+        Raises:
+            Refusal: Why not.
+        """
+        ...
+
+    async def reallocate(self, robot: RobotId, by: PrincipalId, why: str) -> None:
+        """Give the task of a robot to another, which was stopped first.
+
+        Raises:
+            Refusal: It has none, or nobody else can.
+        """
+        ...
+
+
 class ByRule:
     """Who asks when a rule does: its author, who has shown and confirmed nothing.
 
@@ -69,11 +91,13 @@ class Running:
 
     Attributes:
         author_of: Returns who is called so in the configuration; None: nobody.
+        tasks: Keeps the tasks of a fleet; None: there are none.
     """
 
     def __init__(
         self, rooms: Rooms, hands: Hands, changes: Changes, clock: Clock, book: Book
     ) -> None:
+        self.tasks: Tasks | None = None
         self.author_of: Callable[[str], PrincipalId | None] = _nobody
         self._rooms = rooms
         self._hands = hands
@@ -87,7 +111,7 @@ class Running:
 
         Args:
             rule: Which.
-            line: What it runs, understood; None is a stop.
+            line: What it runs, understood; None: what every robot can do (`Rule.act`).
             alarm_ns: When the alarm was raised: with the rule, the identity of what is done.
 
         Raises:
@@ -95,7 +119,7 @@ class Running:
         """
         author = self._author(rule)
         if line is None:
-            await self._stop(rule, author)
+            await self._act(rule, author)
             return
         self._check_pace(rule, alarm_ns)
         caller = self._rooms.authoriser.stand_for(author)
@@ -135,13 +159,33 @@ class Running:
             every_s = rule.run_every_ns // 1_000_000_000
             raise TooManyRequests(words.too_soon(length(every_s)), retry_after_s=float(every_s))
 
-    async def _stop(self, rule: Rule, author: PrincipalId) -> None:
+    async def _act(self, rule: Rule, author: PrincipalId) -> None:
+        """Stop, pause or reallocate: whoever may see a robot may stop it, and pausing is less."""
         if rule.robot not in self._rooms.organiser.visible(author):
             raise NotPermitted(words.no_author(rule.alert.author))
-        self._hands.stop_lane.stop_robots((rule.robot,), author)
+        if rule.act == REALLOCATE:
+            await self._reallocate(rule, author)
+        elif rule.act == PAUSE:
+            await self._pause(rule, author)
+        else:
+            self._hands.stop_lane.stop_robots((rule.robot,), author)
         decided = Decided(act="alarm-run", by=author, about=rule.key, at_ns=self._clock.wall_ns())
         async with self._changes.turn() as turn:
             await turn.act((decided,))
+
+    async def _pause(self, rule: Rule, author: PrincipalId) -> None:
+        """Let a robot come to rest without latching anything; its task waits, if it has one."""
+        why = words.paused(rule)
+        if self.tasks is None or not await self.tasks.pause(rule.robot, author, why):
+            await self._hands.lives.cut(rule.robot, why)
+
+    async def _reallocate(self, rule: Rule, author: PrincipalId) -> None:
+        if self.tasks is None:
+            raise NotPermitted(words.no_tasks(self._rooms.profiles[rule.robot].shown))
+        refusal = self._rooms.organiser.why_not_move(author, rule.robot)
+        if refusal is not None:
+            raise refusal
+        await self.tasks.reallocate(rule.robot, author, words.paused(rule))
 
     async def _admitted(
         self, rule: Rule, line: Do, caller: Caller, cid: CommandId

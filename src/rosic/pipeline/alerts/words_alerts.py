@@ -6,8 +6,10 @@ from math import floor
 from typing import TYPE_CHECKING
 
 from rosic.core.alert_rule import Severity
+from rosic.core.benchmark import DEVIATION, Kind
 from rosic.core.language import clean
 from rosic.core.message import Button
+from rosic.core.rule import PAUSE, REALLOCATE
 from rosic.core.saying import joined, said
 from rosic.organiser.words_calendar import length
 
@@ -31,11 +33,22 @@ def value(condition: Condition, found: float | str | None) -> str:
     """Return a value as people read it: ``battery 18 %``; empty where there is none."""
     if found is None or not condition.name:
         return ""
+    if condition.name == DEVIATION:
+        return deviation(str(found))
     if isinstance(found, str):
         return f"{condition.name} {clean(found)[:80]}"
     # Rounded down: what is below a fifth is never shown as a fifth.
     number = f"{floor(found * 10) / 10:g}" if condition.unit == "%" else f"{found:.2f}"
     return f"{condition.name.replace('_', ' ')} {number} {condition.unit}".rstrip()
+
+
+def deviation(kind: str) -> str:
+    """Return in which way a robot is not as expected."""
+    return {
+        Kind.LATE.value: said("it takes too long"),
+        Kind.ENERGY.value: said("it took more of the battery than expected"),
+        Kind.ERROR.value: said("it was less exact than expected"),
+    }.get(kind, said("as expected"))
 
 
 def raised(rule: Rule, shown: str, now: str, *, again: bool) -> str:
@@ -188,14 +201,31 @@ def not_run(rule: Rule, shown: str, why: str) -> str:
     )  # fmt: skip
 
 
-def stopped(rule: Rule, shown: str) -> str:
-    """Return that a rule has stopped its robot."""
+def acted(rule: Rule, shown: str) -> str:
+    """Return what a rule has done that is no skill of its robot."""
+    if rule.act == PAUSE:
+        return said("{robot} was paused by the rule {rule}.", robot=shown, rule=rule.alert.name)
+    if rule.act == REALLOCATE:
+        return said(
+            "The rule {rule} gave the task of {robot} to another.",
+            robot=shown, rule=rule.alert.name,
+        )  # fmt: skip
     return said("{robot} was stopped by the rule {rule}.", robot=shown, rule=rule.alert.name)
 
 
 def reason(rule: Rule) -> str:
     """Return why somebody's time with a robot ends, as it stands in the outcome."""
     return said("the rule {rule} took it over", rule=rule.alert.name)
+
+
+def paused(rule: Rule) -> str:
+    """Return why what a robot did was cut short, as it stands in the outcome."""
+    return said("the rule {rule} paused it", rule=rule.alert.name)
+
+
+def no_tasks(shown: str) -> str:
+    """Return that there is no other robot to give a task to."""
+    return said("{robot} has no task that another robot could take.", robot=shown)
 
 
 def not_at_rest(shown: str) -> str:

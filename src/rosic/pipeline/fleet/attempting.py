@@ -139,7 +139,7 @@ class Attempting:
         rooms = self._rooms
         caller = self.check_author(task.author)
         line = step_for(rooms, doing.robot, said.lines[doing.step])
-        request = self._request(doing, line, attempt_id(task, doing.attempt))
+        request = self._request(doing, line, said, attempt_id(task, doing.attempt))
         complete = rooms.container.complete
         permits = rooms.organiser.admit(
             caller, [request], lambda one: complete(one).arguments, lambda: NOTHING
@@ -157,12 +157,13 @@ class Attempting:
             return None
         return Attempt(doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits))
 
-    def _request(self, doing: Begin, line: Do, cid: CommandId) -> Request:
+    def _request(self, doing: Begin, line: Do, said: Said, cid: CommandId) -> Request:
         [skill] = line.skills
         deadline_ns = self._clock.monotonic_ns() + skill.order_lifetime_ns
         return Request(
-            cid, doing.robot, skill, line.spoken, line.text, self._clock.wall_ns(), 0, deadline_ns
-        )
+            cid, doing.robot, skill, line.spoken, said.lines[doing.step], self._clock.wall_ns(), 0,
+            deadline_ns,
+        )  # fmt: skip
 
     def _where(self, task: Task, said: Said) -> tuple[Messenger, Chat]:
         """Return where the order is shown: where the task was given, or else in private."""

@@ -39,13 +39,17 @@ ASSIGN: Final = "assign"
 
 
 class TaskClerk:
-    """The clerk of tasks."""
+    """The clerk of tasks.
+
+    Attributes:
+        dispatching: Where they change.
+    """
 
     def __init__(
         self, rooms: Rooms, dispatching: Dispatching, telling: Telling, zone: Zone
     ) -> None:
         self._rooms = rooms
-        self._dispatching = dispatching
+        self.dispatching = dispatching
         self._telling = telling
         self._zone = zone
         self._acts = {"pause": self._pause, "cancel": self._cancel, "go": self._go,
@@ -64,11 +68,11 @@ class TaskClerk:
 
     def _list(self, who: PrincipalId) -> str:
         visible = self._rooms.organiser.visible(who)
-        found = [t for t in self._dispatching.fleet.open() if self._sees(who, t, visible)]
+        found = [t for t in self.dispatching.fleet.open() if self._sees(who, t, visible)]
         found.sort(key=lambda task: (task.state not in HELD, -task.priority))
         if not found:
             return words.NONE_OPEN
-        lines = [self.line(task) for task in found[:SHOWN_AT_MOST]]
+        lines = [self.line(task, who) for task in found[:SHOWN_AT_MOST]]
         if len(found) > SHOWN_AT_MOST:
             lines.append(words.and_more(len(found) - SHOWN_AT_MOST))
         return joined("\n", lines)
@@ -76,12 +80,12 @@ class TaskClerk:
     def _sees(self, who: PrincipalId, task: Task, visible: frozenset[RobotId]) -> bool:
         return task.author == who or not visible.isdisjoint(task.among)
 
-    def line(self, task: Task) -> str:
-        """Return one task in a list."""
+    def line(self, task: Task, who: PrincipalId) -> str:
+        """Return one task in a list, as somebody may read it."""
         shown = self._telling.shown(task.robot) if task.robot else ""
-        waits = task.state is State.QUEUED and not self._dispatching.fleet.ready(task)
+        waits = task.state is State.QUEUED and not self.dispatching.fleet.ready(task)
         why = words.waits_for(task.after) if waits else ""
-        return words.line(task, self._telling.what(task), shown or task.wanted, why)
+        return words.line(task, self._telling.what(task, who), shown or task.wanted, why)
 
     # ---- giving ----
 
@@ -103,12 +107,12 @@ class TaskClerk:
             return Reply(joined("\n", (words.HOW_TO, self._list(asked.caller.principal))))
         if first.isdecimal() and not rest:
             task = self._named(asked, first)
-            return Reply(self.line(task), words.choices(task))
+            return Reply(self.line(task, asked.caller.principal), words.choices(task))
         return await self._give(asked)
 
     async def _give(self, asked: Asked) -> Reply:
         check_errand_fresh(asked.inbound, f"/task {asked.rest}")
-        [(task, said)] = await self._dispatching.give(lambda: self._made(asked))
+        [(task, said)] = await self.dispatching.give(asked.cid, lambda: self._made(asked))
         names = [self._telling.shown(robot) for robot in task.among]
         return Reply(words.given(task, said.shown, words.one_of(names)))
 
@@ -118,7 +122,7 @@ class TaskClerk:
         Raises:
             Refusal: As `task`.
         """
-        fleet, who = self._dispatching.fleet, asked.caller.principal
+        fleet, who = self.dispatching.fleet, asked.caller.principal
         check_room(fleet, who, 1)
         now_ns = self._rooms.organiser.wall_ns()
         wish = read_wish(asked.rest, now_ns, self._zone)
@@ -133,6 +137,7 @@ class TaskClerk:
             among=found.robots,
             wanted=wanted,
             steps=len(lines),
+            skills=found.skills,
             priority=wish.priority,
             given_ns=now_ns,
             until_ns=wish.until_ns,
@@ -179,7 +184,7 @@ class TaskClerk:
 
     def _named(self, asked: Asked, number: str) -> Task:
         who = asked.caller.principal
-        task = self._dispatching.fleet.tasks.get(number)
+        task = self.dispatching.fleet.tasks.get(number)
         if task is None or not self._sees(who, task, self._rooms.organiser.visible(who)):
             raise NotUnderstood(words.no_such_task(number))
         return task
@@ -198,13 +203,14 @@ class TaskClerk:
 
     async def _act(self, asked: Asked, task: Task, event: e.Event, act: str) -> Reply:
         self.check_theirs(asked, task)
+        await self.dispatching.first_time(asked.cid)
         decided = Decided(
             act=f"task-{act}", by=asked.caller.principal, about=task.id,
             at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
         )  # fmt: skip
-        if not await self._dispatching.feed(event, decided):
-            raise NotUnderstood(words.does_not_fit(self._dispatching.fleet.tasks[task.id]))
-        now = self._dispatching.fleet.tasks[task.id]
+        if not await self.dispatching.feed(event, decided):
+            raise NotUnderstood(words.does_not_fit(self.dispatching.fleet.tasks[task.id]))
+        now = self.dispatching.fleet.tasks[task.id]
         if now.leaving:
             return Reply(words.being_held(now, self._telling.shown(now.robot)))
         return Reply(words.now_is(now))

@@ -18,15 +18,16 @@ from rosic.core.order import Ending
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
 from rosic.pipeline.fleet.attempting import Asker, attempt_id, end_after, end_of
 from rosic.pipeline.fleet.letters import Letters
+from rosic.pipeline.fleet.origins import Origins
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Iterable
 
     from rosic.contracts.clock import Clock
     from rosic.core.fleet.task import Task, TaskId
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.order import Order, Outcome
-    from rosic.core.record import Decided, Fact, Record
+    from rosic.core.record import Decided, Record
     from rosic.core.robot import RobotId
     from rosic.pipeline.changes import Changes
     from rosic.pipeline.fleet.attempting import Attempt, Attempting
@@ -50,6 +51,7 @@ class Dispatching:
     Attributes:
         fleet: As it is.
         letters: What was said for each task.
+        origins: Which messages have had their effect.
         begun: The newest attempt of each task that has a robot.
         why: What a robot or a room said last about a task that did not go on.
         rested: Whether the robot that a task left last was seen at rest.
@@ -65,6 +67,7 @@ class Dispatching:
     ) -> None:  # fmt: skip
         self.fleet = FleetState()
         self.letters = Letters()
+        self.origins = Origins()
         self.begun: dict[TaskId, Attempt] = {}
         self.why: dict[TaskId, str] = {}
         self.rested: dict[TaskId, bool] = {}
@@ -113,22 +116,26 @@ class Dispatching:
         self.changed()
         return True
 
-    async def give(self, make: Callable[[], Given]) -> list[tuple[Task, Said]]:
+    async def give(self, cid: CommandId, make: Callable[[], Given]) -> list[tuple[Task, Said]]:
         """Take tasks in: all of them or none. What need not be known any more is let go.
 
         Args:
+            cid: Of the line that gives them.
             make: Returns the tasks, and what is decided with them. Called once nothing else can
                 change meanwhile, so that no two tasks have one number.
 
         Raises:
+            Repeated: The message had its effect already.
             Refusal: From `make`; nothing was taken in.
             RecordUnavailable: Nothing was taken in.
         """
         now_ns = self._clock.wall_ns()
         async with self._changes.turn() as turn:
+            self.origins.check(cid)
             given, decided = make()
             stale = self.fleet.stale()
             facts = [*self.fleet.forgotten(stale), *self.letters.forgotten(stale)]
+            facts += self.origins.facts(cid, now_ns)
             for task, said in given:
                 facts.append(self.letters.fact(task.id, task.author, said))
                 facts += self.fleet.facts(react(self.fleet, e.Given(task), now_ns))
@@ -139,16 +146,22 @@ class Dispatching:
         self.changed()
         return given
 
-    def end_all(self, author: PrincipalId) -> tuple[Fact, ...]:
-        """Return what is to be written so that nothing somebody has said is known any more."""
-        theirs = [task.id for task in self.fleet.tasks.values() if task.author == author]
-        return self.letters.forgotten(theirs)
-
     async def ended(self, author: PrincipalId) -> None:
         """Cancel everything that somebody wants: they are nobody any more."""
         for task in [task for task in self.fleet.open() if task.author == author]:
             self.why.pop(task.id, None)
             await self._feed(e.Held(task.id, Why.CANCELLED))
+
+    async def first_time(self, cid: CommandId) -> None:
+        """See that a message has its effect once, whatever crashes after this.
+
+        Raises:
+            Repeated: It had.
+            RecordUnavailable: Nothing may follow from it now.
+        """
+        async with self._changes.turn() as turn:
+            self.origins.check(cid)
+            await turn.write(tuple(self.origins.facts(cid, self._clock.wall_ns())))
 
     def _do(self, doings: Iterable[e.Doing]) -> None:
         for doing in doings:

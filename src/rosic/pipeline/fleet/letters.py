@@ -52,6 +52,7 @@ class Letters:
 
     def __init__(self) -> None:
         self._said: dict[TaskId, Said] = {}
+        self._whose: dict[TaskId, PrincipalId] = {}
 
     def get(self, task: TaskId) -> Said | None:
         """Return what was said; None if its author's container was erased."""
@@ -65,6 +66,10 @@ class Letters:
         """Return what lets it go."""
         return tuple(Fact(kind=KIND, key=task, body=b"") for task in tasks)
 
+    def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        """Return what lets go everything that somebody has said."""
+        return self.forgotten(task for task, who in self._whose.items() if who == principal)
+
     def restore(self, facts: Iterable[Fact]) -> None:
         """Take over what earlier runs wrote."""
         for fact in facts:
@@ -73,9 +78,11 @@ class Letters:
     def apply(self, fact: Fact) -> None:
         """Let a fact be so; one that nobody can read any more is as good as none."""
         self._said.pop(fact.key, None)
+        self._whose.pop(fact.key, None)
         if not fact.body or fact.letter is None:
             return
         try:
             self._said[fact.key] = _said(fact.letter.content)
+            self._whose[fact.key] = fact.letter.container
         except msgspec.MsgspecError:
             log.warning("what was said for a task cannot be read")

@@ -8,27 +8,38 @@ from rosic.core.condition import seconds
 from rosic.core.fleet import events as e
 from rosic.core.fleet.mission import Mission, lay_out
 from rosic.core.fleet.task import OVER, RESTING, Need, State, Task, Why
+from rosic.core.language.lines import Misunderstood
 from rosic.core.language.suggestions import did_you_mean
-from rosic.core.record import Decided
+from rosic.core.language.when import read_when
+from rosic.core.reach import FLEET
+from rosic.core.record import Decided, Fact
 from rosic.core.saying import joined
-from rosic.errors import NotUnderstood
+from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_missions as words
-from rosic.pipeline.fleet.clerks import ANY, check_room
+from rosic.pipeline.fleet.clerks import ANY, ASSIGN, check_room
 from rosic.pipeline.fleet.letters import Said
 from rosic.pipeline.fleet.reading import able
+from rosic.pipeline.fleet.timetable import KIND as TIMES
+from rosic.pipeline.fleet.timetable import PLANS_AT_MOST, Plan, Where
 from rosic.pipeline.freshness import check_errand_fresh
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Awaitable, Callable, Iterable
+    from typing import TypeAlias
 
     from rosic.core.fleet.mission import Leaf
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.robot import RobotId
+    from rosic.organiser.zones import Zone
+    from rosic.pipeline.changes import Changes
     from rosic.pipeline.fleet.clerks import TaskClerk
-    from rosic.pipeline.fleet.dispatching import Dispatching, Given
+    from rosic.pipeline.fleet.dispatching import Given
+    from rosic.pipeline.fleet.timetable import Timetable
     from rosic.pipeline.office import Asked, Office
     from rosic.pipeline.rooms import Rooms
+
+    Starter: TypeAlias = Callable[[Plan, Where, CommandId], Awaitable[str]]
 
 NUMBERED: Final = "-"
 """Between the name of a mission and the number of its first task: it may run more than once."""
@@ -41,10 +52,14 @@ class MissionClerk:
     """The clerk of missions."""
 
     def __init__(
-        self, rooms: Rooms, dispatching: Dispatching, tasks: TaskClerk, missions: Iterable[Mission]
-    ) -> None:
+        self, rooms: Rooms, changes: Changes, tasks: TaskClerk, missions: Iterable[Mission],
+        timetable: Timetable, zone: Zone,
+    ) -> None:  # fmt: skip
         self._rooms = rooms
-        self._dispatching = dispatching
+        self._dispatching = tasks.dispatching
+        self._changes = changes
+        self._timetable = timetable
+        self._zone = zone
         self._tasks = tasks
         self._missions = {mission.name: mission for mission in missions}
 
@@ -56,6 +71,7 @@ class MissionClerk:
     async def missions(self, asked: Asked) -> Reply:
         """List what there is, and what runs."""
         runs = [self._run_line(run) for run in self._open_runs(asked.caller.principal)]
+        runs += self._times(asked.caller.principal)
         known = [words.known(mission.name, mission.title) for mission in self._missions.values()]
         if not known and not runs:
             return Reply(words.NONE)
@@ -76,7 +92,9 @@ class MissionClerk:
         if name and (verb == "start" or ACTS.get(verb, Why.NONE) is None):
             check_errand_fresh(asked.inbound, f"/mission {asked.rest}")
         if verb == "start" and name:
-            return await self._start(asked, self._named(name))
+            return await self._start(asked, name)
+        if verb == "off" and name:
+            return await self._off(asked, name)
         if verb in ACTS and name:
             return await self._act(asked, verb, self._running(asked, name))
         if not name and (verb in self._missions or self._runs_of(verb)):
@@ -88,13 +106,16 @@ class MissionClerk:
         tasks = self._dispatching.fleet.mission(run)
         for task in tasks:
             self._tasks.check_theirs(asked, task)
+        await self._dispatching.first_time(asked.cid)
         changed = 0
         for task in tasks:
             if ACTS[verb] is not None:
                 changed += await self._feed(asked, e.Held(task.id, ACTS[verb] or Why.NONE))
             elif task.state is not State.UNKNOWN:  # whether it was done is asked task by task
                 changed += await self._feed(asked, e.Released(task.id))
-        return Reply(joined("\n", [words.changed(changed), *self._tasks_of(run)]))
+        return Reply(
+            joined("\n", [words.changed(changed), *self._tasks_of(run, asked.caller.principal)])
+        )
 
     async def _feed(self, asked: Asked, event: e.Held | e.Released) -> bool:
         decided = Decided(
@@ -142,10 +163,9 @@ class MissionClerk:
     # ---- showing ----
 
     def _show(self, asked: Asked, name: str) -> Reply:
-        runs = [
-            run for run in self._open_runs(asked.caller.principal) if run in self._runs_of(name)
-        ]
-        lines = [line for run in runs for line in (self._run_line(run), *self._tasks_of(run))]
+        who = asked.caller.principal
+        runs = [run for run in self._open_runs(who) if run in self._runs_of(name)]
+        lines = [line for run in runs for line in (self._run_line(run), *self._tasks_of(run, who))]
         mission = self._missions.get(name)
         if mission is not None:
             lines.append(words.known(mission.name, mission.title))
@@ -161,19 +181,42 @@ class MissionClerk:
         done = sum(task.state is State.DONE for task in tasks)
         return words.run(run, done, len(tasks), sum(task.state in RESTING for task in tasks))
 
-    def _tasks_of(self, run: str) -> list[str]:
+    def _tasks_of(self, run: str, who: PrincipalId) -> list[str]:
         tasks = self._dispatching.fleet.mission(run)
-        return [self._tasks.line(task) for task in tasks if task.state not in OVER]
+        return [self._tasks.line(task, who) for task in tasks if task.state not in OVER]
 
     # ---- starting ----
 
-    async def _start(self, asked: Asked, mission: Mission) -> Reply:
-        """Give all tasks of a mission at once; each waits for those before it."""
-        given = await self._dispatching.give(lambda: self._made(asked, mission))
-        run = given[0][0].mission
-        return Reply(words.started(mission.shown, run, len(given)), words.run_buttons(run))
+    async def _start(self, asked: Asked, said: str) -> Reply:
+        """Begin a mission now, or say when it is to begin: ``restock every mon 8:00``."""
+        name, _, when = said.partition(" ")
+        mission = self._named(name)
+        where = Where(asked.messenger.name, asked.inbound.chat)
+        if when:
+            return await self._plan(asked, mission, when, where)
+        run, count = await self._begin(asked.caller.principal, mission, where, asked.cid)
+        return Reply(words.started(mission.shown, run, count), words.run_buttons(run))
 
-    def _made(self, asked: Asked, mission: Mission) -> Given:
+    async def at_its_time(self, plan: Plan, where: Where, cid: CommandId) -> str:
+        """Begin a mission because its time has come. Return what to tell.
+
+        Raises:
+            Refusal: Whoever planned it may not any more, or nobody can carry it out.
+        """
+        organiser = self._rooms.organiser
+        organiser.check_unlocked(self._rooms.authoriser.stand_for(plan.author))
+        mission = self._named(plan.mission)
+        run, count = await self._begin(plan.author, mission, where, cid)
+        return words.started(mission.shown, run, count)
+
+    async def _begin(
+        self, who: PrincipalId, mission: Mission, where: Where, cid: CommandId
+    ) -> tuple[str, int]:
+        """Give all tasks of a mission at once; each waits for those before it."""
+        given = await self._dispatching.give(cid, lambda: self._made(who, mission, where, cid))
+        return given[0][0].mission, len(given)
+
+    def _made(self, who: PrincipalId, mission: Mission, where: Where, cid: CommandId) -> Given:
         """Return the tasks of a mission.
 
         Raises:
@@ -181,36 +224,40 @@ class MissionClerk:
         """
         fleet = self._dispatching.fleet
         leaves = lay_out(mission, self._missions)
-        check_room(fleet, asked.caller.principal, len(leaves))
+        check_room(fleet, who, len(leaves))
         first = int(fleet.next_id())
         run = f"{mission.name}{NUMBERED}{first}"
-        given = [self._task(asked, leaf, run, first, number) for number, leaf in enumerate(leaves)]
+        given = [
+            (
+                self._task(who, leaf, run, first, number),
+                Said(leaf.part.steps, where.messenger, where.chat),
+            )
+            for number, leaf in enumerate(leaves)
+        ]
         decided = Decided(
-            act="mission", by=asked.caller.principal, about=run,
-            at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
-        )  # fmt: skip
+            act="mission", by=who, about=run, at_ns=self._rooms.organiser.wall_ns(), digest=cid
+        )
         return given, decided
 
-    def _task(
-        self, asked: Asked, leaf: Leaf, run: str, first: int, number: int
-    ) -> tuple[Task, Said]:
+    def _task(self, who: PrincipalId, leaf: Leaf, run: str, first: int, number: int) -> Task:
         """Return one task.
 
         Raises:
             NotUnderstood: Nobody can carry it out; none of the mission is begun.
         """
-        part, who = leaf.part, asked.caller.principal
+        part = leaf.part
         found = able(self._rooms, who, self._robots(part.on, who), part.steps)
         if not found.robots:
             why = found.why.sentence if found.why is not None else ""
             raise NotUnderstood(words.nobody_can(number + 1, part.on, why))
         units = self._rooms.vocabulary.units
-        task = Task(
+        return Task(
             id=str(first + number),
             author=who,
             among=found.robots,
             wanted="" if part.on in ANY else part.on,
             steps=len(part.steps),
+            skills=found.skills,
             priority=part.priority,
             given_ns=self._rooms.organiser.wall_ns(),
             expected_ns=int(seconds(part.within, units) * 1e9) if part.within else 0,
@@ -220,7 +267,70 @@ class MissionClerk:
             mission=run,
             after=tuple(str(first + other) for other in leaf.after),
         )
-        return task, Said(part.steps, asked.messenger.name, asked.inbound.chat)
+
+    # ---- at its time ----
+
+    async def _plan(self, asked: Asked, mission: Mission, said: str, where: Where) -> Reply:
+        """Write down when a mission begins by itself.
+
+        Raises:
+            NotUnderstood, OutOfBounds: That says no time, or one that is over.
+            TooManyRequests: There are too many.
+        """
+        timetable, now_ns = self._timetable, self._rooms.organiser.wall_ns()
+        when = read_when(f"{said} 1 min", now_ns, self._zone.local)
+        if isinstance(when, Misunderstood):
+            raise NotUnderstood(when.sentence)
+        if len(timetable.plans) >= PLANS_AT_MOST:
+            raise TooManyRequests(words.too_many_times(PLANS_AT_MOST), retry_after_s=60.0)
+        who = asked.caller.principal
+        plan = Plan(mission.name, who, when.start, when.rrule, now_ns)
+        at_ns = timetable.next_ns(plan)
+        if at_ns is None:
+            raise OutOfBounds(words.NEVER)
+        key = timetable.next_key()
+        decided = Decided(
+            act="mission-time", by=who, about=mission.name, at_ns=now_ns, digest=asked.cid
+        )
+        async with self._changes.turn() as turn:
+            await turn.write((decided, timetable.fact(key, plan, where)))
+        timetable.look()
+        moment = self._rooms.organiser.moment(who, at_ns)
+        text = words.planned(key, mission.name, moment, again=bool(when.rrule))
+        return Reply(text, words.off_button(key))
+
+    async def _off(self, asked: Asked, key: str) -> Reply:
+        """Take a time back.
+
+        Raises:
+            NotUnderstood: There is none with that number.
+            NotPermitted: Somebody else's.
+        """
+        organiser, who = self._rooms.organiser, asked.caller.principal
+        plan = self._timetable.plans.get(key)
+        if plan is None:
+            raise NotUnderstood(words.no_time(key))
+        if plan.author != who and not organiser.rights.holds(
+            who, FLEET, ASSIGN, organiser.wall_ns()
+        ):
+            raise NotPermitted(words.not_your_time(organiser.name_of(plan.author)))
+        decided = Decided(
+            act="mission-off", by=who, about=plan.mission, at_ns=organiser.wall_ns(),
+            digest=asked.cid,
+        )  # fmt: skip
+        async with self._changes.turn() as turn:
+            await turn.write((decided, Fact(kind=TIMES, key=key, body=b"")))
+        return Reply(words.taken_back(plan.mission))
+
+    def _times(self, who: PrincipalId) -> list[str]:
+        organiser = self._rooms.organiser
+        found: list[str] = []
+        for key, plan in self._timetable.plans.items():
+            at_ns = self._timetable.next_ns(plan)
+            if at_ns is not None:
+                moment = organiser.moment(who, at_ns)
+                found.append(words.planned(key, plan.mission, moment, again=bool(plan.rrule)))
+        return found
 
     def _robots(self, name: str, who: PrincipalId) -> tuple[RobotId, ...]:
         visible, vocabulary = self._rooms.organiser.visible(who), self._rooms.vocabulary

@@ -6,9 +6,6 @@ from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import RESTING, Standing, State
-from rosic.core.message import Button
-from rosic.core.saying import joined
-from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_fleet
 from rosic.pipeline.fleet import words_robots as words
 
@@ -22,7 +19,6 @@ if TYPE_CHECKING:
     from rosic.pipeline.fleet.telling import Telling
     from rosic.pipeline.fleet.usage import Usage
     from rosic.pipeline.fleet.watching import Watching
-    from rosic.pipeline.office import Asked, Office
     from rosic.pipeline.rooms import Rooms
 
 SHOWN_AT_MOST: Final = 25
@@ -43,24 +39,20 @@ class Overview:
         self._telling = telling
         self._usage = usage
 
-    def employ(self, office: Office) -> None:
-        """Take these errands."""
-        office.employ("fleet", self.fleet)
-
-    async def fleet(self, asked: Asked) -> Reply:
-        """Show the fleet as it is now."""
-        who = asked.caller.principal
-        visible = self._rooms.organiser.visible(who)
-        group = self._rooms.vocabulary.members(asked.rest.strip()) or None
-        robots = tuple(r for r in sorted(visible) if group is None or r in group)
-        text = joined("\n", self.lines(robots, self._rooms.organiser.wall_ns()))
-        again = f"/fleet {asked.rest}".strip()
-        return Reply(text, ((Button(words.REFRESH, again),),))
-
-    def lines(self, robots: Sequence[RobotId], wall_ns: int) -> Iterator[str]:
-        """Yield what there is to say about some robots and their tasks."""
+    def settled(self, robots: Sequence[RobotId]) -> tuple[object, ...]:
+        """Return what does not change all the time: while it is the same, so is the fleet."""
         fleet = self._dispatching.fleet
-        states = {robot: self._states(robot) for robot in robots}
+        whose = self._rooms.organiser.whose
+        tasks = [(task.id, task.state, task.leaving, task.done) for task in fleet.open()]
+        return (
+            tuple(tasks),
+            tuple((*self._states(r)[0], fleet.holds.get(r), whose(r)) for r in robots),
+        )
+
+    def lines(self, robots: Sequence[RobotId], wall_ns: int, who: PrincipalId) -> Iterator[str]:
+        """Yield what there is to say about some robots and their tasks, for somebody to read."""
+        fleet = self._dispatching.fleet
+        states = {robot: self._states(robot, who) for robot in robots}
         unready = [robot for robot in robots if states[robot][0]]
         held = [robot for robot in robots if robot in fleet.holds]
         free = len([r for r in robots if not states[r][0] and self._is_free(r)])
@@ -105,7 +97,7 @@ class Overview:
             if count > len(free):
                 yield words.bottleneck(wanted or words.for_any(), count, len(free), len(ready))
 
-    def _states(self, robot: RobotId) -> tuple[list[str], list[str]]:
+    def _states(self, robot: RobotId, who: PrincipalId = "") -> tuple[list[str], list[str]]:
         """Return what is not as it should be with a robot, and everything else."""
         rooms, fleet = self._rooms, self._dispatching.fleet
         presence = rooms.linker.presence(robot)
@@ -123,13 +115,15 @@ class Overview:
         glance = self._watching.glance(robot)
         if glance.battery is not None and glance.battery < LOW:
             wrong.append(words.battery(glance.battery, low=True))
-        return wrong, list(self._rest(robot, glance.battery, presence.age_s))
+        return wrong, list(self._rest(robot, who, glance.battery, presence.age_s))
 
-    def _rest(self, robot: RobotId, battery: float | None, age_s: float | None) -> Iterator[str]:
+    def _rest(
+        self, robot: RobotId, who: PrincipalId, battery: float | None, age_s: float | None
+    ) -> Iterator[str]:
         task = self._dispatching.fleet.tasks.get(self._dispatching.fleet.holds.get(robot, ""))
         holder: PrincipalId | None = self._rooms.organiser.whose(robot)
         if task is not None:
-            yield words.at_task(task.id, self._telling.what(task))
+            yield words.at_task(task.id, self._telling.what(task, who))
             yield words_fleet.state(task)
         elif holder is not None:
             yield words.theirs(self._rooms.organiser.name_of(holder))

@@ -25,11 +25,13 @@ class Able(NamedTuple):
     Attributes:
         robots: Those who can, in the order in which they were asked about.
         place: Where the lines lead to first; None when they lead nowhere.
+        skills: By id, of the first who can.
         why: Why the first who cannot, cannot.
     """
 
     robots: tuple[RobotId, ...]
     place: tuple[float, float] | None
+    skills: tuple[str, ...]
     why: Refusal | None
 
 
@@ -60,7 +62,8 @@ def able(rooms: Rooms, who: PrincipalId, robots: Iterable[RobotId], lines: Seque
         else:
             found.append(robot)
             place = place or leads
-    return Able(tuple(found), place, why)
+    skills = [step_for(rooms, found[0], line).skills[0].id for line in lines] if found else []
+    return Able(tuple(found), place, tuple(skills), why)
 
 
 def _all(

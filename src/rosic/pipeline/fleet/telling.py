@@ -5,10 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.fleet.task import HELD, State, Why
+from rosic.core.saying import joined
+from rosic.core.words import label
 from rosic.pipeline.fleet import words_fleet as words
 
 if TYPE_CHECKING:
     from rosic.core.fleet.task import Task
+    from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
     from rosic.pipeline.fleet.dispatching import Dispatching
     from rosic.pipeline.reach import Reach
@@ -29,10 +32,14 @@ class Telling:
         if text:
             self._reach.tell((after.author,), text, words.choices(after))
 
-    def what(self, task: Task) -> str:
-        """Return what a task is about."""
-        said = self._dispatching.letters.get(task.id)
-        return words.ERASED if said is None else said.shown
+    def what(self, task: Task, who: PrincipalId) -> str:
+        """Return what a task is about: in its author's words for them alone (I11)."""
+        if who == task.author:
+            said = self._dispatching.letters.get(task.id)
+            return words.ERASED if said is None else said.shown
+        profile = self._rooms.profiles.get(task.among[0])
+        skills = {} if profile is None else profile.skills
+        return joined("; ", (label(skills[s]) if s in skills else s for s in task.skills))
 
     def shown(self, robot: RobotId) -> str:
         """Return how people read a robot; one that is gone, by its id."""
@@ -40,7 +47,10 @@ class Telling:
         return robot if profile is None else profile.shown
 
     def _text(self, before: Task, after: Task) -> str:
-        what, shown = self.what(after), self.shown(before.robot) if before.robot else ""
+        what, shown = (
+            self.what(after, after.author),
+            self.shown(before.robot) if before.robot else "",
+        )
         if after.state in HELD:
             return self._of_held(before, after, what)
         if after.state is State.QUEUED:

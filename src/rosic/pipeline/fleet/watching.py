@@ -38,12 +38,10 @@ class Watching:
     """Feeds a fleet with what nobody tells it.
 
     Attributes:
-        expected_s: Returns how long a robot takes for a skill at most, in s; None: nobody knows.
         engaged: Whether a robot has something else to do than tasks, though it carries out nothing.
     """
 
     def __init__(self, rooms: Rooms, dispatching: Dispatching, clock: Clock) -> None:
-        self.expected_s: Callable[[RobotId, str], float | None] = _unknown
         self.engaged: Callable[[RobotId], bool] = _not_engaged
         self.monotonic_ns = clock.monotonic_ns
         self._rooms = rooms
@@ -113,8 +111,7 @@ class Watching:
         attempt = self._dispatching.begun.get(task.id)
         if task.state is not State.RUNNING or attempt is None or attempt.number != task.attempt:
             return Why.NONE
-        expected_ns = task.expected_ns or int((self.expected_s(robot, attempt.skill) or 0.0) * 1e9)
-        late = expected_ns and now_ns - attempt.began_ns > expected_ns
+        late = task.expected_ns and now_ns - attempt.began_ns > task.expected_ns
         return Why.LATE if late else Why.NONE
 
     async def _let_expire(self) -> None:
@@ -135,7 +132,9 @@ class Watching:
             if not fleet.waiting:
                 return
             leave, left_alone = self._dispatching.not_now()
-            glances = {r: self.glance(r) for r in self._rooms.profiles if r not in left_alone}
+            least = self._least()
+            robots = [r for r in self._rooms.profiles if r not in left_alone]
+            glances = {r: self.glance(r, least) for r in robots}
             levels = by_priority(fleet, glances, now_ns, leave=leave, at_most=AT_ONCE)
             for task, robot in assign(fleet, levels, glances, now_ns).pairs:
                 try:
@@ -143,8 +142,12 @@ class Watching:
                 except RecordUnavailable:
                     log.warning("task %s waits: nothing can be written down", task)
 
-    def glance(self, robot: RobotId) -> Glance:
-        """Return what a look at a robot shows now."""
+    def _least(self) -> int:
+        """Return how many steps whoever has done least has done: the measure of load."""
+        return min(self._dispatching.finished.values(), default=0)
+
+    def glance(self, robot: RobotId, least: int = 0) -> Glance:
+        """Return what a look at a robot shows now, where somebody has done as little as this."""
         rooms = self._rooms
         presence = rooms.linker.presence(robot)
         free = (
@@ -166,7 +169,7 @@ class Watching:
             holder=holder,
             battery=float(battery) if isinstance(battery, int | float) else None,
             place=_place(presence),
-            load=finished.get(robot, 0) - min(finished.values(), default=0),
+            load=finished.get(robot, 0) - least,
         )
 
 
@@ -176,10 +179,6 @@ def _place(presence: Presence) -> tuple[float, float] | None:
     x, y = presence.values.get("x"), presence.values.get("y")
     if isinstance(x, int | float) and isinstance(y, int | float):
         return float(x), float(y)
-    return None
-
-
-def _unknown(_robot: RobotId, _skill: str) -> float | None:
     return None
 
 

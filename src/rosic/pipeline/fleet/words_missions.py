@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
 BETWEEN: Final = " · "
+NEVER: Final = said("That time is over. Nothing was done.")
+FAULT: Final = said("Something went wrong here. Please look.")
 HOW_TO: Final = said(
     "Say which mission, and what: /mission start restock, pause, go, cancel; /missions lists them."
 )
@@ -96,3 +98,48 @@ def run_buttons(name: str) -> tuple[tuple[Button, ...], ...]:
             Button(said("Cancel it"), f"/mission cancel {name}"),
         ),
     )
+
+
+def planned(key: str, name: str, moment: str, *, again: bool) -> str:
+    """Return when a mission begins by itself."""
+    if again:
+        return said("{number}: {mission} begins by itself, next {time}", number=key, mission=name,
+                    time=moment)  # fmt: skip
+    return said("{number}: {mission} begins by itself, {time}", number=key, mission=name,
+                time=moment)  # fmt: skip
+
+
+def off_button(key: str) -> tuple[tuple[Button, ...], ...]:
+    """Return what takes a time back."""
+    return ((Button(said("Take that back"), f"/mission off {key}"),),)
+
+
+def too_many_times(most: int) -> str:
+    """Return that no more times are taken in."""
+    return said("There are {most} such times already. Take some back.", most=most)
+
+
+def no_time(key: str) -> str:
+    """Return that a number means no time."""
+    return said("No mission has a time {number}.", number=key)
+
+
+def not_your_time(name: str) -> str:
+    """Return that somebody else has planned it."""
+    return said("{name} has planned that, and can take it back, or whoever may assign tasks here.",
+                name=name)  # fmt: skip
+
+
+def taken_back(name: str) -> str:
+    """Return that a mission does not begin by itself any more."""
+    return said("{mission} does not begin by itself any more.", mission=name)
+
+
+def slept_through(name: str) -> str:
+    """Return that a time was missed."""
+    return said("{mission} should have begun while I did not run. It was left out.", mission=name)
+
+
+def not_begun(name: str, why: str) -> str:
+    """Return that a mission did not begin at its time."""
+    return said("{mission} was to begin now, and does not. {why}", mission=name, why=why)

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 BETWEEN: Final = " · "
-REFRESH: Final = said("How is it now?")
 MAY_NOT: Final = said(
     "Only somebody who may assign tasks here can do that. An admin can give the right."
 )

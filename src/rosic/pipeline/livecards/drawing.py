@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from math import ceil
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -19,7 +20,7 @@ from rosic.pipeline.livecards import words_livecards as words
 from rosic.pipeline.livecards.picturing import Picturing
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Sequence
 
     from rosic.contracts.clock import Clock
     from rosic.pipeline.livecards.glimpses import Glimpses
@@ -84,9 +85,9 @@ class Drawing:
         self._clock = clock
         self.picturing = Picturing(sides.issue, clock.monotonic_ns)
 
-    def shows(self, robots: Iterable[RobotId]) -> dict[RobotId, int]:
+    def shows(self, robots: Sequence[RobotId]) -> dict[RobotId, int]:
         """Return which look at which robots a card would show now."""
-        return {robot: self._glimpses.number(robot) for robot in robots}
+        return {robot: self._glimpses.number(robot) for robot in robots[:ROBOTS_AT_MOST]}
 
     def text(
         self, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...],
@@ -141,6 +142,12 @@ class Drawing:
         """Return the message of a card that is over."""
         outbound = Outbound(chat=card.chat, text=card.last)
         return translated(outbound, self._sides.catalogue(card.owner))
+
+
+@lru_cache(maxsize=32)
+def in_order(robots: frozenset[RobotId]) -> tuple[RobotId, ...]:
+    """Return robots sorted; those that somebody sees are the same set at each look."""
+    return tuple(sorted(robots))
 
 
 def pace_of(chat: Chat) -> Pace:

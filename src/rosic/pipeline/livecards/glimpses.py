@@ -9,7 +9,7 @@ from rosic.core.saying import joined
 from rosic.pipeline.livecards import words_livecards as words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from rosic.core.life import Face
     from rosic.core.robot import RobotId
@@ -22,12 +22,16 @@ class Glimpses:
 
     A number beside it grows whenever there is something new to see: a card compares numbers. While
     nobody looks, orders are not followed.
+
+    Attributes:
+        benchmark: Returns what is to be said of a robot against its benchmarks; None: nobody knows.
     """
 
     def __init__(self, rooms: Rooms, lives: Lives, face: Face) -> None:
         self._rooms = rooms
         self._lives = lives
         self._face = face
+        self.benchmark: Callable[[RobotId], str] | None = None
         self._seen: dict[RobotId, tuple[int, str]] = {}
         self._followed: dict[RobotId, OrderLife] = {}
 
@@ -73,6 +77,9 @@ class Glimpses:
         if life is not None:
             what = _what(life)
             yield from (words.step(step, what) for step in life.shown.steps)
+        measured = self.benchmark(robot) if self.benchmark is not None else ""
+        if measured:
+            yield words.benchmark(measured)
         done = life.shown.now(briefly=not named) if life is not None else ""
         if done:
             yield words.now(done)

@@ -57,6 +57,7 @@ class LiveCard:
     """A card.
 
     Attributes:
+        kind: Of its fact: what sort of card it is.
         key: Of its fact: a digest of the chat.
         message: The platform's id; empty until it was sent.
         pinned: It is kept in sight, as far as is known.
@@ -74,14 +75,16 @@ class LiveCard:
     """
 
     __slots__ = (
-        "again_ns", "buttons", "chat", "failures", "key", "lag_s", "last", "message", "messenger",
-        "offered", "offered_ns", "owner", "picture", "pinned", "robots", "settled_ns", "shows",
-        "stamped_ns", "task", "wanted_pinned",
+        "again_ns", "buttons", "chat", "failures", "key", "kind", "lag_s", "last", "message",
+        "messenger", "offered", "offered_ns", "owner", "picture", "pinned", "robots",
+        "settled_ns", "shows", "stamped_ns", "task", "wanted_pinned",
     )  # fmt: skip
 
     def __init__(
-        self, messenger: Messenger, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...]
-    ) -> None:
+        self, messenger: Messenger, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...],
+        kind: str = KIND,
+    ) -> None:  # fmt: skip
+        self.kind = kind
         self.key = key_of(messenger, chat)
         self.messenger = messenger
         self.chat = chat
@@ -108,7 +111,7 @@ class LiveCard:
         shown = self.picture or Pictured("", 0)
         place = Place(self.messenger.name, chat.platform, chat.id, chat.kind.value, self.message)
         return Fact(
-            kind=KIND,
+            kind=self.kind,
             key=self.key,
             body=_encode(Body(self.owner, self.robots, self.pinned, shown.robot, shown.at_ns)),
             letter=Letter(self.owner, _encode(place)),
@@ -116,7 +119,7 @@ class LiveCard:
 
     def no_fact(self) -> Fact:
         """Return what is to be written so that it is over."""
-        return Fact(kind=KIND, key=self.key, body=b"")
+        return Fact(kind=self.kind, key=self.key, body=b"")
 
 
 def read_fact(fact: Fact) -> tuple[Body, Place] | None:

@@ -19,7 +19,7 @@ from rosic.core.message import ChatKind, Weight
 from rosic.core.saying import in_language
 from rosic.errors import MessageGone, MessengerFault, RecordUnavailable, TooManyRequests
 from rosic.pipeline.livecards import words_livecards as words
-from rosic.pipeline.livecards.drawing import Drawing, pace_of
+from rosic.pipeline.livecards.drawing import ROBOTS_AT_MOST, Drawing, in_order, pace_of
 from rosic.pipeline.livecards.livecard import KIND, LiveCard, chat_of, key_of, read_fact
 from rosic.pipeline.livecards.picturing import Pictured
 
@@ -54,7 +54,14 @@ class LiveCards:
         messengers: Through which chats are reached.
         clock: Of the gateway.
         sides: What the rooms know.
+
+    Attributes:
+        kind: Of the facts of these cards.
+        others: Cards of another sort, which end, run and close with these.
     """
+
+    kind = KIND
+    others: LiveCards | None = None
 
     def __init__(
         self,
@@ -74,7 +81,7 @@ class LiveCards:
         self._leaving: dict[LiveCard, None] = {}
         self._watching: asyncio.Task[None] | None = None
         self._running = False
-        changes.keep(KIND, self.apply)
+        changes.keep(self.kind, self.apply)
         changes.after(self.look)
 
     def __len__(self) -> int:
@@ -103,7 +110,9 @@ class LiveCards:
         body, place = found
         messenger = self._messengers.get(place.messenger)
         if known is None and messenger is not None:
-            card = self._cards[fact.key] = LiveCard(messenger, chat, body.owner, body.robots)
+            card = self._cards[fact.key] = LiveCard(
+                messenger, chat, body.owner, body.robots, self.kind
+            )
             card.message, card.pinned = place.message, body.pinned
             card.wanted_pinned = body.pinned
             if body.picture_of:
@@ -111,7 +120,9 @@ class LiveCards:
 
     def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
         """Return what ends every card of somebody."""
-        return tuple(card.no_fact() for card in self._cards.values() if card.owner == principal)
+        others = () if self.others is None else self.others.end_all(principal)
+        own = (card.no_fact() for card in self._cards.values() if card.owner == principal)
+        return (*own, *others)
 
     # ---- what people do ----
 
@@ -142,7 +153,7 @@ class LiveCards:
         old = self.of(messenger, chat)
         if old is None and len(self._cards) >= CARDS_AT_MOST:
             raise TooManyRequests(words.TOO_MANY, retry_after_s=60.0)
-        card = LiveCard(messenger, chat, owner, robots)
+        card = LiveCard(messenger, chat, owner, robots, self.kind)
         card.wanted_pinned = pinned or (old is not None and old.wanted_pinned)
         if old is not None:
             self._leave(old, words.SUPERSEDED)
@@ -174,6 +185,8 @@ class LiveCards:
     def run(self) -> None:
         """Look from now on, as long as there are cards."""
         self._running = True
+        if self.others is not None:
+            self.others.run()
         if self._watching is None and self._all():
             self._glimpses.begin()
             self._watching = asyncio.create_task(self._watch())
@@ -189,6 +202,8 @@ class LiveCards:
     async def close(self) -> None:
         """Look no more. Cards stay as they are, and say by when they should have changed."""
         self._running = False
+        if self.others is not None:
+            await self.others.close()
         tasks = [card.task for card in self._all() if card.task is not None]
         tasks += [] if self._watching is None else [self._watching]
         for task in tasks:
@@ -204,7 +219,7 @@ class LiveCards:
         if not self._running or not self._all():
             return
         shown = {card: self._robots(card) for card in self._cards.values()}
-        self._glimpses.look({robot for robots in shown.values() for robot in robots})
+        self._glimpses.look({r for robots in shown.values() for r in robots[:ROBOTS_AT_MOST]})
         now_ns = self._clock.monotonic_ns()
         for card, robots in shown.items():
             if not robots:
@@ -220,12 +235,12 @@ class LiveCards:
     def _robots(self, card: LiveCard) -> tuple[RobotId, ...]:
         """Return what a card shows now: never what its owner may not see (I11)."""
         sees = self._sides.sees(card.owner)
-        return tuple(r for r in card.robots if r in sees) if card.robots else tuple(sorted(sees))
+        return tuple(r for r in card.robots if r in sees) if card.robots else in_order(sees)
 
     def _without_picture(self, card: LiveCard) -> None:
         """Go on in a new message: what shows a picture shows one for good."""
         self._leave(card, words.SEES_NOTHING)
-        fresh = LiveCard(card.messenger, card.chat, card.owner, card.robots)
+        fresh = LiveCard(card.messenger, card.chat, card.owner, card.robots, self.kind)
         fresh.wanted_pinned = card.wanted_pinned
         self._cards[fresh.key] = fresh
 
@@ -279,7 +294,7 @@ class LiveCards:
         robots = self._robots(card)
         if not robots:
             return  # it is about to end
-        self._glimpses.look(robots)
+        self._glimpses.look(robots[:ROBOTS_AT_MOST])
         began_ns = self._clock.monotonic_ns()
         outbound = self.drawing.outbound(card, robots, weight)
         # Until it is known to be there, what the chat shows may be either.

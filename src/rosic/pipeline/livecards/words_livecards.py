@@ -104,6 +104,11 @@ def now(what: str) -> str:
     return joined("", ("  ", said("now: {what}", what=short(what))))
 
 
+def benchmark(what: str) -> str:
+    """How it does against what is expected of it."""
+    return joined("", ("  ", what))
+
+
 def doing(skill: str) -> str:
     """It is at work, and nobody's order here says with what."""
     return said("doing {skill}", skill=skill.replace("_", " "))

@@ -6,13 +6,14 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
+from rosic.pipeline.rounds import go_round
 from rosic.pipeline.seeing.samples import EVERY_S, FOLLOW_S, Samples, Track
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from rosic.contracts.clock import Clock
-    from rosic.core.order import Order
+    from rosic.core.order import Order, Outcome
     from rosic.core.robot import Profile, RobotId
     from rosic.linker.linker import Linker
 
@@ -39,17 +40,18 @@ class Sampler:
 
     async def run(self) -> None:
         """Sample values until cancelled; without any to sample it ends at once."""
-        while self._reporting:
-            now_s = self._clock.monotonic_ns() / 1e9
-            for robot in self._reporting:
-                try:
-                    presence = self._linker.presence(robot)
-                except Exception:
-                    log.exception("%s could not be sampled", robot)
-                    continue
-                if presence.online is not False:
-                    self.samples.take(robot, presence.values.items(), now_s)
-            await self._clock.sleep(EVERY_S)
+        await go_round(self._clock, EVERY_S, self._reporting, self._sample)
+
+    def _sample(self, robots: Iterable[RobotId]) -> None:
+        now_s = self._clock.monotonic_ns() / 1e9
+        for robot in robots:
+            try:
+                presence = self._linker.presence(robot)
+            except Exception:
+                log.exception("%s could not be sampled", robot)
+                continue
+            if presence.online is not False:
+                self.samples.take(robot, presence.values.items(), now_s)
 
     # ---- ways ----
 
@@ -64,7 +66,7 @@ class Sampler:
         if self._following is None or self._following.done():
             self._following = asyncio.create_task(self._follow())
 
-    def ended(self, order: Order) -> None:
+    def ended(self, order: Order, _outcome: Outcome) -> None:
         """Follow it no more."""
         track = self._open.pop(order.robot, None)
         if track is not None:

@@ -77,7 +77,7 @@ class Keeper:
         times = self._times
         self._ring(times.calendar.due(times.clock.wall_ns()))
         wakes = [self._ending.seen_to(), await self._offering.pass_on()]
-        wanted = [robot for robot in times.vocabulary.profiles if times.waiting.queue(robot)]
+        wanted = [r for r in times.waiting.wanted() if r in times.vocabulary.profiles]
         wakes.extend([await self._attend(robot) for robot in wanted])
         # What all this has written may ring, too: it is looked at before sleeping.
         now_ns, wall_ns = times.clock.monotonic_ns(), times.clock.wall_ns()

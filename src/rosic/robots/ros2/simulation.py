@@ -9,14 +9,16 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
+import time
+from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.names import did_you_mean
 from rosic.robots.ros2.nodes.actuations import Actuations
 from rosic.robots.ros2.nodes.machine_node import NODE_NAME, MachineNode
-from rosic.robots.ros2.nodes.offers import MODELS
+from rosic.robots.ros2.nodes.offers import MODELS, model_of
 from rosic.robots.ros2.nodes.waiting_clock import WaitingClock
 from rosic.robots.ros2.others.arm_robot import TYPES as ARM_TYPES
 from rosic.robots.ros2.others.arm_robot import ArmRobot
@@ -25,6 +27,7 @@ from rosic.robots.ros2.others.nav2_robot import Nav2Robot
 from rosic.robots.ros2.own_interfaces import find_interfaces, find_own_interfaces
 from rosic.robots.ros2.ros import load_ros, make_executor
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
+from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.machines.swarm import Swarm
 from rosic.robots.simulated.machines.world import SWARM_PLACES, World, build_world
 
@@ -36,6 +39,8 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.ros import RosObject
 
 LONGEST_TURN_S = 0.1
+# So long before a common start nothing else is done: a motor's controller would not be late for it.
+HELD_S = 0.015
 # Robots as others build them: only by name, as they take interfaces of other packages.
 OTHERS: dict[str, tuple[tuple[str, ...], type[Nav2Robot | ArmRobot]]] = {
     "rover": (NAV2_TYPES, Nav2Robot),
@@ -62,27 +67,38 @@ def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -
     parser.add_argument(
         "--actuations", type=Path, metavar="FILE", help="append a line whenever a robot acts"
     )
+    parser.add_argument(
+        "--starts", type=Path, metavar="FILE", help="append a line whenever a robot begins to move"
+    )
     asked = parser.parse_args(arguments)
     robots = list(dict.fromkeys(asked.robots)) or list(MODELS)
     for robot in robots:
-        if robot not in KNOWN:
+        if robot not in OTHERS and not model_of(robot):
             raise ConfigurationError(
                 f"There is no simulated robot called {robot!r}; {did_you_mean(robot, KNOWN)}"
             )
     find_own_interfaces()
     find_interfaces(name for robot in robots for name in OTHERS.get(robot, ((),))[0])
     try:
-        log = Actuations(asked.actuations)
+        log, starts = Actuations(asked.actuations), Actuations(asked.starts)
     except OSError as error:
         raise ConfigurationError(
-            f"{asked.actuations} cannot be written ({error.strerror})."
+            f"{error.filename} cannot be written ({error.strerror})."
         ) from error
     stopping = _Stopping()
     try:
-        _run(robots, log, stopping, draw)
+        _run(robots, _Files(log, starts), stopping, draw)
     finally:
         log.close()
+        starts.close()
     return 0
+
+
+class _Files(NamedTuple):
+    """What is taken down."""
+
+    log: Actuations
+    starts: Actuations
 
 
 class _Stopping:
@@ -97,28 +113,34 @@ class _Stopping:
         self.asked = True
 
 
-def _run(
-    robots: Sequence[str], log: Actuations, stopping: _Stopping, draw: DrawJpeg | None
-) -> None:
+def _run(robots: Sequence[str], files: _Files, stopping: _Stopping, draw: DrawJpeg | None) -> None:
     ros = load_ros()
     context = ros.rclpy.Context()
     ros.rclpy.init(context=context, signal_handler_options=ros.signals.SignalHandlerOptions.NO)
     executor = make_executor(ros, context)
-    world, clock = _world(), WaitingClock()
+    world, clock = _world(robots), WaitingClock()
     nodes: list[MachineNode | Nav2Robot | ArmRobot] = []
     try:
         for robot in robots:
             ros_node = _node(ros, context, robot)
             executor.add_node(ros_node)
-            nodes.append(_robot(ros_node, robot, world, clock, log))
+            nodes.append(_robot(ros_node, robot, world, clock, files))
             if draw is not None and isinstance(nodes[-1], MachineNode):
                 nodes[-1].show(world, draw)
+        machines = [node for node in nodes if isinstance(node, MachineNode)]
         sys.stdout.write(f"ready {' '.join(robots)}\n")
         sys.stdout.flush()
         while not stopping.asked:
             now_s = clock.now_s()
-            wait_s = min(node.due_s for node in nodes) - now_s
-            executor.spin_once(timeout_sec=min(max(wait_s, 0.0), LONGEST_TURN_S))
+            start_s = min((m.machine.start_s for m in machines if m.machine.start_s > now_s),
+                          default=inf)  # fmt: skip
+            if start_s - now_s < HELD_S:
+                time.sleep(start_s - now_s)
+            else:
+                wait_s = min(node.due_s for node in nodes) - now_s
+                executor.spin_once(timeout_sec=min(max(wait_s, 0.0), LONGEST_TURN_S))
+            for machine in machines:
+                machine.step()
             for node in nodes:
                 node.turn()
     finally:
@@ -134,14 +156,16 @@ def _node(ros: RosObject, context: RosObject, robot: str) -> RosObject:
 
 
 def _robot(
-    node: RosObject, robot: str, world: World, clock: WaitingClock, log: Actuations
+    node: RosObject, robot: str, world: World, clock: WaitingClock, files: _Files
 ) -> MachineNode | Nav2Robot | ArmRobot:
     if robot in OTHERS:
-        return OTHERS[robot][1](node, robot, clock, log)
-    return MachineNode(node, robot, world, clock, log)
+        return OTHERS[robot][1](node, robot, clock, files.log)
+    made = MachineNode(node, robot, world, clock, files.log)
+    made.starts = files.starts
+    return made
 
 
-def _world() -> World:
+def _world(robots: Sequence[str]) -> World:
     """Build the world, but let every drone know only what it hears of the others."""
     world = build_world()
     drones = tuple(
@@ -149,6 +173,9 @@ def _world() -> World:
     )
     world.drones = drones
     world.machines.update({drone.id: drone for drone in drones})
+    for robot in robots:
+        if robot not in KNOWN:
+            world.machines[robot] = Omni(robot)
     return world
 
 

@@ -44,6 +44,7 @@ class SimulatedRobot:
 
     Attributes:
         begun: How many orders passed the gate.
+        speak: Says something to other robots, as its own node would.
     """
 
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
@@ -61,7 +62,7 @@ class SimulatedRobot:
         self.begun = 0
         self._doing = ""
         self._say: Say = _unheard
-        self._speak: Speak = _unspoken
+        self.speak: Speak = _unspoken
         self._noted = machine.note
 
     async def open(self, say: Say) -> None:
@@ -77,13 +78,13 @@ class SimulatedRobot:
 
     def meet(self, speak: Speak) -> None:
         """Take what it answers by."""
-        self._speak = speak
+        self.speak = speak
 
     def hear(self, words: bytes) -> bool:
         """Take on a strategy; the rest of what robots say is nothing to a machine."""
         said_back = answer(self._machine, words)
         if said_back is not None:
-            self._speak(said_back, 0)
+            self.speak(said_back, 0)
         return True
 
     def _listen(self) -> None:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from collections import Counter
 
+import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rosic.contracts.among import UTTERANCE_BYTES
+from rosic.core.among import Share, Tell, read_utterance
+from rosic.errors import Refusal
 from rosic.pipeline.among.guard import CONVERSATION, CUT_NS, HOPS_AT_MOST, REMEMBERED, Guard
 from rosic.pipeline.among.helping import KEPT_NS, KEPT_OVER, HelpBook
 
@@ -22,7 +27,7 @@ TURNS = st.lists(
 )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=60)
 @given(TURNS)
 def test_no_history_passes_more_than_the_budget_nor_a_longer_chain(
     turns: list[tuple[str, str, float, bool]],
@@ -83,3 +88,31 @@ def test_requests_for_help_that_are_over_are_forgotten() -> None:
     assert book.forgotten() == []
     now_ns += KEPT_NS + 60 * SECOND_NS
     assert len(book.forgotten()) == KEPT_OVER
+
+
+KINDS = ("share", "get", "follow", "help", "accept", "tell", "adjust", "ack", "fly", 1, None)
+ANYTHING = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner),
+    max_leaves=8,
+)
+KEYS = ("topic", "data", "robot", "to", "re", "ref", "id", "ok", "values", "when", "what", "keep_s")
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    st.binary(max_size=200)
+    | st.builds(
+        lambda kind, rest: json.dumps({"kind": kind, **rest}).encode(errors="surrogatepass"),
+        st.sampled_from(KINDS),
+        st.dictionaries(st.sampled_from(KEYS), ANYTHING),
+    )
+)
+def test_whatever_a_robot_says_is_read_or_refused_and_can_be_passed_on(words: bytes) -> None:
+    try:
+        read = read_utterance(words, UTTERANCE_BYTES)
+    except Refusal:
+        return
+    if isinstance(read, Share | Tell):
+        passed_on = msgspec.json.encode({"data": read.data})
+        assert isinstance(json.loads(passed_on), dict)

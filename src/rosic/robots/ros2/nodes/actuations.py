@@ -33,6 +33,11 @@ class Actuations:
         if self._file is not None:
             os.write(self._file, f"{robot} {skill} {goal} {number}\n".encode())
 
+    def moved(self, robot: str, wall_ns: int) -> None:
+        """Write down that a robot's motors were first told to move, for one goal."""
+        if self._file is not None:
+            os.write(self._file, f"{robot} {wall_ns}\n".encode())
+
     def close(self) -> None:
         """Close it."""
         if self._file is not None:

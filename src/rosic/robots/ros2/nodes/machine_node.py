@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from rosic.robots.ros2.nodes.actuations import Actuations
 from rosic.robots.ros2.nodes.ends import publisher, subscribe
 from rosic.robots.ros2.nodes.faults import Faults
 from rosic.robots.ros2.nodes.goals import Goals
-from rosic.robots.ros2.nodes.offers import MODELS
+from rosic.robots.ros2.nodes.offers import model_of
 from rosic.robots.ros2.nodes.reports import Reports
 from rosic.robots.ros2.nodes.swarm_topic import SwarmTopic
 from rosic.robots.ros2.nodes.views import DrawJpeg, SceneCamera, publish_map
@@ -21,7 +23,6 @@ from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.omni import Omni
 
 if TYPE_CHECKING:
-    from rosic.robots.ros2.nodes.actuations import Actuations
     from rosic.robots.ros2.ros import RosObject
     from rosic.robots.simulated.machines.world import World
 
@@ -37,6 +38,7 @@ class MachineNode:
     the machine's. All of it runs on one thread, so nothing here is locked.
 
     Attributes:
+        starts: Takes down when it begins to move.
         linked: False while its radio is cut on purpose: it hears nothing and says nothing.
     """
 
@@ -45,13 +47,16 @@ class MachineNode:
     ) -> None:
         self.id = robot
         self.node = ros_node
-        self.model = MODELS[robot]
+        self.model = model_of(robot)
         self.machine = world.machines[robot]
         self.linked = True
+        self.starts = Actuations(None)
         self._clock = clock
         self._log = log
         self._count = 0
         self._due_s = 0.0
+        self._waits = False
+        self._stepped: tuple[float, RosObject] | None = None
         self._noted = ""
         self._watch = LinkWatch()
         self._goals = Goals(self)
@@ -66,12 +71,16 @@ class MachineNode:
         self._map: RosObject = None
         self._camera: SceneCamera | None = None
         if isinstance(self.machine, Omni):
-            text = import_module("std_msgs.msg").String
-            self._voice = publisher(ros_node, text, "among/say")
-            subscribe(ros_node, text, "among/hear", self._told)
-            self._map = publish_map(ros_node, self.machine, load_ros().qos)
-            twist = import_module("geometry_msgs.msg").Twist
-            subscribe(ros_node, twist, "cmd_vel", self._velocity)
+            self._offer(self.machine)
+
+    def _offer(self, omni: Omni) -> None:
+        """Open what an omni offers besides."""
+        text = import_module("std_msgs.msg").String
+        self._voice = publisher(self.node, text, "among/say")
+        subscribe(self.node, text, "among/hear", self._told)
+        self._map = publish_map(self.node, omni, load_ros().qos)
+        twist = import_module("geometry_msgs.msg").Twist
+        subscribe(self.node, twist, "cmd_vel", self._velocity)
 
     def show(self, world: World, draw: DrawJpeg) -> None:
         """Let others look at it from now on."""
@@ -102,19 +111,36 @@ class MachineNode:
         """When it wants its next turn, on the machine's clock."""
         return self._due_s
 
-    def turn(self) -> None:
-        """Step the machine and tell what there is to tell, if it is time."""
+    def step(self) -> None:
+        """Step the machine, if it is time; what there is to tell is told at its next `turn`.
+
+        Telling takes longer than stepping. Robots of one process that begin together are all
+        stepped before any of them speaks.
+        """
         now_s = self.now_s()
-        if now_s < self._due_s:
+        if now_s < self._due_s or self._stepped is not None:
             return
-        self._due_s = now_s + (STEP_S if self.machine.moving else AT_REST_STEP_S)
+        at_work = self.machine.moving and now_s >= self.machine.start_s
+        self._due_s = now_s + (STEP_S if at_work else AT_REST_STEP_S)
+        if now_s < self.machine.start_s < self._due_s:
+            self._due_s = self.machine.start_s  # a common start is for all at once
         self.machine.step(now_s)
+        if self._waits and now_s >= self.machine.start_s:
+            self._waits = False
+            self.starts.moved(self.id, time.time_ns())
+        self._stepped = now_s, self.node.get_clock().now().to_msg()
+
+    def turn(self) -> None:
+        """Step the machine if it is time, and tell what there is to tell."""
+        self.step()
+        if self._stepped is None:
+            return
+        (now_s, stamp), self._stepped = self._stepped, None
         if self.machine.moving and self._watch.lost(now_s):
             self.machine.link_lost(now_s)
         self._tell_note()
         if not self.linked:
             return
-        stamp = self.node.get_clock().now().to_msg()
         self._goals.turn(now_s)
         if self._swarm is not None:
             self._swarm.turn(now_s, stamp)
@@ -126,6 +152,7 @@ class MachineNode:
     def began(self, skill: str, goal: str) -> None:
         """Take down that the machine begins to act."""
         self._count += 1
+        self._waits = True
         self._watch.begin(self.now_s())
         self._log.add(self.id, skill, goal, self._count)
         self._due_s = 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,16 @@ MODELS: Mapping[str, str] = MappingProxyType(
     }
 )
 """Robot to the kind of machine it is."""
+
+# omni7 is one more of the kind, for whoever needs many.
+_MORE = re.compile(r"(omni)[0-9]{1,3}")
+
+
+def model_of(robot: str) -> str:
+    """Return what kind of machine a robot is; empty for one that there is not."""
+    more = _MORE.fullmatch(robot)
+    return MODELS.get(more[1] if more else robot, "")
+
 
 ACTIONS: Mapping[str, Mapping[str, str]] = MappingProxyType(
     {

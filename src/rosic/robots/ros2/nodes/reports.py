@@ -35,7 +35,9 @@ class Reports:
 
     def due(self, now_s: float) -> bool:
         """Tell whether it is time again."""
-        every = MOVING_EVERY_S if self._machine.moving else AT_REST_EVERY_S
+        machine = self._machine  # one that waits for a common start does not move yet
+        at_work = machine.moving and now_s >= machine.start_s
+        every = MOVING_EVERY_S if at_work else AT_REST_EVERY_S
         return now_s - self._told_s >= every - 1e-3
 
     def publish(self, now_s: float, stamp: RosObject) -> None:

@@ -93,6 +93,11 @@ class SteppedMachine(abc.ABC):
     # --------------------------------------------------------------------------------------- skills
 
     @property
+    def start_s(self) -> float:
+        """When the newest activity may begin to move, on this machine's clock."""
+        return self._start_s
+
+    @property
     def moving(self) -> bool:
         """True while `step` has something to do."""
         return self._recipe is not None or self._unsettled or self._in_motion()

@@ -202,8 +202,8 @@ class Crazyflie(SteppedMachine):
             yield
         return said(
             "at {x_m:.2f}, {y_m:.2f}, {position:.2f} m",
-            x_m=flight.x_m,
-            y_m=flight.y_m,
+            x_m=round(flight.x_m, 2) + 0.0,  # no -0.00
+            y_m=round(flight.y_m, 2) + 0.0,
             position=flight.height.position,
         )
 

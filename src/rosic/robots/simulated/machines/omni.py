@@ -206,7 +206,8 @@ class Omni(SteppedMachine):
         yield from self._drive_to(x_m, y_m, speed, share)
         if yaw is not None:
             yield from self._turn_to(yaw, 0.5, share)
-        return said("at {x_m:.2f}, {y_m:.2f} m", x_m=self.base.x_m, y_m=self.base.y_m)
+        x_m, y_m = (round(at_m, 2) + 0.0 for at_m in (self.base.x_m, self.base.y_m))  # no -0.00
+        return said("at {x_m:.2f}, {y_m:.2f} m", x_m=x_m, y_m=y_m)
 
     def _recipe_arm(self, pose: str) -> Recipe:
         self._stage(said("moving the arm"))

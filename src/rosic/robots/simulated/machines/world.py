@@ -59,6 +59,15 @@ class World:
             drone.step(now_s)
         self.now_s = now_s
 
+    def add(self, machine: SteppedMachine) -> None:
+        """Take in one more machine; it moves and is looked at like the others.
+
+        Raises:
+            ValueError: There is one of that name.
+        """
+        if self.machines.setdefault(machine.id, machine) is not machine:
+            raise ValueError(f"there is a machine called {machine.id!r}")
+
     # --------------------------------------------------------------------------------------- faults
 
     def remove_thing(self, name: str) -> None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.view import Label, Point, Scene
+from rosic.core.view import Ball, Label, Point, Scene
+from rosic.robots.simulated.machines.afield import Watcher
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
+from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.machines.world import CUBE, PART
 from rosic.robots.simulated.scenery.arms import iiwa, yumi_body
 from rosic.robots.simulated.scenery.movers import drone_body, omni_body
@@ -14,7 +16,7 @@ from rosic.robots.simulated.scenery.places import FLOOR, place_of, table_of, wal
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rosic.core.view import Solid
+    from rosic.core.view import Colour, Solid
     from rosic.robots.simulated.machines.world import World
 
 LARGER = 2.6
@@ -22,13 +24,15 @@ ROOM_EYE: Point = (0.35, -4.85, 2.05)
 ROOM_TARGET: Point = (0.02, -0.1, 0.50)
 ROOM_ANGLE_RAD = 0.52
 FIELD_M = 6.0
+EMBER: Colour = (236, 96, 28)
+EMBER_M = 0.16
 
 
 def robot_scene(world: World, robot: str) -> Scene:
     """Return one robot from close by, alone: whoever may see it may not see the others yet."""
     solids = tuple(_body(world, robot))
     eye, target, angle_rad = _camera(world, robot)
-    if place_of(robot) is place_of("drones") or robot == "omni":
+    if isinstance(world.machines[robot], Crazyflie | Omni):
         x, y, _ = target
         floor = (x - FIELD_M / 2, y - FIELD_M / 2, x + FIELD_M / 2, y + FIELD_M)
         return Scene(solids, eye, target, angle_rad, floor)
@@ -59,8 +63,12 @@ def room_scene(world: World, shown: Mapping[str, str] | None = None) -> Scene:
 def _body(world: World, robot: str, larger: float = 1.0) -> list[Solid]:
     place = place_of(robot)
     machine = world.machines[robot]
-    if machine is world.omni:
-        return omni_body(world.omni, place)
+    if isinstance(machine, Omni):
+        burning = machine.hearths if isinstance(machine, Watcher) else ()
+        embers = [
+            Ball(place.at((hearth.x_m, hearth.y_m, EMBER_M)), EMBER_M, EMBER) for hearth in burning
+        ]
+        return [*omni_body(machine, place), *embers]
     if machine is world.kuka:
         return iiwa(world.kuka, world.things.get(CUBE), place)
     if machine is world.yumi:
@@ -73,8 +81,8 @@ def _camera(world: World, robot: str) -> tuple[Point, Point, float]:
     """Return eye, target and angle for one robot."""
     x, y, z = place_of(robot).at((0.0, 0.0, 0.0))
     machine = world.machines[robot]
-    if machine is world.omni:
-        x, y, _ = place_of(robot).at((world.omni.base.x_m, world.omni.base.y_m, 0.0))
+    if isinstance(machine, Omni):
+        x, y, _ = place_of(robot).at((machine.base.x_m, machine.base.y_m, 0.0))
         return (x + 0.75, y - 1.35, 0.95), (x, y, 0.16), 0.62
     if machine is world.kuka:
         return (x + 0.75, y - 2.35, z + 0.7), (x + 0.26, y - 0.16, z + 0.26), 0.60
@@ -90,8 +98,8 @@ def _above(world: World, robot: str) -> Point:
     """Return where a robot's name stands."""
     x, y, z = place_of(robot).at((0.0, 0.0, 0.0))
     machine = world.machines[robot]
-    if machine is world.omni:
-        x, y, _ = place_of(robot).at((world.omni.base.x_m, world.omni.base.y_m, 0.0))
+    if isinstance(machine, Omni):
+        x, y, _ = place_of(robot).at((machine.base.x_m, machine.base.y_m, 0.0))
         return x, y, 0.62
     if isinstance(machine, Crazyflie):
         flight = machine.flight

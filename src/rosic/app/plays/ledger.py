@@ -1,0 +1,85 @@
+"""What the record says happened: counted from what was written, not from what was meant."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from rosic.core.record import Claimed, Concluded, Refused, Stopped
+from rosic.stores.memory import MemoryStore
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from typing import Any
+
+    from rosic.core.identity import CommandId
+    from rosic.core.record import Record
+    from rosic.core.robot import RobotId
+
+
+class LedgerStore(MemoryStore):
+    """A record in memory that can be read again as it was written.
+
+    Attributes:
+        claims, endings: Orders, by command.
+        refusals: Code of the reason, by command.
+        stops: By robot and generation.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.claims: dict[CommandId, Claimed] = {}
+        self.endings: dict[CommandId, str] = {}
+        self.refusals: dict[CommandId, str] = {}
+        self.stops: dict[tuple[RobotId, int], Stopped] = {}
+
+    async def write(self, *records: Record) -> None:
+        """Write, then note what it was."""
+        await super().write(*records)
+        self._look(records)
+
+    def keep(self, record: Record, then: Any) -> None:  # noqa: ANN401 - as the store has it
+        """Write at once, then note what it was."""
+        super().keep(record, then)
+        self._look((record,))
+
+    def note(self, *records: Record) -> None:
+        """Write some time, and note what it was."""
+        super().note(*records)
+        self._look(records)
+
+    def _look(self, records: tuple[Record, ...]) -> None:
+        for record in records:
+            if isinstance(record, Claimed):
+                self.claims[record.cid] = record
+            elif isinstance(record, Concluded):
+                self.endings[record.cid] = record.ending
+            elif isinstance(record, Refused):
+                self.refusals[record.cid] = record.code
+            elif isinstance(record, Stopped):
+                self.stops[record.robot, record.generation] = record
+
+    def lines(self, names: Mapping[str, str], robots: Mapping[str, str]) -> Iterator[str]:
+        """Yield what happened.
+
+        Args:
+            names: Of people, by principal.
+            robots: How each is shown.
+        """
+        ends = Counter(self.endings.get(cid, "not ended") for cid in self.claims)
+        told = ", ".join(f"{count} {ending}" for ending, count in sorted(ends.items()))
+        yield f"orders    {len(self.claims)} on the record: {told or 'none'}"
+        codes = Counter(self.refusals.values())
+        told = ", ".join(f"{count} {code}" for code, count in sorted(codes.items()))
+        yield f"refused   {len(self.refusals)}{f': {told}' if told else ''}"
+        stopped = dict.fromkeys(robots.get(stop.robot, stop.robot) for stop in self.stops.values())
+        yield f"stopped   {', '.join(stopped) or 'nobody'}"
+        for robot, shown in robots.items():
+            had = Counter(
+                names.get(claim.principal, "?")
+                for claim in self.claims.values()
+                if claim.robot == robot
+            )
+            if had:
+                whose = ", ".join(f"{name} ({count})" for name, count in had.items())
+                yield f"had by    {shown}: {whose}"

@@ -1,0 +1,60 @@
+"""What a play is made of."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rosic.core.roles import DEFAULT_ROLES, Rulebook
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from rosic.app.plays.stage import Stage
+    from rosic.core.robot import Profile
+    from rosic.robots.simulated.machines.clockwork import SteppedMachine
+
+RULES: Final = Rulebook(roles=DEFAULT_ROLES)
+
+
+class Person(NamedTuple):
+    """Somebody in a play, known by what they are there.
+
+    Attributes:
+        name: ``Ranger``; also the account.
+        role: Name of a role.
+    """
+
+    name: str
+    role: str = "operator"
+
+
+class Play(NamedTuple):
+    """One play.
+
+    Attributes:
+        name: As typed after ``rosic demo``.
+        about: One line.
+        people: Who takes part; whoever plays along is the first unless they say otherwise.
+        profiles: The robots.
+        machines: Those of them that the room of the six does not have anyway.
+        script: What happens.
+        hints: What somebody who plays along could try.
+        fellows: Robots that speak with each other, with the role ``fellow``.
+        rules: Roles and pre-emption.
+        lease_idle_s: How long a robot stays somebody's after their last order ended.
+    """
+
+    name: str
+    about: str
+    people: tuple[Person, ...]
+    profiles: Callable[[], tuple[Profile, ...]]
+    machines: Callable[[], tuple[SteppedMachine, ...]]
+    script: Callable[[Stage], Awaitable[None]]
+    hints: tuple[str, ...]
+    fellows: tuple[str, ...] = ()
+    rules: Rulebook = RULES
+    lease_idle_s: float = 20.0
+
+
+class OffScript(Exception):
+    """It did not go as written; the sentence says what was missing."""

@@ -1,0 +1,209 @@
+"""Plays a play: raises the curtain, follows the script, and says at the end what happened."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+from contextlib import asynccontextmanager
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.app.adapters import robot_factory
+from rosic.app.closing import close_in_time
+from rosic.app.face import face_of
+from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.painting import painter
+from rosic.app.people import Seed
+from rosic.app.plays.brisk import BriskClock
+from rosic.app.plays.curtain import Curtain
+from rosic.app.plays.ledger import LedgerStore
+from rosic.app.plays.play import OffScript
+from rosic.app.plays.seat import Seat
+from rosic.app.plays.stage import Chats, Stage
+from rosic.app.plays.voices import SpeakingRobot
+from rosic.app.profiles import known_units
+from rosic.app.quiet import until_quiet
+from rosic.core.identity import ROBOT, Address
+from rosic.messengers.terminal.messenger import is_terminal
+from rosic.robots.simulated.theatre import theatre_of
+from rosic.stores.latch import MemoryLatch
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from rosic.app.plays.play import Play
+    from rosic.contracts.adapter import RobotFactory
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+
+FAST: Final = 4.0
+CLOSE_WITHIN_S: Final = 15.0
+LINE_WITHIN_S: Final = 180.0
+
+
+class Wish(msgspec.Struct, frozen=True, kw_only=True):
+    """How somebody wants to see a play.
+
+    Attributes:
+        plain: No colours.
+        fast: Four times as fast.
+        scripted: Follow the script; False: only the newcomer acts.
+        stay: They may go on when the script has ended.
+        role: As whom they act; empty: as the first of the play.
+    """
+
+    plain: bool = False
+    fast: bool = False
+    scripted: bool = True
+    stay: bool = False
+    role: str = ""
+
+
+async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
+    """Play it. Return 0, or 1 if it did not go as written."""
+    if wish.fast:
+        clock = BriskClock(clock, FAST)
+    began_ns = clock.monotonic_ns()
+    colour = not wish.plain and is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
+    curtain = Curtain(
+        (person.name for person in told.people),
+        lambda: (clock.monotonic_ns() - began_ns) / 1e9,
+        colour=colour,
+    )
+    store, chats = LedgerStore(), Chats("phones", clock=clock)
+    chats.edits = chats.pins = False  # what was printed stays printed
+    seat = Seat(clock=clock, plain=wish.plain) if wish.stay or not wish.scripted else None
+    gateway = gateway_of(told, wish, store, (chats, seat), clock, entropy)
+    await gateway.open()
+    if seat is not None:
+        seat.know(gateway.rooms.profiles.values())
+        seat.pace = None if is_terminal(sys.stdin) else partial(_line_over, gateway, clock)
+    stage = Stage(told, gateway, chats, curtain, clock)
+    try:
+        curtain.title(f"rosic demo {told.name}: {told.about}")
+        async with _listening(gateway, seat) as over:
+            status = await _act(stage, wish, over)
+            if seat is not None and not over.done():
+                stage.muted.add(wish.role or told.people[0].name)  # they read it at their seat
+                await _sit_down(seat, told, wish, curtain, over)
+        curtain.title("What happened, by the record and by the robots")
+        took_s = (clock.monotonic_ns() - began_ns) / 1e9
+        curtain.plain("\n".join(stage.summary(store, took_s)))
+        return status
+    finally:
+        await close_in_time(gateway, CLOSE_WITHIN_S)
+
+
+async def _line_over(gateway: Gateway, clock: Clock) -> None:
+    """Wait until what a line of a script asked for has ended."""
+    await until_quiet(gateway, clock, seconds=LINE_WITHIN_S)
+
+
+async def _act(stage: Stage, wish: Wish, over: asyncio.Task[None]) -> int:
+    """Follow the script, unless somebody leaves first. Return the exit status."""
+    if not wish.scripted:
+        return 0
+    script = asyncio.ensure_future(stage.play.script(stage))
+    try:
+        await asyncio.wait((script, over), return_when=asyncio.FIRST_COMPLETED)
+        if not script.done():
+            over.result()
+            return 0
+        script.result()
+        await stage.quiet()
+    except OffScript as odd:
+        stage.aside(f"This did not go as written. {odd}")
+        return 1
+    finally:
+        script.cancel()
+        await asyncio.gather(script, return_exceptions=True)
+    return 0
+
+
+async def _sit_down(
+    seat: Seat, told: Play, wish: Wish, curtain: Curtain, over: asyncio.Task[None]
+) -> None:
+    """Let the newcomer type until they leave."""
+    who = wish.role or told.people[0].name
+    curtain.title(f"You are: {who}. Try, for example:")
+    curtain.plain("\n".join(f"  {hint}" for hint in told.hints))
+    curtain.plain("Also: status, help. Ctrl-D leaves.")
+    seat.taken.set()
+    await over
+
+
+@asynccontextmanager
+async def _listening(gateway: Gateway, seat: Seat | None) -> AsyncIterator[asyncio.Task[None]]:
+    """Let the gateway listen while inside; the task ends when somebody leaves or a signal comes."""
+    ended = asyncio.Event() if seat is None else seat.ended
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        loop.add_signal_handler(number, ended.set)
+    listening = asyncio.create_task(gateway.run())
+    over = asyncio.create_task(_first(listening, ended))
+    try:
+        yield over
+    finally:
+        for task in (over, listening):
+            task.cancel()
+        await asyncio.gather(over, listening, return_exceptions=True)
+
+
+async def _first(listening: asyncio.Task[None], ended: asyncio.Event) -> None:
+    ending = asyncio.create_task(ended.wait())
+    await asyncio.wait((listening, ending), return_when=asyncio.FIRST_COMPLETED)
+    ending.cancel()
+    if listening.done():
+        listening.result()
+
+
+def gateway_of(
+    told: Play, wish: Wish, store: LedgerStore, ends: tuple[Chats, Seat | None], clock: Clock,
+    entropy: Entropy,
+) -> Gateway:  # fmt: skip
+    """Make the gateway of a play, and put its machines into the world of that clock."""
+    chats, seat = ends
+    world = theatre_of(clock).world
+    for machine in told.machines():
+        world.add(machine)
+    sitting = wish.role or told.people[0].name
+    people = [
+        Seed(
+            name=person.name,
+            addresses=(
+                Address(chats.platform, person.name),
+                *((Address(seat.platform, seat.account),)
+                  if seat is not None and person.name == sitting else ()),
+            ),
+            roles=(person.role,),
+        )
+        for person in told.people
+    ]  # fmt: skip
+    people += [Seed(robot, (Address(ROBOT, robot),), ("fellow",)) for robot in told.fellows]
+    settings = Settings(
+        profiles=told.profiles(),
+        people=tuple(people),
+        rulebook=told.rules,
+        place="play",
+        lease_idle_s=told.lease_idle_s,
+    )
+    parts = Parts(
+        messengers=(chats,) if seat is None else (chats, seat),
+        robot_factory=_speaking if told.fellows else robot_factory,
+        store=store,
+        latch=MemoryLatch(),
+        clock=clock,
+        entropy=entropy,
+        units=known_units(),
+        face=face_of(),
+        painter=painter(),
+    )
+    return Gateway(settings, parts)
+
+
+def _speaking(_kind: str) -> RobotFactory:
+    return SpeakingRobot

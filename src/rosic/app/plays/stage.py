@@ -1,0 +1,201 @@
+"""Where a play is played: a real gateway, simulated robots, people who are method calls."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final, TypeVar
+
+from rosic.app.operating import Operating
+from rosic.app.plays.play import OffScript
+from rosic.app.plays.voices import SpeakingRobot
+from rosic.app.quiet import until_quiet
+from rosic.messengers.memory import MemoryMessenger
+from rosic.robots.simulated.theatre import theatre_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from rosic.app.gateway import Gateway
+    from rosic.app.plays.curtain import Curtain
+    from rosic.app.plays.ledger import LedgerStore
+    from rosic.app.plays.play import Play
+    from rosic.contracts.clock import Clock
+    from rosic.core.message import Button, Outbound
+    from rosic.robots.simulated.machines.world import World
+
+Found = TypeVar("Found")
+
+WITHIN_S: Final = 45.0
+"""On the play's clock. Nothing in a play takes half as long."""
+BEAT_S: Final = 0.8
+LOOK_S: Final = 0.05
+# An order's way is told step by step; its beginning and its end are enough for an onlooker.
+STEP: Final = re.compile(r"[^:\n]+: (sent|received by the robot|[^:\n]+ \d+ %)")
+
+
+class Chats(MemoryMessenger):
+    """The people's phones; what they are told is handed on as it is shown.
+
+    Attributes:
+        shows: Called with each message.
+    """
+
+    shows: Callable[[str, Outbound], None] | None = None
+
+    async def send(self, outbound: Outbound) -> str:
+        """Show a message."""
+        message = await super().send(outbound)
+        if self.shows is not None:
+            self.shows(message, outbound)
+        return message
+
+
+class Stage:
+    """What a script may do, and what it waits for.
+
+    Attributes:
+        gateway: Open and running.
+        muted: Who is not shown: the rest of a class.
+    """
+
+    def __init__(
+        self, play: Play, gateway: Gateway, chats: Chats, curtain: Curtain, clock: Clock
+    ) -> None:
+        self.play = play
+        self.gateway = gateway
+        self.muted: set[str] = set()
+        self._chats = chats
+        self._curtain = curtain
+        self._clock = clock
+        self._told: list[tuple[str, str, Outbound]] = []
+        self._since: dict[str, int] = {}
+        chats.shows = self._shows
+
+    def _shows(self, message: str, outbound: Outbound) -> None:
+        who = outbound.chat.id
+        self._told.append((who, message, outbound))
+        if who not in self.muted and STEP.fullmatch(outbound.text) is None:
+            self._curtain.told(who, outbound)
+
+    # ---- people ----
+
+    async def says(self, who: str, text: str, *, hears: str = "") -> str:
+        """Have somebody write something; wait until they are told what is expected.
+
+        Raises:
+            OffScript: They were not.
+        """
+        if who not in self.muted:
+            await self.beat()
+            self._curtain.says(who, text)
+        self._since[who] = len(self._told)
+        self._chats.say(text, account=who, chat=who)
+        return await self.hears(who, hears) if hears else ""
+
+    async def taps(self, who: str, label: str, *, hears: str = "") -> str:
+        """Have somebody tap the newest button of that label, and wait likewise.
+
+        Raises:
+            OffScript: There is no such button, or they were not told.
+        """
+        button, under = await self._button(who, label)
+        await self.beat()
+        self._curtain.says(who, f"[ {label} ]")
+        self._since[who] = len(self._told)
+        self._chats.tap(button, under=under, account=who)
+        return await self.hears(who, hears) if hears else ""
+
+    async def _button(self, who: str, label: str) -> tuple[Button, str]:
+        def look() -> tuple[Button, str] | None:
+            for reader, message, outbound in reversed(self._told):
+                for button in (b for row in outbound.buttons for b in row):
+                    if reader == who and button.label == label:
+                        return button, message
+            return None
+
+        return await self.until(look, f"{who} saw no button {label!r}")
+
+    async def hears(self, who: str, text: str, *, within_s: float = WITHIN_S) -> str:
+        """Wait until somebody reads something since they last spoke; return the message.
+
+        Raises:
+            OffScript: They did not.
+        """
+        since = self._since.get(who, 0)
+
+        def look() -> str | None:
+            told = self._told[since:]
+            return next((o.text for name, _, o in told if name == who and text in o.text), None)
+
+        return await self.until(look, f"{who} was not told {text!r}", within_s=within_s)
+
+    def readers(self, text: str) -> list[str]:
+        """Return who was told something, in order."""
+        return [who for who, _, outbound in self._told if text in outbound.text]
+
+    # ---- everything else ----
+
+    def aside(self, text: str) -> None:
+        """Say what an onlooker sees."""
+        self._curtain.aside(text)
+
+    async def beat(self, seconds: float = BEAT_S) -> None:
+        """Let people read."""
+        await self._clock.sleep(seconds)
+
+    async def quiet(self) -> None:
+        """Wait until nothing is under way.
+
+        Raises:
+            OffScript: Something is, after very long.
+        """
+        if not await until_quiet(self.gateway, self._clock, seconds=WITHIN_S):
+            raise OffScript("Something is still under way.")
+
+    async def until(
+        self, look: Callable[[], Found | None], sentence: str, within_s: float = WITHIN_S
+    ) -> Found:
+        """Wait until something is found, and return it.
+
+        Raises:
+            OffScript: With the sentence: it was not.
+        """
+        end_ns = self._clock.monotonic_ns() + int(within_s * 1e9)
+        while not (found := look()):
+            if self._clock.monotonic_ns() > end_ns:
+                raise OffScript(f"{sentence}.")
+            await self._clock.sleep(LOOK_S)
+        return found
+
+    @property
+    def world(self) -> World:
+        """Where the machines are, for breaking them."""
+        return theatre_of(self._clock).world
+
+    def robot(self, name: str) -> SpeakingRobot:
+        """Return a robot that speaks."""
+        found = self.gateway.robots[name]
+        assert isinstance(found, SpeakingRobot)  # noqa: S101 - the play says so
+        return found
+
+    # ---- the end ----
+
+    def summary(self, record: LedgerStore, took_s: float) -> Iterator[str]:
+        """Yield what happened, from the record and from the robots."""
+        rooms = self.gateway.rooms
+        yield f"took      {took_s:.0f} s"
+        directory = rooms.authoriser.directory
+        known = [p for person in self.play.people for p in directory.named(person.name)]
+        names = {person.id: person.name for person in known}
+        robots = {robot: profile.shown for robot, profile in rooms.profiles.items()}
+        yield from record.lines(names, robots)
+        yield from self._tasks()
+        yield "robots now"
+        yield from (f"  {line}" for line in Operating(self.gateway).status())
+
+    def _tasks(self) -> Iterator[str]:
+        fleet = self.gateway.furnishing.fleet
+        for task in fleet.dispatching.fleet.tasks.values():
+            steps = f"{task.done} of {task.steps} steps done"
+            moved = f", moved {task.moves} time{'s' * (task.moves != 1)}" if task.moves else ""
+            yield f"task {task.id:<5}{task.state.name.lower()}, {steps}{moved}"

@@ -1,0 +1,89 @@
+"""Robots among themselves: a search with drones and rovers (Algorithm 5)."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
+
+from rosic.app.plays.play import Person, Play
+from rosic.app.plays.props import several, shipped
+from rosic.core.roles import DEFAULT_ROLES, Role, Rulebook
+from rosic.robots.simulated.machines.afield import Rover
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.app.plays.stage import Stage
+    from rosic.app.plays.voices import SpeakingRobot
+
+LEADER: Final = "Search leader"
+DRONES: Final = ("cf1", "cf2", "cf3")
+ROVERS: Final = ("rover1", "rover2")
+FELLOW: Final = Role(scopes=("*:share", "*:ask", "*:help", "*:read"))
+FAR: Final = "goto x=2.5 y=0"
+
+
+async def _script(stage: Stage) -> None:
+    for name in ROVERS:
+        stage.robot(name).reacts = partial(_helps, stage.robot(name))
+    stage.aside("A search leader has three drones in the air and two rovers on the ground.")
+    await stage.says(LEADER, "crazyflies takeoff 1 m")
+    for drone in DRONES:
+        await stage.until(partial(_high, stage, drone), f"{drone} is not up")
+    await stage.says(LEADER, "crazyflies formation triangle spacing=0.8 m", hears="accepted")
+    stage.robot("cf1").says("share", topic="seen", data={"x": 2.5, "y": 0.0, "what": "a coat"})
+    await stage.says(LEADER, "/shared cf1", hears="coat")
+    stage.aside("A drone has shared what it saw. Somebody on the ground has to have a look.")
+    await stage.says(LEADER, f"/task rovers {FAR}", hears="Task 1: ")
+    tasks = stage.gateway.furnishing.fleet.dispatching.fleet.tasks
+    first = await stage.until(lambda: tasks["1"].robot, "Task 1 did not begin")
+    stage.aside(f"The ground gives way under {_shown(stage, first)}. It asks for help itself.")
+    _rover(stage, first).mud = True
+    await stage.hears(LEADER, "has failed at it")
+    stage.robot(first).says("help", what="stuck in the mud")
+    await stage.hears(LEADER, "asks for help: stuck in the mud")
+    await stage.hears(LEADER, f"helps {_shown(stage, first)}")
+    await stage.hears(LEADER, "goes on with it")
+    await stage.says(LEADER, "/fleet rovers", hears="at work")
+    stage.aside("That is enough for the leader. One word, and everything comes to rest.")
+    await stage.says(LEADER, "stop", hears="at rest")
+    await stage.hears(LEADER, "Crazyflie 3")
+    await stage.hears(LEADER, "Task 1")
+    await stage.says(LEADER, "/task cancel 1", hears="cancelled")
+
+
+def _helps(robot: SpeakingRobot, told: Mapping[str, Any]) -> None:
+    """Do what a rover's own nodes do: whoever hears a call accepts it."""
+    if told["kind"] == "help":
+        robot.says("accept", id=told["id"])
+
+
+def _high(stage: Stage, drone: str) -> bool:
+    presence = stage.gateway.rooms.linker.presence(drone)
+    return float(presence.values.get("z", 0.0)) > 0.95 and not presence.doing  # noqa: PLR2004 - m
+
+
+def _rover(stage: Stage, name: str) -> Rover:
+    machine = stage.world.machines[name]
+    assert isinstance(machine, Rover)  # noqa: S101 - the play put it there
+    return machine
+
+
+def _shown(stage: Stage, robot: str) -> str:
+    return stage.gateway.rooms.profiles[robot].shown
+
+
+SWARM: Final = Play(
+    name="swarm",
+    about="a search with drones in the air and rovers on the ground",
+    people=(Person(LEADER, "admin"),),
+    profiles=lambda: (*shipped(*DRONES), *several("rover", ((), ()))),
+    machines=lambda: tuple(
+        Rover(name, (0.0, 0.5 - at, 0.0)) for at, name in enumerate(ROVERS)
+    ),
+    script=_script,
+    hints=("crazyflies takeoff 1 m", "crazyflies formation line", "rovers goto x=1 y=0",
+           "/assist", "stop"),
+    fellows=(*DRONES, *ROVERS),
+    rules=Rulebook(roles={**DEFAULT_ROLES, "fellow": FELLOW}),
+)  # fmt: skip

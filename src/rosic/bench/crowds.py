@@ -1,0 +1,169 @@
+"""Whether a gateway minds how many robots and people there are: the same commands over ever more.
+
+Each size runs in a process of its own, robots and people in others; see `rosic.bench.many`.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from itertools import chain
+from statistics import median
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.bench.many import Plan, Seen
+from rosic.bench.report import Case, case_of, quantile
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+SIZES, QUICK_SIZES = (10, 100, 1_000, 5_000), (10, 200)
+PEOPLE = (500, 1)
+PER_S = 200
+RUNS = 2
+WITHIN_S = 170.0
+METHOD = (
+    "Robots in memory report once a second and say five times a second that they live, over a "
+    "socket, from a process of their own. People send {per_s} commands a second in all, whatever "
+    "their number, from another; hardly any is said twice. Each size in a fresh process, {runs} "
+    "runs, median. A command: from its sending until its author is told that it is done; median of "
+    "the seconds. Flat "
+    "out: 50 at a time, nobody reporting; its cost is processor time, less that of the quiet "
+    "gateway. A report: what one message of a robot costs while many wait. Stop: from its "
+    "receipt until the last adapter has it. A robot's memory is that of the whole process beyond "
+    "the smallest. The robots' process takes {robots_share:.1%} of a processor for {most} robots, "
+    "the people's {people_share:.1%}; neither is counted. Seen: {seen}"
+)
+SEEN = (
+    "p99 at {large} robots is {p99:.2f} times that at {small}; a command costs {command:.2f} times "
+    "and a report {report:.2f} times as much at {most} as at {small}."
+)
+
+
+class Crowded(Case, frozen=True, kw_only=True):
+    """One thing seen at one size.
+
+    Attributes:
+        cpu_us: Processor time of one command, or of one robot a second with all it says and all
+            that looks after it.
+        start_s: How long a gateway takes to open.
+        refused: Commands that came to nothing: somebody else's had just begun.
+    """
+
+    cpu_us: float | None = None
+    start_s: float | None = None
+    refused: int | None = None
+
+    def beside(self) -> Iterator[str]:
+        """Yield what a table says besides."""
+        yield from super().beside()
+        if self.cpu_us is not None:
+            yield f"{self.cpu_us:.1f} us of processor each"
+        if self.start_s is not None:
+            yield f"open in {self.start_s:.2f} s"
+        if self.refused:
+            yield f"{self.refused} refused"
+
+
+def look(plan: Plan) -> Seen:
+    """See one size, in a process of its own."""
+    ran = subprocess.run(  # noqa: S603 - ourselves
+        [sys.executable, "-m", "rosic.bench.many", msgspec.json.encode(plan).decode()],
+        stdout=subprocess.PIPE, check=True, timeout=WITHIN_S,
+    )  # fmt: skip
+    return msgspec.json.decode(ran.stdout, type=Seen)
+
+
+def plans(*, quick: bool) -> tuple[Plan, ...]:
+    """Return what is looked at."""
+    if quick:
+        return tuple(Plan(n, PEOPLE[:1], PER_S, 0.2, 0.3, 1, 500) for n in QUICK_SIZES)
+    return tuple(Plan(n, PEOPLE, PER_S, 1.0, 2.0, 4, 4_000) for n in SIZES)
+
+
+def measure(*, quick: bool) -> tuple[str, list[Case]]:
+    """Return how it is measured, and what was seen."""
+    runs = 1 if quick else RUNS
+    sizes = plans(quick=quick)
+    rounds = [[look(plan) for plan in sizes] for _ in range(runs)]  # slow moments hit all alike
+    found = [list(same) for same in zip(*rounds, strict=True)]
+    smallest = found[0]
+    cases = [list(cases_of(seen, smallest)) for seen in found]
+    most = found[-1]
+    method = METHOD.format(
+        per_s=PER_S, runs=runs, most=sizes[-1].robots, seen=compared(found),
+        robots_share=median(s.robots_sent.cpu_s / s.robots_sent.seconds for s in most),
+        people_share=median(s.people_sent[0].cpu_s / s.people_sent[0].seconds for s in most),
+    )  # fmt: skip
+    return method, list(chain.from_iterable(cases))
+
+
+def compared(found: Sequence[Sequence[Seen]]) -> str:
+    """Return in a sentence how the sizes compare."""
+    small, most = found[0], found[-1]
+    large = min(found, key=lambda seen: abs(seen[0].robots - 1_000))
+    return SEEN.format(
+        small=small[0].robots, large=large[0].robots, most=most[0].robots,
+        p99=p99_ns(large) / p99_ns(small),
+        command=flat_out_us(most) / flat_out_us(small),
+        report=_each(most) / _each(small),
+    )  # fmt: skip
+
+
+def p99_ns(runs: Sequence[Seen]) -> float:
+    """Return the latency of commands, of all who command."""
+    seconds = (ns for seen in runs for commanded in seen.commanded for ns in commanded.latencies_ns)
+    return median(quantile(ns, 0.99) for ns in seconds)
+
+
+def flat_out_us(runs: Iterable[Seen]) -> float:
+    """Return what a command costs, less what the gateway costs anyway."""
+    return median(
+        (flat.cpu_s - seen.quiet * flat.seconds) * 1e6 / len(flat.latencies_ns[0])
+        for seen in runs
+        for flat in seen.flat_out
+    )
+
+
+def robot_us(seen: Seen) -> float:
+    """Return what one robot costs a second: its messages, and being looked after."""
+    return seen.fed_cpu_s / seen.fed_s / seen.robots * 1e6
+
+
+def _each(runs: Iterable[Seen]) -> float:
+    return median(median(seen.burst_ns) for seen in runs)
+
+
+def cases_of(runs: Sequence[Seen], smallest: Sequence[Seen]) -> Iterator[Case]:
+    """Yield what was seen of one size."""
+    name = f"{runs[0].robots} robots"
+    for several in zip(*(seen.commanded for seen in runs), strict=True):
+        case = case_of(
+            f"{name}, {several[0].people} commanding: a command",
+            [(len(second), second) for c in several for second in c.latencies_ns],
+        )
+        yield _crowded(case, refused=sum(c.refused for c in several))
+    flat = [stretch for seen in runs for stretch in seen.flat_out]
+    case = case_of(
+        f"{name}: a command, flat out",
+        [(len(f.latencies_ns[0]) / f.seconds, f.latencies_ns[0]) for f in flat],
+    )
+    yield _crowded(case, cpu_us=round(flat_out_us(runs), 1))
+    burst = [(1e9 / median(seen.burst_ns), seen.burst_ns) for seen in runs]
+    case = case_of(f"{name}: a report", burst)
+    more = runs[0].robots - smallest[0].robots
+    rss = median(s.rss_bytes for s in runs) - median(s.rss_bytes for s in smallest)
+    yield _crowded(
+        case,
+        cpu_us=round(median(map(robot_us, runs)), 1),
+        start_s=round(median(seen.start_s for seen in runs), 2),
+        bytes_each=round(rss / more) if more else None,
+    )
+    stops = [(1e9 / median(seen.stops_ns), seen.stops_ns) for seen in runs]
+    yield case_of(f"{name}: stop", stops)
+
+
+def _crowded(case: Case, **more: float | None) -> Crowded:
+    return Crowded(**(msgspec.structs.asdict(case) | more))

@@ -1,0 +1,45 @@
+"""What a rule about alarms does with the task that its robot has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.fleet import events as e
+from rosic.core.fleet.task import Why
+from rosic.errors import RobotBusy
+from rosic.pipeline.alerts import words_alerts as words
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.rooms import Rooms
+
+
+class RuleTasks:
+    """Pauses a task, or takes it to another robot. See ``alerts.running.Tasks``."""
+
+    def __init__(self, rooms: Rooms, dispatching: Dispatching) -> None:
+        self._rooms = rooms
+        self._dispatching = dispatching
+
+    async def pause(self, robot: RobotId, by: PrincipalId, why: str) -> bool:  # noqa: ARG002 - a contract
+        """Hold the task; the robot comes to rest. False: it has none."""
+        key = self._dispatching.fleet.holds.get(robot)
+        if key is None:
+            return False
+        return await self._dispatching.feed(e.Held(key, Why.PAUSED))
+
+    async def reallocate(self, robot: RobotId, by: PrincipalId, why: str) -> None:  # noqa: ARG002 - a contract
+        """Let the task leave this robot, as if it were late there; another is chosen for it.
+
+        Raises:
+            RobotBusy: It has none, or the task is bound to it.
+        """
+        fleet = self._dispatching.fleet
+        key = fleet.holds.get(robot)
+        task = None if key is None else fleet.tasks[key]
+        if task is None or not await self._dispatching.feed(
+            e.Deviated(task.id, task.attempt, Why.LATE), happened=True
+        ):
+            raise RobotBusy(words.no_tasks(self._rooms.profiles[robot].shown))

@@ -1,0 +1,39 @@
+"""Looks at every robot again and again, a few at a time: what people send passes in between.
+
+A look at five thousand robots at once takes as long as a stop may. In parts it takes as long in
+all, and nobody waits longer for it than in a place with fifty.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, TypeVar
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
+    from rosic.contracts.clock import Clock
+
+T = TypeVar("T")
+
+AT_ONCE: Final = 50
+
+
+async def go_round(
+    clock: Clock, every_s: float, things: Iterable[T], look: Callable[[Sequence[T]], None]
+) -> None:
+    """Look at all of them once in so long, evenly spread over that time, until cancelled.
+
+    A round that could not be made in time is not made up for. Without anything to look at it
+    ends at once.
+    """
+    all_ = tuple(things)
+    parts = [all_[at : at + AT_ONCE] for at in range(0, len(all_), AT_ONCE)]
+    due_ns = clock.monotonic_ns()
+    while parts:
+        for part in parts:
+            look(part)
+            due_ns += int(every_s * 1e9) // len(parts)
+            left_ns = due_ns - clock.monotonic_ns()
+            if left_ns < -int(every_s * 1e9):
+                due_ns -= left_ns
+            await clock.sleep(max(0, left_ns) / 1e9)

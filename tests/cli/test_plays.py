@@ -1,0 +1,147 @@
+"""The plays of `rosic demo NAME`: each ends by itself, and its summary is what really happened."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.app.plays.brisk import BriskClock
+from rosic.app.plays.play import OffScript
+from rosic.app.plays.playing import Wish, play
+from rosic.app.plays.repertoire import NAMES, play_named
+from rosic.robots.simulated.theatre import theatre_of
+from rosic.system import SystemClock, SystemEntropy
+from tests.cli.running import ROSIC, Ran, environment, rosic
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.app.plays.stage import Stage
+
+WITHIN_S = 300.0
+SUMMARY = "What happened, by the record and by the robots\n"
+PLACE = re.compile(r"^  (?P<shown>.+?): .* x (?P<x>-?[\d.]+) m · y (?P<y>-?[\d.]+) m", re.MULTILINE)
+
+
+@pytest.fixture(scope="module")
+def ran() -> Iterator[dict[str, Ran]]:
+    """Run every play at once, four times as fast, as a person does."""
+    running = {
+        name: subprocess.Popen(  # noqa: S603 - our own command
+            [*ROSIC, "demo", name, "--plain", "--fast"],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            text=True, env=environment(),
+        )
+        for name in NAMES
+    }  # fmt: skip
+    try:
+        ended = {}
+        for name, process in running.items():
+            out, err = process.communicate(timeout=WITHIN_S)
+            ended[name] = Ran(process.returncode, out, err)
+        yield ended
+    finally:
+        for process in running.values():
+            process.kill()
+            process.wait()
+
+
+@pytest.mark.limit(400)
+@pytest.mark.parametrize("name", NAMES)
+def test_a_play_ends_by_itself_and_sums_up_what_was_told(ran: dict[str, Ran], name: str) -> None:
+    status, out, err = ran[name]
+    assert (status, err) == (0, ""), out
+    assert "\x1b" not in out
+    told, _, summary = out.partition(SUMMARY)
+    assert "did not go as written" not in out
+    assert int(number(r"orders +(\d+)", summary)) == told.count(": accepted")
+    for ending, words in (("done", r": done \d\d:"), ("cancelled", ": stopped before it ended ")):
+        found = re.search(rf"(\d+) {ending}", summary.splitlines()[1])
+        assert int(found[1] if found else 0) == len(re.findall(words, told)), ending
+    assert "doing" not in summary, "nothing moves any more"
+    assert summary.count(": at rest · ") + summary.count(": stopped by ") == robots(name)
+
+
+def robots(name: str) -> int:
+    return len(play_named(name).profiles())
+
+
+def number(pattern: str, text: str) -> str:
+    found = re.search(pattern, text)
+    assert found, text
+    return found[1]
+
+
+def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
+    forest, lesson, fleet, shift, swarm = (ran[name].out for name in NAMES)
+    assert "recalibrated; the sensor was -24.0 °C off" in forest
+    assert "ALARM · Forest watch: It is hotter here than a forest should be." in forest
+    assert re.search(r"\(watch\.jpg, \d+ kB\)", forest)
+
+    assert "19 robot-taken" in lesson
+    assert "Student 1 (1), Student 2 (1), Teacher (1)" in lesson
+    assert "You can have it then." in lesson
+
+    assert "moved 1 time\n" in fleet
+    assert fleet.count("moved 1 time") == 1
+    assert fleet.count("The task goes to another robot. 1 of 2 steps are done and stay so.") == 1
+
+    assert "had by    Carrier 1: North manager (1), Night manager (2)" in shift
+
+    assert "Rover 2 helps Rover 1 (stuck in the mud)." in swarm
+    assert "stopped   Crazyflie 1, Crazyflie 2, Crazyflie 3, Rover 1, Rover 2" in swarm
+    assert swarm.partition(SUMMARY)[2].count("z 0.00 m") == 3
+
+
+@pytest.mark.limit(300)
+async def test_the_summary_is_where_the_machines_are(capsys: pytest.CaptureFixture[str]) -> None:
+    clock = BriskClock(SystemClock(), 8.0)
+    assert await play(play_named("shift"), Wish(plain=True), clock, SystemEntropy()) == 0
+    machines = theatre_of(clock).world.machines
+    summary = capsys.readouterr().out.partition(SUMMARY)[2]
+    seen = {found["shown"]: (found["x"], found["y"]) for found in PLACE.finditer(summary)}
+    assert len(seen) == 3
+    for shown, (x, y) in seen.items():
+        told = machines[shown.casefold().replace(" ", "")].telemetry()
+        assert abs(float(x) - float(told["x_m"])) < 0.01
+        assert abs(float(y) - float(told["y_m"])) < 0.01
+
+
+@pytest.mark.limit(300)
+async def test_a_play_that_goes_wrong_says_so_and_fails(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    async def script(stage: Stage) -> None:
+        await stage.says("Ranger", "watch goto x=0.1 y=0", hears="done ")
+        raise OffScript("Nobody came.")
+
+    odd = play_named("one-to-one")._replace(script=script)
+    clock = BriskClock(SystemClock(), 8.0)
+    assert await play(odd, Wish(plain=True), clock, SystemEntropy()) == 1
+    out = capsys.readouterr().out
+    assert "This did not go as written. Nobody came." in out
+    assert "orders    1 on the record: 1 done" in out
+
+
+@pytest.mark.limit(300)
+def test_a_newcomer_acts_as_somebody_with_their_rights() -> None:
+    lines = "carrier1 goto x=0.2 y=0\ncarrier3 goto x=0.2 y=-0.6\n"
+    done = rosic(
+        "demo", "shift", "--interactive", "--as", "south manager", "--plain", "--fast", stdin=lines
+    )
+    assert (done.status, done.err) == (0, "")
+    assert "You are: South manager." in done.out
+    assert 'I do not know "carrier1".' in done.out
+    assert "orders    1 on the record: 1 done" in done.out
+    assert "had by    Carrier 3: South manager (1)" in done.out
+
+
+def test_who_and_what_is_unknown_is_said() -> None:
+    wrong = rosic("demo", "fleet", "--as", "the cat")
+    assert (wrong.status, wrong.out) == (2, "")
+    assert "Nobody in this play is called 'the cat'. There are: Manager." in wrong.err
+    assert rosic("demo", "opera").status == 2
+    assert "say which play" in rosic("demo", "--fast").err
