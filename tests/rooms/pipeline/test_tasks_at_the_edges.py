@@ -16,6 +16,7 @@ from rosic.pipeline.fleet.clerks import OF_ONE_AT_MOST
 from rosic.pipeline.fleet.words_fleet import ERASED
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import BO, BrokenStore, SlowStore
+from tests.rooms.pipeline.test_missions import lab
 from tests.rooms.pipeline.test_tasks import WAREHOUSE, heard, later, tasks, warehouse, worker
 
 SECOND_NS = 1_000_000_000
@@ -244,3 +245,48 @@ async def test_a_robot_is_taken_out_of_the_fleet_although_nothing_can_be_written
         store.broken = False
         assert "so it stays stopped" in await here.say("resume w1")
         assert here.gateway.rooms.board["w1"].latched
+
+
+async def test_times_of_missions_outlast_a_disk_that_was_full() -> None:
+    store = BrokenStore()
+    async with lab(store).open() as here:
+        await here.say("/mission start loud in 1 min")
+        await here.say("/mission start loud in 3 min", account=BO, chat=BO)
+        store.broken = True
+        await heard(here, 90)
+        assert here.acted("w1") == 0
+        store.broken = False
+        await heard(here, 5)
+        assert here.acted("w1") == 1
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here, 120)
+        assert here.acted("w1") == 2
+
+
+async def test_a_time_that_is_taken_back_as_it_comes_begins_nothing() -> None:
+    store = SlowStore(Fact)
+    store.ready.set()
+    async with lab(store).open() as here:
+        await here.say("/mission start loud every day 8:00")
+        timetable = here.gateway.furnishing.fleet._timetable
+        wait_ns = (timetable.next_ns(timetable.plans["1"]) or 0) - here.clock.wall_ns()
+        store.ready.clear()
+        here.chat.say("/mission off 1")
+        await here.quiet()
+        here.clock.jump_wall(wait_ns / 1e9)
+        await heard(here, 2)
+        store.ready.set()
+        await heard(here, 3)
+        assert not timetable.plans
+        assert not tasks(here)
+
+
+async def test_two_people_at_once_plan_two_times() -> None:
+    store = SlowStore(Fact)
+    async with lab(store).open() as here:
+        here.chat.say("/mission start loud in 1 min")
+        here.chat.say("/mission start loud in 2 min", account=BO, chat=BO)
+        await here.quiet()
+        store.ready.set()
+        await heard(here)
+        assert len(here.gateway.furnishing.fleet._timetable.plans) == 2

@@ -281,18 +281,18 @@ class MissionClerk:
         when = read_when(f"{said} 1 min", now_ns, self._zone.local)
         if isinstance(when, Misunderstood):
             raise NotUnderstood(when.sentence)
-        if len(timetable.plans) >= PLANS_AT_MOST:
-            raise TooManyRequests(words.too_many_times(PLANS_AT_MOST), retry_after_s=60.0)
         who = asked.caller.principal
         plan = Plan(mission.name, who, when.start, when.rrule, now_ns)
         at_ns = timetable.next_ns(plan)
         if at_ns is None:
             raise OutOfBounds(words.NEVER)
-        key = timetable.next_key()
         decided = Decided(
             act="mission-time", by=who, about=mission.name, at_ns=now_ns, digest=asked.cid
         )
         async with self._changes.turn() as turn:
+            if len(timetable.plans) >= PLANS_AT_MOST:
+                raise TooManyRequests(words.too_many_times(PLANS_AT_MOST), retry_after_s=60.0)
+            key = timetable.next_key()
             await turn.write((decided, timetable.fact(key, plan, where)))
         timetable.look()
         moment = self._rooms.organiser.moment(who, at_ns)
