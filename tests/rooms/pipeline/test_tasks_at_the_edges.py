@@ -12,6 +12,7 @@ from rosic.core.fleet.task import State
 from rosic.core.order import Ending
 from rosic.core.record import Claimed, Concluded, Fact
 from rosic.core.robot import Busy
+from rosic.pipeline.fleet.by_rule import RuleTasks
 from rosic.pipeline.fleet.clerks import OF_ONE_AT_MOST
 from rosic.pipeline.fleet.words_fleet import ERASED
 from rosic.stores.memory import MemoryStore
@@ -290,3 +291,15 @@ async def test_two_people_at_once_plan_two_times() -> None:
         store.ready.set()
         await heard(here)
         assert len(here.gateway.furnishing.fleet._timetable.plans) == 2
+
+
+async def test_a_rule_brings_a_robot_to_rest_although_nothing_can_be_written() -> None:
+    store = BrokenStore()
+    async with warehouse(store).open() as here:
+        await here.say("/task w1 wave")
+        store.broken = True
+        rules = RuleTasks(here.gateway.rooms, here.gateway.furnishing.fleet.dispatching)
+        assert await rules.pause("w1", "somebody", "it is too warm")
+        await heard(here)
+        assert not here.robot("w1").presence().doing
+        assert tasks(here)["1"].state is State.PAUSED
