@@ -58,7 +58,7 @@ def fellowship_of(gateway: Gateway, parts: Parts, teller: Teller, memory: Memory
     fellowship.restore(memory.facts)
     AmongClerk(fellowship, rooms).employ(gateway.pipeline.reception.office)
     fleet = gateway.furnishing.fleet
-    circle.desk.tasks = Assisting(rooms, fleet.dispatching)
+    circle.desk.tasks = Assisting(rooms, fleet.dispatching, fleet.watching)
     gateway.holding.also_ends.append(post.end_all)
     gateway.holding.also_ended.append(fleet.dispatching.ended)
     fleet.watching.engaged = book.engages

@@ -77,12 +77,18 @@ def read_profile(path: Path | str, units: UnitTable | None = None, *, link: str 
     if link:
         _reach_by(source.data, link)
     walker = Walker(source, profile_rules(known_units() if units is None else units))
-    walker.check(source.data, inspect.type_info(Profile), ())
+    walker.check(source.data, _form(), ())
     if walker.errors:
         return Read(None, walker.errors, [])
     profile = _with_skill_ids(msgspec.convert(source.data, Profile))
     better = [source.error(*finding) for finding in advice(profile)]
     return Read(profile, [], better)
+
+
+@cache
+def _form() -> inspect.Type:
+    """Return what a profile must look like; worked out once, as that takes a while."""
+    return inspect.type_info(Profile)
 
 
 @cache
@@ -126,11 +132,13 @@ def fleet_findings(profiles: Sequence[Profile], units: UnitTable) -> Iterator[Fi
     # Who clashes is found by adding one after another: slow for a fleet, so only where it must be.
     apart = not clash(list({profile.id: profile for profile in reversed(profiles)}.values()), units)
     known: list[Profile] = []
+    ids: set[str] = set()
     for index, profile in enumerate(profiles):
         place: Place = ("robot", index, "profile")
-        if any(profile.id == other.id for other in known):
+        if profile.id in ids:
             yield Finding(place, f"Two robots are called {profile.id!r}.", "Give one another id.")
             continue
+        ids.add(profile.id)
         known.append(profile)
         fault = "" if apart else clash(known, units)
         if fault:

@@ -37,7 +37,8 @@ METHOD = (
     "the people's {people_share:.1%}; neither is counted. Seen: {seen}"
 )
 SEEN = (
-    "p99 at {large} robots is {p99:.2f} times that at {small}; a command costs {command:.2f} times "
+    "p99 at {large} robots is {p99:.2f} times that at {small}, and {own:.2f} times of what the "
+    "gateway was at work; a command costs {command:.2f} times "
     "and a report {report:.2f} times as much at {most} as at {small}."
 )
 
@@ -46,12 +47,16 @@ class Crowded(Case, frozen=True, kw_only=True):
     """One thing seen at one size.
 
     Attributes:
+        own_p50_us, own_p99_us: Of the time until somebody is told, what the gateway itself was at
+            work, on this and on all else: what others do on the machine is no part of it.
         cpu_us: Processor time of one command, or of one robot a second with all it says and all
             that looks after it.
         start_s: How long a gateway takes to open.
         refused: Commands that came to nothing: somebody else's had just begun.
     """
 
+    own_p50_us: float | None = None
+    own_p99_us: float | None = None
     cpu_us: float | None = None
     start_s: float | None = None
     refused: int | None = None
@@ -59,6 +64,8 @@ class Crowded(Case, frozen=True, kw_only=True):
     def beside(self) -> Iterator[str]:
         """Yield what a table says besides."""
         yield from super().beside()
+        if self.own_p99_us is not None:
+            yield f"at work {self.own_p50_us:.1f} and {self.own_p99_us:.1f} us of it"
         if self.cpu_us is not None:
             yield f"{self.cpu_us:.1f} us of processor each"
         if self.start_s is not None:
@@ -106,7 +113,7 @@ def compared(found: Sequence[Sequence[Seen]]) -> str:
     large = min(found, key=lambda seen: abs(seen[0].robots - 1_000))
     return SEEN.format(
         small=small[0].robots, large=large[0].robots, most=most[0].robots,
-        p99=p99_ns(large) / p99_ns(small),
+        p99=p99_ns(large) / p99_ns(small), own=own_p99_ns(large) / own_p99_ns(small),
         command=flat_out_us(most) / flat_out_us(small),
         report=_each(most) / _each(small),
     )  # fmt: skip
@@ -114,8 +121,16 @@ def compared(found: Sequence[Sequence[Seen]]) -> str:
 
 def p99_ns(runs: Sequence[Seen]) -> float:
     """Return the latency of commands, of all who command."""
-    seconds = (ns for seen in runs for commanded in seen.commanded for ns in commanded.latencies_ns)
-    return median(quantile(ns, 0.99) for ns in seconds)
+    return _p99_ns(s for seen in runs for c in seen.commanded for s in c.latencies_ns)
+
+
+def own_p99_ns(runs: Sequence[Seen]) -> float:
+    """Return how long the gateway was at work until somebody was told."""
+    return _p99_ns(s for seen in runs for c in seen.commanded for s in c.own_ns)
+
+
+def _p99_ns(seconds: Iterable[list[int]]) -> float:
+    return median(quantile(second, 0.99) for second in seconds)
 
 
 def flat_out_us(runs: Iterable[Seen]) -> float:
@@ -144,7 +159,9 @@ def cases_of(runs: Sequence[Seen], smallest: Sequence[Seen]) -> Iterator[Case]:
             f"{name}, {several[0].people} commanding: a command",
             [(len(second), second) for c in several for second in c.latencies_ns],
         )
-        yield _crowded(case, refused=sum(c.refused for c in several))
+        own = case_of("", [(1.0, second) for c in several for second in c.own_ns])
+        refused = sum(c.refused for c in several)
+        yield _crowded(case, refused=refused, own_p50_us=own.p50_us, own_p99_us=own.p99_us)
     flat = [stretch for seen in runs for stretch in seen.flat_out]
     case = case_of(
         f"{name}: a command, flat out",

@@ -47,12 +47,14 @@ class Wish(msgspec.Struct, array_like=True, tag=2, frozen=True, gc=False):
 
     Attributes:
         sent_ns: On the clock of ``perf_counter_ns``, which all processes of a machine share.
+        spent_ns: What the gateway's process has had of processors until then.
     """
 
     number: int
     person: int
     robot: str
     sent_ns: int
+    spent_ns: int
 
 
 class Sent(msgspec.Struct, frozen=True):
@@ -119,14 +121,17 @@ def _tick(beats: list[bytes], reporting: list[int], round_: int) -> tuple[bytes,
     return said, len(beats) + len(reporting)
 
 
-def _people(people: int, robots: int, per_s: int) -> Iterator[tuple[float, Make]]:
+def _people(people: int, robots: int, per_s: int, gateway: int) -> Iterator[tuple[float, Make]]:
     """Yield when people send something, in turns to robots in turns."""
+    spent = (~gateway << 3) | 2  # the clock of a process, as clock_getcpuclockid(3) makes it
     for number in count():
-        yield number / per_s, partial(_wish, number, number % people, robot_name(number % robots))
+        robot = robot_name(number % robots)
+        yield number / per_s, partial(_wish, number, number % people, robot, spent)
 
 
-def _wish(number: int, person: int, robot: str) -> tuple[bytes, int]:
-    return frame(Wish(number, person, robot, time.perf_counter_ns())), 1
+def _wish(number: int, person: int, robot: str, spent: int) -> tuple[bytes, int]:
+    spent_ns = time.clock_gettime_ns(spent)
+    return frame(Wish(number, person, robot, time.perf_counter_ns(), spent_ns)), 1
 
 
 def send(path: str, said: Iterator[tuple[float, Make]]) -> Sent:

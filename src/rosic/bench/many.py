@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import os
 import sys
 import tempfile
 from contextlib import asynccontextmanager
 from itertools import count, cycle, islice
 from pathlib import Path
-from time import perf_counter, perf_counter_ns, process_time
+from time import perf_counter, perf_counter_ns, process_time, process_time_ns
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -80,6 +81,7 @@ class Commanded(msgspec.Struct, frozen=True):
 
     Attributes:
         latencies_ns: From somebody's sending until the end was told, one second after another.
+        own_ns: Of that, what the gateway itself was at work, on this and on all else.
         refused: How many were not told an end, because somebody else was faster.
         cpu_s: Of the gateway, what robots said included.
         seconds: For how long.
@@ -87,6 +89,7 @@ class Commanded(msgspec.Struct, frozen=True):
 
     people: int
     latencies_ns: list[list[int]]
+    own_ns: list[list[int]]
     refused: int
     cpu_s: float
     seconds: float
@@ -152,6 +155,7 @@ class Crowd:
 
     def __init__(self, gateway: Gateway, messenger: BenchMessenger) -> None:
         self.latencies_ns: list[int] = []
+        self.own_ns: list[int] = []
         self._gateway, self._messenger = gateway, messenger
         self._waiting: set[asyncio.Task[None]] = set()
 
@@ -159,7 +163,7 @@ class Crowd:
         """Take one message."""
         wish = read_wish(words)
         inbound = inbound_of(str(wish.person), text_of(wish.robot, wish.number))
-        task = asyncio.create_task(self._follow(inbound, wish.sent_ns))
+        task = asyncio.create_task(self._follow(inbound, wish.sent_ns, wish.spent_ns))
         self._waiting.add(task)
         task.add_done_callback(self._waiting.discard)
 
@@ -172,17 +176,18 @@ class Crowd:
                 robot = number % robots
                 text = text_of(robot_name(robot), number)
                 inbound = inbound_of(str(robot % people), text)
-                await self._follow(inbound, perf_counter_ns())
+                await self._follow(inbound, perf_counter_ns(), process_time_ns())
 
         async with asyncio.timeout(STARTING_S):
             await asyncio.gather(*(lane() for _ in range(TOGETHER)))
 
-    async def _follow(self, inbound: Inbound, sent_ns: int) -> None:
+    async def _follow(self, inbound: Inbound, sent_ns: int, spent_ns: int) -> None:
         ended = asyncio.get_running_loop().create_future()
         self._messenger.ended[inbound.message] = ended
         await self._gateway.pipeline.receive(self._messenger, inbound)
         await ended
         self.latencies_ns.append(perf_counter_ns() - sent_ns)
+        self.own_ns.append(process_time_ns() - spent_ns)
 
     async def told(self) -> int:
         """Wait until everybody was told; return how many were not."""
@@ -290,16 +295,18 @@ async def _all_heard(robots: dict[str, FedRobot]) -> None:
 
 
 async def _command(plan: Plan, people: int, crowd: Crowd, ended: list[Sent]) -> Commanded:
-    async with line("people", (people, plan.robots, plan.per_s), crowd.take, ended):
+    async with line("people", (people, plan.robots, plan.per_s, os.getpid()), crowd.take, ended):
         await asyncio.sleep(SETTLING_S)  # what is said the first time is read once
         found: list[list[int]] = []
+        own: list[list[int]] = []
         stretch = Stretch()
         for _ in range(plan.commanding_s):
-            crowd.latencies_ns = []
+            crowd.latencies_ns, crowd.own_ns = [], []
             await asyncio.sleep(1.0)
             found.append(crowd.latencies_ns)
+            own.append(crowd.own_ns)
         cpu_s, seconds = stretch.end()
-    return Commanded(people, found, await crowd.told(), cpu_s, seconds)
+    return Commanded(people, found, own, await crowd.told(), cpu_s, seconds)
 
 
 async def _flat_out(plan: Plan, crowd: Crowd) -> Commanded:
@@ -307,7 +314,7 @@ async def _flat_out(plan: Plan, crowd: Crowd) -> Commanded:
     stretch = Stretch()
     await crowd.command(plan.flat_out // STRETCHES, plan.robots, people)
     cpu_s, seconds = stretch.end()
-    return Commanded(people, [crowd.latencies_ns], 0, cpu_s, seconds)
+    return Commanded(people, [crowd.latencies_ns], [crowd.own_ns], 0, cpu_s, seconds)
 
 
 async def _stop(

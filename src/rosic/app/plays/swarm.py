@@ -20,7 +20,6 @@ LEADER: Final = "Search leader"
 DRONES: Final = ("cf1", "cf2", "cf3")
 ROVERS: Final = ("rover1", "rover2")
 FELLOW: Final = Role(scopes=("*:share", "*:ask", "*:help", "*:read"))
-FAR: Final = "goto x=2.5 y=0"
 
 
 async def _script(stage: Stage) -> None:
@@ -33,23 +32,31 @@ async def _script(stage: Stage) -> None:
     await stage.says(LEADER, "crazyflies formation triangle spacing=0.8 m", hears="accepted")
     stage.robot("cf1").says("share", topic="seen", data={"x": 2.5, "y": 0.0, "what": "a coat"})
     await stage.says(LEADER, "/shared cf1", hears="coat")
-    stage.aside("A drone has shared what it saw. Somebody on the ground has to have a look.")
-    await stage.says(LEADER, f"/task rovers {FAR}", hears="Task 1: ")
+    stage.aside("A drone has shared what it saw. The rovers have a look, each on its own way.")
+    await stage.says(LEADER, "/task rovers goto x=2.5 y=0.5", hears="Task 1: ")
+    await stage.says(LEADER, "/task rovers goto x=2.5 y=-0.5", hears="Task 2: ")
     tasks = stage.gateway.furnishing.fleet.dispatching.fleet.tasks
-    first = await stage.until(lambda: tasks["1"].robot, "Task 1 did not begin")
-    stage.aside(f"The ground gives way under {_shown(stage, first)}. It asks for help itself.")
-    _rover(stage, first).mud = True
+    stuck = await stage.until(lambda: tasks["1"].robot, "Task 1 did not begin")
+    helper = await stage.until(lambda: tasks["2"].robot, "Task 2 did not begin")
+    stage.aside(f"The ground gives way under {_shown(stage, stuck)}. It asks for help itself.")
+    _rover(stage, stuck).mud = True
     await stage.hears(LEADER, "has failed at it")
-    stage.robot(first).says("help", what="stuck in the mud")
+    stage.robot(stuck).says("help", what="stuck in the mud")
     await stage.hears(LEADER, "asks for help: stuck in the mud")
-    await stage.hears(LEADER, f"helps {_shown(stage, first)}")
+    await stage.hears(LEADER, f"Task 2 leaves {_shown(stage, helper)}")
+    stage.aside(f"{_shown(stage, helper)} has accepted, and leaves its task for that.")
+    await stage.says(LEADER, f"{helper} goto x=0.3 y=0", hears="done ")
+    _rover(stage, stuck).mud = False
+    help_id = next(told["id"] for told in stage.robot(stuck).heard if told["kind"] == "helped")
+    stage.robot(stuck).says("over", id=help_id)
+    await stage.hears(LEADER, "needs no more help")
+    stage.aside("It is out. Both tasks find a robot again.")
     await stage.hears(LEADER, "goes on with it")
     await stage.says(LEADER, "/fleet rovers", hears="at work")
     stage.aside("That is enough for the leader. One word, and everything comes to rest.")
-    await stage.says(LEADER, "stop", hears="at rest")
-    await stage.hears(LEADER, "Crazyflie 3")
-    await stage.hears(LEADER, "Task 1")
-    await stage.says(LEADER, "/task cancel 1", hears="cancelled")
+    await stage.says(LEADER, "stop", hears="at rest (")
+    await stage.hears(LEADER, "paused.")
+    await stage.says(LEADER, "/tasks", hears="2: ")
 
 
 def _helps(robot: SpeakingRobot, told: Mapping[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""Robots that help each other have no time for tasks: what they do goes to others meanwhile."""
+"""Robots that help each other: whoever helps takes over, and has no time for other tasks."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from rosic.core.fleet.task import Why
 from rosic.core.saying import joined, said
 
 if TYPE_CHECKING:
+    from rosic.core.fleet.task import Task
     from rosic.core.robot import RobotId
     from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.fleet.watching import Watching
     from rosic.pipeline.rooms import Rooms
 
 
@@ -18,12 +20,14 @@ class Assisting:
     """Adjusts the tasks of a robot that helps and of the one that is helped.
 
     A task leaves either as it leaves a robot that somebody takes over: that one comes to rest
-    first, what is done stays done, and another robot goes on, or this one when the help is over.
+    first, and what is done stays done. What the helped one did, or has just failed at, goes to the
+    one that helps if that one can do it; everything else to others, or back when the help is over.
     """
 
-    def __init__(self, rooms: Rooms, dispatching: Dispatching) -> None:
+    def __init__(self, rooms: Rooms, dispatching: Dispatching, watching: Watching) -> None:
         self._rooms = rooms
         self._dispatching = dispatching
+        self._watching = watching
 
     async def helped(self, helper: RobotId, asker: RobotId) -> str:
         """Take their tasks from both; see `rosic.contracts.among.Tasks`.
@@ -31,15 +35,41 @@ class Assisting:
         Raises:
             RecordUnavailable: One could not be written down; it stays where it is.
         """
-        changed = [await self._leave(robot) for robot in (asker, helper) if robot]
+        hers = self._task_of(asker)
+        changed = [await self._leave(robot, helper) for robot in (asker, helper) if robot]
+        if hers is None and (failed := self._failed_at(asker, helper)) is not None:
+            self._watching.prefer[failed.id] = helper
+            changed.append(self._goes(failed, asker, helper))
         return joined("\n", filter(None, changed))
 
-    async def _leave(self, robot: RobotId) -> str:
+    def _task_of(self, robot: RobotId) -> Task | None:
         fleet = self._dispatching.fleet
-        task = fleet.tasks.get(fleet.holds.get(robot, ""))
-        if task is None or task.leaving:
+        return fleet.tasks.get(fleet.holds.get(robot, ""))
+
+    def _failed_at(self, asker: RobotId, helper: RobotId) -> Task | None:
+        """Return the task that waits because the one who asks has just failed at it."""
+        fleet = self._dispatching.fleet
+        waiting = (fleet.tasks[key] for key in fleet.waiting)
+        return next((t for t in waiting if t.tried[-1:] == (asker,) and helper in t.left), None)
+
+    async def _leave(self, robot: RobotId, helper: RobotId) -> str:
+        task = self._task_of(robot)
+        if task is None:
             return ""
+        takes_over = robot != helper and helper in task.left
+        if takes_over:
+            self._watching.prefer[task.id] = helper
+        if task.leaving:
+            return self._goes(task, robot, helper) if takes_over else ""
         if not await self._dispatching.feed(e.Deviated(task.id, task.attempt, Why.TAKEN)):
             return ""
+        if takes_over:
+            return self._goes(task, robot, helper)
         shown = self._rooms.profiles[robot].shown
         return said("Task {task} leaves {robot} and waits for a robot.", task=task.id, robot=shown)
+
+    def _goes(self, task: Task, robot: RobotId, helper: RobotId) -> str:
+        shown, by = self._rooms.profiles[robot].shown, self._rooms.profiles[helper].shown
+        return said(
+            "Task {task} goes from {robot} to {helper}.", task=task.id, robot=shown, helper=by
+        )

@@ -10,7 +10,7 @@ import logging
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet import events as e
-from rosic.core.fleet.planning import Glance, by_priority
+from rosic.core.fleet.planning import Glance, by_priority, may
 from rosic.core.fleet.task import State, Why
 from rosic.core.robot import Slots
 from rosic.errors import RecordUnavailable
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.contracts.clock import Clock
-    from rosic.core.fleet.task import Task
+    from rosic.core.fleet.task import Task, TaskId
     from rosic.core.robot import Presence, RobotId
     from rosic.pipeline.fleet.dispatching import Dispatching
     from rosic.pipeline.rooms import Rooms
@@ -39,10 +39,12 @@ class Watching:
 
     Attributes:
         engaged: Whether a robot has something else to do than tasks, though it carries out nothing.
+        prefer: Who takes over a task that waits: whoever helps the robot that had it.
     """
 
     def __init__(self, rooms: Rooms, dispatching: Dispatching, clock: Clock) -> None:
         self.engaged: Callable[[RobotId], bool] = _not_engaged
+        self.prefer: dict[TaskId, RobotId] = {}
         self.monotonic_ns = clock.monotonic_ns
         self._rooms = rooms
         self._dispatching = dispatching
@@ -128,26 +130,50 @@ class Watching:
         if self._planning.locked() or not self._running:
             return
         async with self._planning:
+            await self._let_help()
             fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
             if not fleet.waiting:
                 return
-            leave, left_alone = self._dispatching.not_now()
+            late, left_alone = self._dispatching.not_now()
             least = self._least()
             robots = [r for r in self._rooms.profiles if r not in left_alone]
             glances = {r: self.glance(r, least) for r in robots}
-            levels = by_priority(fleet, glances, now_ns, leave=leave, at_most=AT_ONCE)
+            levels = by_priority(
+                fleet, glances, now_ns, leave=late | self.prefer.keys(), at_most=AT_ONCE
+            )
             for task, robot in assign(fleet, levels, glances, now_ns).pairs:
-                try:
-                    await self._dispatching.feed(e.Chosen(task, robot))
-                except RecordUnavailable:
-                    log.warning("task %s waits: nothing can be written down", task)
+                await self._choose(task, robot)
+
+    async def _choose(self, task: TaskId, robot: RobotId) -> None:
+        try:
+            await self._dispatching.feed(e.Chosen(task, robot))
+        except RecordUnavailable:
+            log.warning("task %s waits: nothing can be written down", task)
+
+    async def _let_help(self) -> None:
+        """Give tasks to whoever helps the robot that had them, as soon as that one is free."""
+        fleet = self._dispatching.fleet
+        for key, robot in tuple(self.prefer.items()):
+            task = fleet.tasks.get(key)
+            waits = task is not None and (task.state is State.QUEUED or task.leaving)
+            if task is None or not waits or self._rooms.linker.presence(robot).online is False:
+                del self.prefer[key]
+            elif key in fleet.waiting and may(fleet, task, self.glance(robot, helping=True)):
+                del self.prefer[key]
+                await self._choose(key, robot)
 
     def _least(self) -> int:
         """Return how many steps whoever has done least has done: the measure of load."""
         return min(self._dispatching.finished.values(), default=0)
 
-    def glance(self, robot: RobotId, least: int = 0) -> Glance:
-        """Return what a look at a robot shows now, where somebody has done as little as this."""
+    def glance(self, robot: RobotId, least: int = 0, *, helping: bool = False) -> Glance:
+        """Return what a look at a robot shows now.
+
+        Args:
+            robot: One that helps another has no time for tasks.
+            least: How many steps whoever has done least has done.
+            helping: It is asked whether it may do what it helps with.
+        """
         rooms = self._rooms
         presence = rooms.linker.presence(robot)
         free = (
@@ -155,7 +181,7 @@ class Watching:
             and presence.at_rest is not False
             and not rooms.board[robot].latched
             and rooms.linker.current(robot) is None
-            and not self.engaged(robot)
+            and (helping or not self.engaged(robot))
         )
         holder = rooms.organiser.whose(robot)
         if rooms.profiles[robot].slots is Slots.REQUIRED:

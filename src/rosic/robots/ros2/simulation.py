@@ -26,6 +26,7 @@ from rosic.robots.ros2.others.nav2_robot import TYPES as NAV2_TYPES
 from rosic.robots.ros2.others.nav2_robot import Nav2Robot
 from rosic.robots.ros2.own_interfaces import find_interfaces, find_own_interfaces
 from rosic.robots.ros2.ros import load_ros, make_executor
+from rosic.robots.simulated.machines.afield import Rover, Watcher
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.machines.swarm import Swarm
@@ -46,6 +47,7 @@ OTHERS: dict[str, tuple[tuple[str, ...], type[Nav2Robot | ArmRobot]]] = {
     "rover": (NAV2_TYPES, Nav2Robot),
     "picker": (ARM_TYPES, ArmRobot),
 }
+MACHINES: dict[str, type[Omni]] = {"omni": Omni, "rover": Rover, "watcher": Watcher}
 
 KNOWN = (*MODELS, *OTHERS)
 
@@ -175,7 +177,7 @@ def _world(robots: Sequence[str]) -> World:
     world.machines.update({drone.id: drone for drone in drones})
     for robot in robots:
         if robot not in KNOWN:
-            world.machines[robot] = Omni(robot)
+            world.add(MACHINES[model_of(robot)](robot))
     return world
 
 

@@ -12,7 +12,12 @@ if TYPE_CHECKING:
 
 # The actions of rosic_interfaces serve several machines; a field that a machine has no use for
 # is left out, one that it knows by another name is renamed.
-UNUSED = {("omni", "goto"): {"z_m"}, ("crazyflie", "goto"): {"yaw_rad"}}
+UNUSED = {
+    ("omni", "goto"): {"z_m"},
+    ("watcher", "goto"): {"z_m"},
+    ("rover", "goto"): {"z_m"},
+    ("crazyflie", "goto"): {"yaw_rad"},
+}
 RENAMED = {("omni", "arm"): {"name": "pose"}}
 
 

@@ -251,3 +251,21 @@ async def test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhil
         await here.clock.advance(5)
         assert {t.robot for t in tasks.values()} == {"omni", "cf1", "cf2"}
         assert (here.acted("omni"), here.acted("cf1")) == (before[0] + 1, before[1] + 1)
+
+
+async def test_whoever_helps_takes_over_what_the_other_did() -> None:
+    fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
+    async with Warehouse(fleet=fleet).open() as here:
+        tasks = here.gateway.furnishing.fleet.dispatching.fleet.tasks
+        for _ in fleet:
+            await here.say("/task crew wave", account=ADA, chat=ADA)
+        await here.clock.advance(2)
+        by = {task.robot: task.id for task in tasks.values()}
+        assert set(by) == {"omni", "cf1", "cf2"}
+        ident = await asked(here)
+        accepted = await here.says("cf1", "accept", id=ident)
+        assert f"Task {by['omni']} goes from omni to cf1." in accepted["text"]
+        assert f"Task {by['cf1']} leaves cf1 and waits for a robot." in accepted["text"]
+        await here.clock.advance(5)
+        assert tasks[by["omni"]].robot == "cf1"
+        assert tasks[by["cf1"]].state is State.QUEUED, "whoever is helped has no time either"

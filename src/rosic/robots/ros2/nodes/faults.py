@@ -6,6 +6,7 @@ from importlib import import_module
 from math import inf
 from typing import TYPE_CHECKING
 
+from rosic.robots.simulated.machines.afield import Hearth, Rover, Watcher
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.machines.world import CUBE
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from rosic.robots.simulated.machines.yumi import Side
 
 LINK, BATTERY, OBJECT, WATCHDOG = "link", "battery", "object", "watchdog_s"
+DRIFT, FIRE, MUD = "drift", "fire", "mud"
+BURNS = Hearth(1.6, 0.5, 45.0)
 ARMS: dict[str, Side] = {"left_arm": "left", "right_arm": "right"}
 
 
@@ -29,6 +32,8 @@ class Faults:
     - ``left_arm``, ``right_arm``: false lets one fail (yumi).
     - ``watchdog_s``: after so long without a velocity it comes to rest by itself; 0.0 switches
       that off (omni).
+    - ``drift``: how many degrees its heat sensor is off; ``fire``: whether something burns (watch).
+    - ``mud``: true lets the ground give way (rovers).
     """
 
     def __init__(self, owner: MachineNode, world: World) -> None:
@@ -44,6 +49,10 @@ class Faults:
             names |= dict.fromkeys(ARMS, True)
         if isinstance(owner.machine, Omni):
             names[WATCHDOG] = owner.machine.watchdog_s
+        if isinstance(owner.machine, Watcher):
+            names |= {DRIFT: 0.0, FIRE: False}
+        if isinstance(owner.machine, Rover):
+            names[MUD] = False
         for name, value in names.items():
             owner.node.declare_parameter(name, value)
         owner.node.add_on_set_parameters_callback(self._set)
@@ -64,6 +73,8 @@ class Faults:
             self._world.set_battery(self._owner.id, value)
         elif name == WATCHDOG:
             return self._watchdog(value)
+        elif name in {DRIFT, FIRE, MUD}:
+            return self._afield(name, value)
         elif not isinstance(value, bool):
             return "true or false"
         elif name == LINK:
@@ -79,6 +90,18 @@ class Faults:
         if not isinstance(value, float) or not 0.0 <= value < inf or not isinstance(machine, Omni):
             return "a watchdog is a number of seconds; 0.0 is none"
         machine.watchdog_s = value or inf
+        return ""
+
+    def _afield(self, name: str, value: object) -> str:
+        machine = self._owner.machine
+        if isinstance(machine, Watcher) and name == DRIFT and isinstance(value, float):
+            machine.drift_c = value
+        elif isinstance(machine, Watcher) and name == FIRE and isinstance(value, bool):
+            machine.hearths = [BURNS] if value else []
+        elif isinstance(machine, Rover) and name == MUD and isinstance(value, bool):
+            machine.mud = value
+        else:
+            return "drift is a number of degrees; fire and mud are true or false"
         return ""
 
     def _link(self, *, there: bool, now_s: float) -> None:

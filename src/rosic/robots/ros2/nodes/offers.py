@@ -21,14 +21,19 @@ MODELS: Mapping[str, str] = MappingProxyType(
 )
 """Robot to the kind of machine it is."""
 
-# omni7 is one more of the kind, for whoever needs many.
-_MORE = re.compile(r"(omni)[0-9]{1,3}")
+# omni7 is one more of the kind, for whoever needs many; the others run only when they are named.
+_MORE = re.compile(r"(omni|carrier|rover)[0-9]{1,3}")
+_KINDS: Mapping[str, str] = MappingProxyType({"carrier": "omni", "rover": "rover"})
 
 
 def model_of(robot: str) -> str:
     """Return what kind of machine a robot is; empty for one that there is not."""
+    if robot == "watch":
+        return "watcher"
     more = _MORE.fullmatch(robot)
-    return MODELS.get(more[1] if more else robot, "")
+    if more:
+        return _KINDS.get(more[1]) or MODELS[more[1]]
+    return MODELS.get(robot, "")
 
 
 ACTIONS: Mapping[str, Mapping[str, str]] = MappingProxyType(
@@ -40,6 +45,8 @@ ACTIONS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "grasp": "Grasp",
             "release": "Perform",
         },
+        "watcher": {"goto": "GoTo", "recalibrate": "Perform"},
+        "rover": {"goto": "GoTo"},
         "yumi": {"home": "Perform", "handover": "Perform"},
         "crazyflie": {
             "takeoff": "TakeOff",

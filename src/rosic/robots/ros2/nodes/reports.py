@@ -8,6 +8,7 @@ from math import cos, sin
 from typing import TYPE_CHECKING
 
 from rosic.robots.ros2.nodes.ends import publisher
+from rosic.robots.simulated.machines.afield import Watcher
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.kuka import Kuka
 from rosic.robots.simulated.machines.omni import Omni
@@ -77,6 +78,20 @@ class _BaseOdometry(_Part):
         self._publisher.publish(message)
 
 
+class _Heat(_Part):
+    """How warm the air is, as a watcher's sensor has it."""
+
+    def __init__(self, node: RosObject, machine: Watcher) -> None:
+        self._type = import_module("sensor_msgs.msg").Temperature
+        self._publisher = publisher(node, self._type, "heat")
+        self._machine = machine
+
+    def publish(self, stamp: RosObject) -> None:
+        message = self._type(temperature=self._machine.heat_c())
+        message.header.stamp = stamp
+        self._publisher.publish(message)
+
+
 class _FlightOdometry(_Part):
     """The drone in the room; it never turns, so both frames point the same way."""
 
@@ -123,6 +138,8 @@ class _Battery:
 
 
 def _parts_of(node: RosObject, machine: SteppedMachine) -> list[_Part]:
+    if isinstance(machine, Watcher):
+        return [_BaseOdometry(node, machine), _Joints(node, machine), _Heat(node, machine)]
     if isinstance(machine, Omni):
         return [_BaseOdometry(node, machine), _Joints(node, machine)]
     if isinstance(machine, Crazyflie):

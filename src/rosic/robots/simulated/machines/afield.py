@@ -59,14 +59,18 @@ class Watcher(Omni):
         off_c, self.drift_c = self.drift_c, 0.0
         return said("recalibrated; the sensor was {off_c:.1f} °C off", off_c=off_c)
 
-    def telemetry(self) -> Mapping[str, float | str]:
-        """As an omni's, and the heat as its sensor has it."""
+    def heat_c(self) -> float:
+        """Return how warm the air is, as its sensor has it."""
         base = self.base
         heat_c = AIR_C + self.drift_c
         for hearth in self.hearths:
             square = (hearth.x_m - base.x_m) ** 2 + (hearth.y_m - base.y_m) ** 2
             heat_c += hearth.heat_c / (1.0 + square)
-        return {**super().telemetry(), "heat_c": heat_c}
+        return heat_c
+
+    def telemetry(self) -> Mapping[str, float | str]:
+        """As an omni's, and the heat."""
+        return {**super().telemetry(), "heat_c": self.heat_c()}
 
 
 class Rover(Omni):

@@ -1,0 +1,231 @@
+"""One place for five scenarios: a gateway, the fake server, twelve robots as ROS 2 nodes."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from rosic.app.plays.props import FOLDER
+from rosic.robots.ros2.parameters import SET_PARAMETERS
+from rosic.robots.ros2.registry import TypeRegistry
+from rosic.robots.ros2.runtime import RosRuntime
+from rosic.testing.ros2.graph import RosGraph
+from tests.journeys.fleet import Person
+from tests.journeys.lab import Lab, lab
+from tests.journeys.ros import VARIABLES
+from tests.real.ros2.simulated import set_fault
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from rosic.testing.ros2.graph import RosProcess
+    from tests.journeys.running import Launcher
+
+PROGRAM = Path(__file__).with_name("ros_robots.py")
+BRAINS = Path(__file__).parents[1] / "real" / "ros2" / "fellow_peer.py"
+DRONES = ("cf1", "cf2", "cf3")
+ROVERS = ("rover1", "rover2")
+# What is made of the profiles of the plays: kind, id, groups.
+MADE = (
+    ("watch", "watch", ()),
+    ("carrier", "carrier1", ("carriers", "north")),
+    ("carrier", "carrier2", ("carriers", "north", "south")),
+    ("carrier", "carrier3", ("carriers", "south")),
+    ("rover", "rover1", ("rovers",)),
+    ("rover", "rover2", ("rovers",)),
+)
+SHIPPED = ("kuka1", *DRONES)
+STUDENTS = tuple(f"Student {number}" for number in range(1, 21))
+PEOPLE = {
+    "Ranger": "ranger",
+    **dict.fromkeys(STUDENTS, "student"),
+    "Teacher": "teacher",
+    "Manager": "keeper",
+    "North manager": "north",
+    "South manager": "south",
+    "Night manager": "keeper",
+    "Search leader": "leader",
+}
+RULES = """
+[role.ranger]
+scopes = ["watch:*"]
+[role.student]
+scopes = ["kuka1:home", "kuka1:grasp", "kuka1:move_joint"]
+limits = ["force <= 20 N"]
+priority = 10
+[role.teacher]
+scopes = ["kuka1:*"]
+priority = 20
+[role.keeper]
+scopes = ["carriers:*"]
+[role.north]
+scopes = ["north:*"]
+[role.south]
+scopes = ["south:*"]
+[role.leader]
+scopes = ["crazyflies:*", "rovers:*"]
+[role.fellow]
+scopes = ["rovers:share", "rovers:ask", "rovers:help", "rovers:read"]
+"""
+
+
+class Scenes:
+    """Everybody and everything.
+
+    Attributes:
+        place: The fake server, and what people do there.
+        people: Accounts, by name.
+        brains: The rovers' own nodes.
+    """
+
+    def __init__(
+        self, place: Lab, runtime: RosRuntime, acted: Path, people: dict[str, int]
+    ) -> None:
+        self.place = place
+        self.people = people
+        self.brains: RosProcess | None = None
+        self._runtime = runtime
+        self._acted = acted
+        self._from: dict[str, int] = {}
+
+    async def asks(self, who: str, text: str, expected: str) -> dict[str, Any]:
+        """Have somebody write; return the reply that says what is expected."""
+        return await self.place.ask(self.people[who], text, expected)
+
+    async def says(self, who: str, text: str) -> int:
+        """Have somebody write, and wait for nothing."""
+        return await self.place.say(self.people[who], text)
+
+    async def reads(self, who: str, expected: str, to: int | None = None) -> dict[str, Any]:
+        """Wait until somebody is shown what is expected."""
+        return await self.place.reads(self.people[who], expected, to=to)
+
+    async def comes_to(self, who: str, text: str, expected: str) -> None:
+        """Have somebody ask until they are answered what is expected."""
+
+        async def answered() -> bool:
+            message = await self.says(who, text)
+            told = await self.place.reads(self.people[who], ": ", to=message)
+            return expected in told["text"]
+
+        assert await self.place.until(answered), f"{text} never came to {expected}"
+
+    async def shown(self, who: str, text: str) -> int:
+        """Return how many messages of somebody's chat say something now."""
+        found = await self.place.control.messages(self.people[who], by_bot=True)
+        return sum(text in message["text"] for message in found)
+
+    async def taps(self, who: str, label: str, expected: str) -> None:
+        """Have somebody tap the newest button of a label."""
+        account = self.people[who]
+
+        async def look() -> int:
+            for message in reversed(await self.place.control.messages(account, by_bot=True)):
+                if any(label in str(one) for row in message.get("buttons") or [] for one in row):
+                    return int(message["message_id"])
+            return 0
+
+        under = await self.place.until(look)
+        assert under, f"nobody showed {who} {label}"
+        await self.place.control.tap(account, account, under, label)
+        await self.reads(who, expected)
+
+    async def breaks(self, robot: str, name: str, value: bool | float) -> None:  # noqa: FBT001
+        """Break something in a robot, or mend it."""
+        await set_fault(self._runtime, robot, name, value)
+
+    async def thinks(self, robot: str, kind: str, **said: object) -> None:
+        """Have a robot's own node say something."""
+        assert self.brains is not None
+        words = msgspec.json.encode({"kind": kind, **said}).decode()
+        self.brains.say(f"say {robot} {words}")
+        await asyncio.to_thread(self.brains.expect, "ok say")
+
+    async def heard(self, robot: str, kind: str) -> dict[str, Any]:
+        """Wait until a robot's own node has heard something of a kind."""
+        assert self.brains is not None
+        while True:
+            line = await asyncio.to_thread(self.brains.expect, f"heard {robot} ")
+            told: dict[str, Any] = msgspec.json.decode(line)
+            if told["kind"] == kind:
+                return told
+
+    def acted(self, robot: str) -> list[str]:
+        """Return the skills a robot has begun, as its own process wrote them down."""
+        lines = self._acted.read_text().splitlines() if self._acted.exists() else []
+        own = [line.split() for line in lines if line.startswith(f"{robot} ")]
+        return [words[1] for words in own][self._from.get(robot, 0) :]
+
+    def from_now(self) -> None:
+        """Forget what robots have begun so far."""
+        self._from = {}
+        self._from = {robot: len(self.acted(robot)) for _, robot, _ in MADE}
+
+
+def profile(kind: str, robot: str, groups: tuple[str, ...]) -> str:
+    """Return a profile of the plays under another name, reached over ROS 2."""
+    text = (FOLDER / f"{kind}.yaml").read_text()
+    text = text.replace(f"/{kind}", f"/{robot}").replace(f"id: {kind}\n", f"id: {robot}\n")
+    shown = f"{kind.capitalize()} {robot[-1]}"
+    text = text.replace(f"title: {kind.capitalize()}\n", f"title: {shown}\n")
+    if kind == "rover":
+        text = text.replace("model: omni }", "model: omni, among: true }")
+    return f"{text}groups: [{', '.join(groups)}]\n"
+
+
+@asynccontextmanager
+async def scenes(folder: Path, launcher: Launcher) -> AsyncIterator[Scenes]:
+    """Let all of it run while inside."""
+    acted = folder / "acted"
+    robots = [f'[[robot]]\nprofile = "{name}"' for name in SHIPPED]
+    for kind, robot, groups in MADE:
+        (folder / f"{robot}.yaml").write_text(profile(kind, robot, groups))
+        robots.append(f'[[robot]]\nprofile = "{robot}.yaml"')
+    with RosGraph(folder) as graph:
+        named = (*SHIPPED, *(robot for _, robot, _ in MADE))
+        graph.start(PROGRAM, "--actuations", acted, *named, timeout_s=120.0)
+        types = TypeRegistry([SET_PARAMETERS])
+        opening = RosRuntime.open(types, node_name="onlooker", domain_id=graph.domain_id)
+        async with await opening as runtime, lab(folder, launcher, robots=robots) as place:
+            people = {name: await place.control.create_user(name) for name in PEOPLE}
+            _write(place, people)
+            place.environment = {name: graph.environment[name] for name in VARIABLES}
+            here = Scenes(place, runtime, acted, people)
+            await place.start()
+            here.brains = await asyncio.to_thread(graph.start, BRAINS, *ROVERS)
+            await _are_there(here)
+            yield here
+            assert await place.control.violations() == []
+
+
+def _write(place: Lab, people: dict[str, int]) -> None:
+    """Add these people and their roles to the configuration."""
+    known = [Person(account, name, PEOPLE[name]) for name, account in people.items()]
+    tables = [
+        f'[[principal]]\nname = "{p.name}"\naddress = "telegram:{p.account}"\nrole = "{p.role}"'
+        for p in known
+    ]
+    tables += [
+        f'[[principal]]\nname = "{robot}"\naddress = "robot:{robot}"\nrole = "fellow"'
+        for robot in ROVERS
+    ]
+    text = place.config.read_text().replace("[gateway]\n", '[gateway]\npreempt = ["kuka1"]\n')
+    place.config.write_text("\n\n".join([text, *tables, RULES]))
+
+
+async def _are_there(here: Scenes) -> None:
+    """Wait until every robot was heard, and the rovers' own nodes are listened to."""
+    assert here.brains is not None
+    for rover in ROVERS:
+        here.brains.say(f"meet {rover} -")
+        await asyncio.to_thread(here.brains.expect, "ok meet")
+
+    async def heard() -> bool:
+        told = await here.place.ask(here.place.ada, "status", "KUKA")
+        return "not " not in told["text"] and told["text"].count(": at rest") == len(MADE) + 4
+
+    assert await here.place.until(heard), "some robot is not heard"
