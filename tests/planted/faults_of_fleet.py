@@ -82,6 +82,7 @@ OF_FLEET = (
 )
 
 TASKS = "tests/rooms/pipeline/test_tasks.py"
+EDGES = "tests/rooms/pipeline/test_tasks_at_the_edges.py"
 ROBOTS = "tests/rooms/pipeline/test_fleet.py"
 
 DISABLED = (
@@ -122,8 +123,8 @@ OF_TASKS = (
     Fault(
         name="a stop sends the task to the next robot",
         file="pipeline/fleet/attempting.py",
-        guard="        return End.STOPPED if stopped else End.TAKEN\n",
-        without="        return End.TAKEN\n",
+        guard="    if stopped and ending not in {Ending.DONE, Ending.SENT}:\n",
+        without="    if False:\n",
         caught_by=(f"{TASKS}::test_a_stop_is_meant_so_the_task_goes_nowhere_else_by_itself",),
     ),
     Fault(
@@ -150,8 +151,8 @@ OF_TASKS = (
     Fault(
         name="I1 a message gives its task again after a crash",
         file="pipeline/fleet/dispatching.py",
-        guard="            self.origins.check(cid)\n            stale",
-        without="            stale",
+        guard="            self.origins.check(cid)\n            given",
+        without="            given",
         caught_by=(f"{TASKS}::test_the_same_message_has_its_effect_once_whatever_crashes_between",),
     ),
     Fault(
@@ -167,5 +168,29 @@ OF_TASKS = (
         guard="        if who == task.author:\n",
         without="        if True:\n",
         caught_by=(f"{ROBOTS}::test_what_somebody_has_said_is_read_by_them_alone",),
+    ),
+    Fault(
+        name="a task that was cancelled while it was claimed moves its robot",
+        file="pipeline/fleet/attempting.py",
+        guard="        wanted = asker.wanted()\n",
+        without="        wanted = True\n",
+        caught_by=(
+            f"{EDGES}::test_a_task_that_is_cancelled_while_it_is_claimed_moves_nothing",
+            f"{EDGES}::test_a_task_that_is_paused_while_it_is_claimed_goes_on_with_one_robot",
+        ),
+    ),
+    Fault(
+        name="I2 a task that was sent long ago is given",
+        file="pipeline/freshness.py",
+        guard="    if old or inbound.sent_ns < inbound.listening_since_ns:\n",
+        without="    if False:\n",
+        caught_by=(f"{EDGES}::test_a_task_that_waited_on_the_way_here_is_not_given",),
+    ),
+    Fault(
+        name="I5 a task begins while a stop is still to come",
+        file="pipeline/fleet/dispatching.py",
+        guard="        while self.behind():  #",
+        without="        while False:  #",
+        caught_by=(f"{EDGES}::test_no_task_begins_before_what_was_sent_meanwhile_has_come",),
     ),
 )

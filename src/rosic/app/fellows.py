@@ -59,6 +59,8 @@ def fellowship_of(gateway: Gateway, parts: Parts, teller: Teller, memory: Memory
     AmongClerk(fellowship, rooms).employ(gateway.pipeline.reception.office)
     fleet = gateway.furnishing.fleet
     circle.desk.tasks = Assisting(rooms, fleet.dispatching, fleet.watching)
+    gateway.holding.also_ends.append(post.end_all)
+    gateway.holding.also_ended.append(fleet.dispatching.ended)
     fleet.watching.engaged = book.engages
     for robot, adapter in gateway.robots.items():
         if isinstance(adapter, Fellow):

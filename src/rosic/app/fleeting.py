@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.contracts.messenger import catching_up
 from rosic.core.fleet import events as e
 from rosic.core.fleet.state import STANDING, TASK
 from rosic.core.fleet.task import Why
@@ -76,6 +77,7 @@ class Fleeting:
         self.telling = Telling(rooms, hands.reach, self.dispatching)
         self.dispatching.tell = self.telling.tell
         self.dispatching.changed = self._changed
+        self.dispatching.behind = lambda: any(map(catching_up, hands.reach.messengers))
         self._usage = Usage(clock.monotonic_ns())
         self._hands = hands
         self.overview = Overview(rooms, self.dispatching, self.watching, self.telling, self._usage)
@@ -96,6 +98,7 @@ class Fleeting:
         robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
         robots.employ(office)
         pipeline.resuming.barred = robots.barred
+        pipeline.resuming.begins = robots.begins
         HandoverClerk(rooms, dispatching, self._hands.reach, self._clock).employ(office)
         CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
             office

@@ -31,7 +31,7 @@ from rosic.pipeline.files.receiving import Receiving
 from rosic.robots.folders import RobotFolders
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 
     from rosic.app.access import Access
     from rosic.app.authority import Authority
@@ -76,6 +76,7 @@ class Holding:
         erasing: Erases somebody; None while the record cannot look into containers.
         holdings: What is kept in containers; likewise.
         receiving: Takes in files that people send; likewise.
+        also_ends, also_ended: What else `Sides.ends` and `Sides.ended` ask of other rooms.
     """
 
     def __init__(
@@ -97,6 +98,8 @@ class Holding:
         self.receiving: Receiving | None = None
         self.erasing: Erasing | None = None
         self._aside: Aside | None = None
+        self.also_ends: list[Callable[[PrincipalId], Iterable[Record]]] = []
+        self.also_ended: list[Callable[[PrincipalId], Awaitable[object]]] = []
 
     def record(self, messengers: Sequence[Messenger], store: Store) -> tuple[Messenger, ...]:
         """Return messengers whose chats can be kept."""
@@ -218,6 +221,7 @@ class Holding:
                 *access.wishes.end_all(principal),
                 *furnishing.live_cards.end_all(principal),
                 *furnishing.fleet.end_all(principal),
+                *(record for end in self.also_ends for record in end(principal)),
                 *(r for key in good for r in access.keys.revoke(key.id, by).records),
             )
 
@@ -230,6 +234,8 @@ class Holding:
         async def ended(principal: PrincipalId) -> None:
             authority.enforce()
             await self._break_off(principal)
+            for end in self.also_ended:
+                await end(principal)
 
         def theirs(principal: PrincipalId, chat: Chat) -> bool:
             person = directory.person(principal)

@@ -88,7 +88,7 @@ def floor(seed: int, tasks: int, robots: int) -> Floor:
 
 def best_pairs(small: Floor) -> list[tuple[TaskId, RobotId]]:
     """Try every way of assigning as many tasks as there are robots; return the cheapest."""
-    [tasks] = by_priority(small.fleet, NOW_NS)
+    [tasks] = by_priority(small.fleet, small.glances, NOW_NS)
     ways = (
         [(task.id, robot) for task, robot in zip(tasks, order, strict=True)]
         for order in permutations(small.glances)
@@ -98,12 +98,12 @@ def best_pairs(small: Floor) -> list[tuple[TaskId, RobotId]]:
 
 
 def _nearest(one: Floor) -> list[tuple[TaskId, RobotId]]:
-    [tasks] = by_priority(one.fleet, NOW_NS)
+    [tasks] = by_priority(one.fleet, one.glances, NOW_NS)
     return nearest_idle(one.fleet, tasks, one.glances, NOW_NS)
 
 
 def _solved(one: Floor) -> list[tuple[TaskId, RobotId]]:
-    return assign(one.fleet, by_priority(one.fleet, NOW_NS), one.glances, NOW_NS).pairs
+    return assign(one.fleet, by_priority(one.fleet, one.glances, NOW_NS), one.glances, NOW_NS).pairs
 
 
 WAYS = {"solver": _solved, "nearest idle": _nearest, "every way tried": best_pairs}

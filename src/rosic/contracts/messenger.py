@@ -146,6 +146,15 @@ def settle_with(messenger: Messenger, settle: Settle) -> bool:
     return True
 
 
+def catching_up(messenger: Messenger) -> bool:
+    """Whether a messenger may still bring what was sent while it did not listen: a stop, perhaps.
+
+    One that cannot say brings nothing of the kind.
+    """
+    ask: Callable[[], bool] | None = getattr(messenger, "catching_up", None)
+    return ask is not None and ask()
+
+
 def watch_chats(messenger: Messenger, passed: Passed) -> None:
     """Have a messenger with chats of many say what happens to them; see `Passing`.
 

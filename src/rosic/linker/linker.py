@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot, Tell
     from rosic.contracts.store import Latch
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.parcel import Parcel, Receipt
     from rosic.core.stopboard import StopBoard
     from rosic.core.view import Sight, View
@@ -93,6 +93,10 @@ class Linker:
     def void(self, robot_id: RobotId, sentence: str) -> None:
         """Void everything that waits for one robot, with a reason."""
         self._mailboxes[robot_id].void(sentence)
+
+    def withdraw(self, robot_id: RobotId, cid: CommandId, sentence: str) -> None:
+        """Void one order if it waits for a robot, with a reason."""
+        self._mailboxes[robot_id].withdraw(cid, sentence)
 
     async def dispatch(self, order: Order, tell: Tell) -> Outcome:
         """Relay an order whose turn it is, and return what the robot really did.

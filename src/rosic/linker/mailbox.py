@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot
+    from rosic.core.identity import CommandId
 
 QUEUED = Report(Stage.QUEUED)
 QUEUE, REFUSE, REPLACE = Busy.QUEUE, Busy.REFUSE, Busy.REPLACE
@@ -128,6 +129,14 @@ class Mailbox:
         """Void everything that waits, with a reason."""
         while self._waiting:
             self._waiting.popleft().void(OrderVoid(sentence))
+
+    def withdraw(self, cid: CommandId, sentence: str) -> None:
+        """Void one order that waits, with a reason."""
+        for entry in self._waiting:
+            if entry.order.cid == cid:
+                self._waiting.remove(entry)
+                entry.void(OrderVoid(sentence))
+                return
 
     def replace(self) -> bool:
         """End what is under way, once: a second cancellation would cut its coming to rest short.

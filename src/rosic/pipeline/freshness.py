@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.saying import said
 from rosic.errors import Expired
@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 MINUTE_S = 60
 HOUR_S = 3600
+ERRAND_LIFETIME_NS: Final = 30_000_000_000
+MISSED: Final = said("You sent this while I could not listen. Nothing was done.")
 
 
 def check_fresh(inbound: Inbound, request: Request, now_ns: int) -> None:
@@ -35,10 +37,25 @@ def check_fresh(inbound: Inbound, request: Request, now_ns: int) -> None:
             offers=(request.text,),
         )
     if request.skill.actuates and inbound.sent_ns < inbound.listening_since_ns:
-        raise Expired(
-            said("You sent this while I could not listen. Nothing was done."),
-            offers=(request.text,),
-        )
+        raise Expired(MISSED, offers=(request.text,))
+
+
+def check_errand_fresh(inbound: Inbound, again: str) -> None:
+    """Let an errand pass that robots move because of, if it was sent just now (I2).
+
+    It also keeps a message that is brought once more after a crash from counting twice (I1): it was
+    sent before anybody listened.
+
+    Args:
+        inbound: The message it came in.
+        again: The same errand, as it would be typed.
+
+    Raises:
+        Expired: With the same errand on offer.
+    """
+    old = inbound.received_ns - inbound.sent_ns > ERRAND_LIFETIME_NS
+    if old or inbound.sent_ns < inbound.listening_since_ns:
+        raise Expired(MISSED, offers=(again,))
 
 
 def age(age_ns: int) -> str:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.life import Life
     from rosic.core.robot import RobotId
     from rosic.organiser.organiser import Organiser
@@ -160,6 +160,13 @@ class Lives:
             except Refusal as refusal:
                 self.ended(life, refused(refusal))
 
+    def forgo(self, order: Order, said: Behind, card: Card, shown: Life, why: OrderVoid) -> None:
+        """Let a claimed order end before its robot hears of it: nobody wants it any more."""
+        self._under_way += 1
+        whose = order.permit.principal
+        self._whose[whose] = self._whose.get(whose, 0) + 1
+        OrderLife(order, said, card, shown, self).void(why)
+
     def _serve_now(self, life: OrderLife) -> None:
         server = self._servers.get(life.order.robot)
         if server is None:
@@ -274,12 +281,26 @@ class Lives:
 
         Unlike a stop it latches nothing: whoever has the robot next goes on from there.
         """
-        self._linker.void(
-            robot,
-            said("{reason}. This was not done.", reason=capital(reason)),
-        )
+        self._linker.void(robot, not_done(reason))
+        await self._cut_off(robot, reason)
+
+    async def cut_order(self, robot: RobotId, cid: CommandId, reason: str) -> None:
+        """End one order, whether it waits or is under way; on return the robot has come to rest.
+
+        What else the robot does, or is to do, goes on.
+        """
+        self._linker.withdraw(robot, cid, not_done(reason))
+        current = self._linker.current(robot)
+        if current is not None and current.cid == cid:
+            await self._cut_off(robot, reason)
+
+    async def _cut_off(self, robot: RobotId, reason: str) -> None:
         server = self._servers.get(robot)
-        if server is None or not server.relaying or server.task is None:
+        if server is None or server.task is None:
+            return
+        while not (server.relaying or self._idle(server) or server.task.done()):  # noqa: ASYNC110
+            await asyncio.sleep(0)  # its turn has come: it is relayed in a moment
+        if not server.relaying:
             return
         if server.rested is not None:  # somebody cuts it off already: once is enough
             await server.rested.wait()
@@ -317,6 +338,11 @@ class Lives:
     @staticmethod
     def _idle(server: Server) -> bool:
         return server.wake is not None and not server.wake.done()
+
+
+def not_done(reason: str) -> str:
+    """Return that an order came to nothing, and why."""
+    return said("{reason}. This was not done.", reason=capital(reason))
 
 
 def refused(refusal: Refusal) -> Outcome:

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 from rosic.core import words
 from rosic.core.identity import Caller, CommandId, robot_command_id
-from rosic.core.saying import said
+from rosic.core.saying import joined, said
 from rosic.errors import Expired, Fault, NotUnderstood, RecordUnavailable, RobotStopped
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from rosic.container.container import Containers
     from rosic.core.language import Resume
@@ -32,12 +32,14 @@ class Resuming:
 
     Attributes:
         barred: Returns why a robot must stay stopped, whoever asks; None if it need not.
+        begins: Returns what some robots may begin by themselves once they are resumed; mostly "".
     """
 
     def __init__(
         self, organiser: Organiser, container: Containers, linker: Linker, board: StopBoard
     ) -> None:
         self.barred: Callable[[RobotId], Refusal | None] | None = None
+        self.begins: Callable[[Collection[RobotId]], str] = _nothing
         self._organiser = organiser
         self._container = container
         self._linker = linker
@@ -79,7 +81,8 @@ class Resuming:
                 )
         if not stopped:
             return said("Nothing is stopped there.")
-        return words.resumed([self._linker.profile(robot).shown for robot in stopped])
+        text = words.resumed([self._linker.profile(robot).shown for robot in stopped])
+        return joined("\n", filter(None, (text, self.begins(stopped))))
 
     def _check_not_barred(self, robot: RobotId) -> None:
         why = None if self.barred is None else self.barred(robot)
@@ -111,3 +114,7 @@ class Resuming:
                 offers=tuple(f"resume {robot}" for robot in stopped),
             )
         return stopped
+
+
+def _nothing(_robots: Collection[RobotId]) -> str:
+    return ""

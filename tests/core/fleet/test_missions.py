@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.core.fleet.mission import TASKS_AT_MOST, Mission, Part, Wrong, lay_out
+from rosic.core.fleet.mission import DEEPEST, TASKS_AT_MOST, Mission, Part, Wrong, lay_out
 
 
 def task(name: str) -> Part:
@@ -53,3 +53,15 @@ def test_what_is_too_large_or_unknown_is_refused() -> None:
     doubling += [Mission(name=f"m{n}", do=(Part(mission=f"m{n - 1}"),) * 2) for n in range(1, 40)]
     with pytest.raises(Wrong, match="more than"):
         laid(doubling[-1], *doubling)
+
+
+def test_missions_that_include_each_other_without_end_in_sight_are_refused_at_once() -> None:
+    chain = [Mission(name="m0", do=(task("a"),))]
+    chain += [Mission(name=f"m{n}", do=(Part(mission=f"m{n - 1}"),)) for n in range(1, 900)]
+    assert laid(chain[DEEPEST], *chain) == [("a", ())]
+    with pytest.raises(Wrong, match="more than 16 deep"):
+        laid(chain[-1], *chain)
+    nothing = [Mission(name="m0", do=())]
+    nothing += [Mission(name=f"m{n}", do=(Part(mission=f"m{n - 1}"),) * 10) for n in range(1, 12)]
+    with pytest.raises(Wrong, match="more than 200 missions"):
+        laid(nothing[-1], *nothing)

@@ -137,7 +137,7 @@ class World:
 
     def plan(self, _a: int) -> None:
         glances = self.glances()
-        for tasks in by_priority(self.fleet, self.now_ns):
+        for tasks in by_priority(self.fleet, glances, self.now_ns):
             pairs = nearest_idle(self.fleet, tasks, glances, self.now_ns)
             for key, name in pairs:
                 task, machine = self.fleet.tasks[key], self.robots[name]

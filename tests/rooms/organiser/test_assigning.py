@@ -19,7 +19,7 @@ from rosic.organiser.assigning import assign as choose
 
 
 def assign(fleet: FleetState, glances: dict[str, Glance], now_ns: int) -> Assignment:
-    return choose(fleet, by_priority(fleet, now_ns), glances, now_ns)
+    return choose(fleet, by_priority(fleet, glances, now_ns), glances, now_ns)
 
 
 def fleet_of(*tasks: Task) -> FleetState:

@@ -11,6 +11,9 @@ if TYPE_CHECKING:
 
 TASKS_AT_MOST: Final = 200
 DEEPEST: Final = 16
+"""Missions that include missions that include missions: nobody understands more."""
+INCLUDED_AT_MOST: Final = 200
+"""Also of those that hold no task: laying a mission out never takes long."""
 
 
 class Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -103,6 +106,7 @@ class _Layout:
     def __init__(self, missions: Mapping[str, Mission]) -> None:
         self.leaves: list[Leaf] = []
         self._missions = missions
+        self._included_ever = 0
 
     def row(
         self, parts: tuple[Part, ...], after: tuple[int, ...], place: tuple[str | int, ...],
@@ -148,6 +152,11 @@ class _Layout:
             raise Wrong(place, f"This mission goes round in a circle: {way}.")
         if other is None:
             raise Wrong(place, f"No mission is called {part.mission!r}.")
+        if len(within) > DEEPEST:
+            raise Wrong(place, f"This mission includes missions more than {DEEPEST} deep.")
+        self._included_ever += 1
+        if self._included_ever > INCLUDED_AT_MOST:
+            raise Wrong(place, f"This mission includes more than {INCLUDED_AT_MOST} missions.")
         # What is wrong inside another mission is said where that one is included.
         try:
             return self.row(other.do, after, ("do",), (*within, part.mission))

@@ -90,27 +90,46 @@ def waiting_credit(task: Task, now_ns: int) -> float:
 
 
 def by_priority(
-    fleet: FleetState, now_ns: int, *, leave: Container[TaskId] = (), at_most: int = 10_000
-) -> list[list[Task]]:
+    fleet: FleetState, glances: Mapping[RobotId, Glance], now_ns: int, *,
+    leave: Container[TaskId] = (), at_most: int = 10_000,
+) -> list[list[Task]]:  # fmt: skip
     """Return the tasks that may begin now, the most urgent together, the oldest first.
+
+    One that no robot can begin now is left out, so that it keeps none waiting that could begin.
 
     Args:
         fleet: As it is now.
+        glances: How each robot is that may be asked.
         now_ns: Wall clock.
         leave: Tasks that are not to be given now.
         at_most: So many altogether, the most urgent ones.
     """
     levels: dict[int, list[Task]] = {}
+    seen: dict[tuple[object, ...], bool] = {}
     for key in fleet.waiting:
         task = fleet.tasks[key]
         begins = key not in leave and (not task.until_ns or now_ns <= task.until_ns)
-        if begins and fleet.ready(task):
+        if begins and fleet.ready(task) and _anybody(fleet, task, glances, seen):
             levels.setdefault(task.priority, []).append(task)
     found: list[list[Task]] = []
     for priority in sorted(levels, reverse=True):
         found.append(levels[priority][:at_most])
         at_most -= len(found[-1])
     return [level for level in found if level]
+
+
+def _anybody(
+    fleet: FleetState, task: Task, glances: Mapping[RobotId, Glance],
+    seen: dict[tuple[object, ...], bool],
+) -> bool:  # fmt: skip
+    """Whether some robot may be asked now; tasks that ask for the same are looked at once."""
+    alike = (task.author, task.among, task.tried, task.need)
+    found = seen.get(alike)
+    if found is None:
+        found = seen[alike] = any(
+            robot in glances and may(fleet, task, glances[robot]) for robot in task.left
+        )
+    return found
 
 
 def nearest_idle(

@@ -89,6 +89,11 @@ class Listener:
         self._contested = False
         self.counts: Counter[str] = Counter()
 
+    @property
+    def catching_up(self) -> bool:
+        """Whether what was sent while nobody listened may still come."""
+        return self._listening.frozen
+
     async def run(self, receive: Receive) -> None:
         """Listen until cancelled.
 

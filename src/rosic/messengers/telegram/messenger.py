@@ -128,6 +128,10 @@ class TelegramMessenger:
         """Ask before anything is confirmed; see ``contracts.messenger``."""
         self._listener.settle = settle
 
+    def catching_up(self) -> bool:
+        """Return whether backlog may still come; see ``contracts.messenger``."""
+        return self._listener.catching_up
+
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""
         self._listener.passed = passed

@@ -11,6 +11,7 @@ from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.pipeline.among import words_among as words
 from rosic.pipeline.among.post import Ear, Where
 from rosic.pipeline.desk import Reply
+from rosic.pipeline.freshness import check_errand_fresh
 from rosic.pipeline.people.invitation_line import length_said
 
 if TYPE_CHECKING:
@@ -147,6 +148,7 @@ class AmongClerk:
         Raises:
             NotUnderstood, OutOfBounds: Its profile declares no such thing.
             NotPermitted, RobotTaken: Not theirs, or not now.
+            Expired: It was not sent just now.
         """
         said = _words(asked)
         if not said:
@@ -156,6 +158,7 @@ class AmongClerk:
         strategies = self._circle.strategies
         if not rest:
             return Reply(strategies.now(robot), about=robot)
+        check_errand_fresh(asked.inbound, f"/strategy {asked.rest}")
         name, *values = rest
         now = bool(values) and values[-1] == "now"
         if values and values[-1] in {"now", "idle"}:

@@ -83,6 +83,7 @@ class HelpBook:
     def __init__(self, wall_ns: Callable[[], int]) -> None:
         self._wall_ns = wall_ns
         self._helps: dict[str, Help] = {}
+        self._under_way: dict[str, None] = {}
 
     # ---- looking ----
 
@@ -104,7 +105,7 @@ class HelpBook:
 
     def under_way(self) -> list[Help]:
         """Return what somebody has accepted and is not over."""
-        return [h for h in self._helps.values() if h.by and not h.over_ns]
+        return [self._helps[ident] for ident in self._under_way]
 
     def engages(self, robot: RobotId) -> bool:
         """Whether a robot helps or is helped now, so that it has no time for tasks."""
@@ -201,6 +202,7 @@ class HelpBook:
 
     def apply(self, fact: Fact) -> None:
         """Let a fact be so. What was erased keeps its times without its words."""
+        self._under_way.pop(fact.key, None)
         if not fact.body:
             self._helps.pop(fact.key, None)
             return
@@ -214,3 +216,5 @@ class HelpBook:
             fact.key, body.robot, what, body.at_ns, body.until_ns, body.by, body.helper,
             body.accepted_ns, body.over_ns,
         )  # fmt: skip
+        if body.by and not body.over_ns:
+            self._under_way[fact.key] = None

@@ -114,6 +114,12 @@ class Post:
         key = key_of(ear, where)
         return Fact(kind=KIND, key=key, body=b"") if key in self._ears else None
 
+    def end_all(self, who: PrincipalId) -> tuple[Fact, ...]:
+        """Return what is to be written so that somebody follows nothing any more."""
+        return tuple(
+            Fact(kind=KIND, key=key, body=b"") for key, e in self._ears.items() if e.who == who
+        )
+
     def restore(self, facts: Iterable[Fact]) -> None:
         """Take over what earlier runs wrote."""
         for fact in facts:

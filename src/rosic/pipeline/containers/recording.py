@@ -10,6 +10,7 @@ import msgspec
 
 from rosic.container.archive import NOBODY, Author
 from rosic.contracts.messenger import (
+    catching_up,
     menus_of,
     pictures_of,
     reactions_of,
@@ -93,6 +94,10 @@ class Recorded:
     def settle_with(self, settle: Settle) -> None:
         """Have it ask before it confirms; see ``contracts.messenger``."""
         self.settles = settle_with(self._messenger, settle)
+
+    def catching_up(self) -> bool:
+        """Return whether backlog may still come; see ``contracts.messenger``."""
+        return catching_up(self._messenger)
 
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""

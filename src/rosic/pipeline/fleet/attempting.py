@@ -6,6 +6,7 @@ give a robot up: what would want that is refused, and said.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.container.letters import ReplyTo
@@ -18,9 +19,11 @@ from rosic.errors import (
     FirstNeeded,
     NotPermitted,
     NotUnderstood,
+    OrderVoid,
     OutOfBounds,
     Refusal,
     Repeated,
+    RobotStopped,
     Unrecognised,
 )
 from rosic.organiser.grounds import NOTHING
@@ -88,6 +91,18 @@ class Attempt(NamedTuple):
     took: bool
 
 
+class Asker(NamedTuple):
+    """Who waits for an attempt.
+
+    Attributes:
+        over: Called once the order has ended and that is on disk.
+        wanted: Whether the attempt still counts.
+    """
+
+    over: Callable[[Order, Outcome], None]
+    wanted: Callable[[], bool]
+
+
 class Attempting:
     """Gives the orders of tasks."""
 
@@ -106,16 +121,17 @@ class Attempting:
         self._rooms.organiser.check_unlocked(caller)
         return caller
 
-    async def attempt(
-        self, task: Task, doing: Begin, said: Said, over: Callable[[Outcome], None]
-    ) -> Attempt:
+    async def attempt(self, task: Task, doing: Begin, said: Said, asker: Asker) -> Attempt | None:
         """Ask a robot for one step. On return its order is on disk and under way.
 
         Args:
             task: Which; its author asks.
             doing: Which step, of whom.
             said: What was said for the task.
-            over: Called once the order has ended and that is on disk.
+            asker: Who waits for it.
+
+        Returns:
+            None if it was not wanted any more once it was on disk: no robot has heard of it.
 
         Raises:
             Refusal: Why not. No robot has moved because of it.
@@ -137,7 +153,8 @@ class Attempting:
         except BaseException:
             rooms.organiser.abandon(permits)
             raise
-        self._begin(order, caller, (messenger, chat), task, over)
+        if not self._begin(order, caller, (messenger, chat), task, asker):
+            return None
         return Attempt(doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits))
 
     def _request(self, doing: Begin, line: Do, said: Said, cid: CommandId) -> Request:
@@ -159,10 +176,13 @@ class Attempting:
         return places[0]
 
     def _begin(
-        self, order: Order, caller: Caller, where: tuple[Messenger, Chat], task: Task,
-        over: Callable[[Outcome], None],
-    ) -> None:  # fmt: skip
-        """RELAYCOMMAND goes on in a life of its own."""
+        self, order: Order, caller: Caller, where: tuple[Messenger, Chat], task: Task, asker: Asker
+    ) -> bool:
+        """RELAYCOMMAND goes on in a life of its own, unless nobody wants it any more.
+
+        Between the look and the beginning nothing else happens: whoever takes the task from its
+        robot from here on finds the order there, and ends it.
+        """
         hands, shown = self._hands, self._rooms.profiles[order.robot].shown
         catalogue = hands.teller.languages.of(caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
@@ -172,10 +192,15 @@ class Attempting:
         what = in_language(order.words, catalogue)
         title = in_language(words.order_title(f"{shown}: {what}", task), catalogue)
         life = AwaitedLife(shown, title, hands.face, self._clock.wall_ns(), wording)
-        life.over = over
         card.show(order.cid, life)
-        hands.lives.begin(order, ByRule(caller), card, life)
+        wanted = asker.wanted()
+        if wanted:
+            life.over = partial(asker.over, order)
+            hands.lives.begin(order, ByRule(caller), card, life)
+        else:
+            hands.lives.forgo(order, ByRule(caller), card, life, OrderVoid(words.NOT_WANTED))
         hands.teller.show(card)
+        return wanted
 
 
 def attempt_id(task: Task, attempt: int) -> CommandId:
@@ -187,6 +212,8 @@ def end_of(refusal: Refusal) -> End:
     """Return what a refusal means for a task."""
     if isinstance(refusal, Repeated):
         return End.UNKNOWN  # it was claimed before, and nobody here saw its end
+    if isinstance(refusal, RobotStopped):
+        return End.STOPPED
     return End.REFUSED if isinstance(refusal, NEVER) else End.BUSY
 
 
@@ -195,11 +222,13 @@ def end_after(outcome: Outcome, *, stopped: bool) -> End:
 
     Args:
         outcome: What the robot did.
-        stopped: Somebody has stopped it meanwhile.
+        stopped: Somebody has stopped the robot since it was admitted, resumed or not.
     """
     ending = outcome.ending
-    if ending is Ending.CANCELLED or (ending is Ending.REFUSED and stopped):
-        return End.STOPPED if stopped else End.TAKEN
+    if stopped and ending not in {Ending.DONE, Ending.SENT}:
+        return End.STOPPED
+    if ending is Ending.CANCELLED:
+        return End.TAKEN
     if ending is Ending.REFUSED:
         never = {refusal.code for refusal in NEVER} | {Unrecognised.code}
         return End.REFUSED if outcome.code in never else End.BUSY

@@ -28,7 +28,8 @@ class RuleTasks:
         key = self._dispatching.fleet.holds.get(robot)
         if key is None:
             return False
-        return await self._dispatching.feed(e.Held(key, Why.PAUSED))
+        # What brings a robot to rest waits for no disk.
+        return await self._dispatching.feed(e.Held(key, Why.PAUSED), happened=True)
 
     async def reallocate(self, robot: RobotId, by: PrincipalId, why: str) -> None:  # noqa: ARG002 - a contract
         """Let the task leave this robot, as if it were late there; another is chosen for it.

@@ -16,19 +16,23 @@ from rosic.pipeline.fleet import words_fleet as words
 from rosic.pipeline.fleet.letters import Said
 from rosic.pipeline.fleet.reading import able
 from rosic.pipeline.fleet.task_line import read_wish
+from rosic.pipeline.freshness import check_errand_fresh
 
 if TYPE_CHECKING:
+    from rosic.core.fleet.state import FleetState
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
     from rosic.errors import Refusal
     from rosic.organiser.zones import Zone
-    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.fleet.dispatching import Dispatching, Given
     from rosic.pipeline.fleet.task_line import Wish
     from rosic.pipeline.fleet.telling import Telling
     from rosic.pipeline.office import Asked, Office
     from rosic.pipeline.rooms import Rooms
 
 OPEN_AT_MOST: Final = 2_000
+OF_ONE_AT_MOST: Final = 500
+"""So many are one person's, so that nobody keeps the others from giving any."""
 SHOWN_AT_MOST: Final = 20
 ANY: Final = frozenset({"any", "anybody", "anyone"})
 ASSIGN: Final = "assign"
@@ -92,6 +96,7 @@ class TaskClerk:
             NotUnderstood: No such robot, group, skill or task.
             NotPermitted: Not theirs to ask for.
             OutOfBounds: A value, a number or a time that makes no sense.
+            Expired: Robots would move because of it, and it was not sent just now.
             TooManyRequests: There are too many.
         """
         first, *rest = asked.rest.split() or [""]
@@ -106,9 +111,19 @@ class TaskClerk:
         return await self._give(asked)
 
     async def _give(self, asked: Asked) -> Reply:
+        check_errand_fresh(asked.inbound, f"/task {asked.rest}")
+        [(task, said)] = await self.dispatching.give(asked.cid, lambda: self._made(asked))
+        names = [self._telling.shown(robot) for robot in task.among]
+        return Reply(words.given(task, said.shown, words.one_of(names)))
+
+    def _made(self, asked: Asked) -> Given:
+        """Return the task that somebody asks for.
+
+        Raises:
+            Refusal: As `task`.
+        """
         fleet, who = self.dispatching.fleet, asked.caller.principal
-        if sum(1 for _ in fleet.open()) >= OPEN_AT_MOST:
-            raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
+        check_room(fleet, who, 1)
         now_ns = self._rooms.organiser.wall_ns()
         wish = read_wish(asked.rest, now_ns, self._zone)
         wanted, robots, used = self._target(wish, who)
@@ -133,9 +148,7 @@ class TaskClerk:
         )
         said = Said(lines, asked.messenger.name, asked.inbound.chat)
         decided = Decided(act="task", by=who, about=task.id, at_ns=now_ns, digest=asked.cid)
-        await self.dispatching.give(((task, said),), asked.cid, decided)
-        names = [self._telling.shown(robot) for robot in found.robots]
-        return Reply(words.given(task, said.shown, words.one_of(names)))
+        return [(task, said)], decided
 
     def _nobody(self, wanted: str, why: Refusal | None) -> Refusal:
         if why is None:
@@ -213,9 +226,24 @@ class TaskClerk:
     async def _go(self, asked: Asked, task: Task) -> Reply:
         if task.state not in RESTING:
             raise NotUnderstood(words.does_not_fit(task))
+        check_errand_fresh(asked.inbound, f"/task go {task.id}")
         return await self._act(asked, task, e.Released(task.id), "go")
 
     async def _was_done(self, asked: Asked, task: Task) -> Reply:
         if task.state is not State.UNKNOWN:
             raise NotUnderstood(words.does_not_fit(task))
+        check_errand_fresh(asked.inbound, f"/task done {task.id}")
         return await self._act(asked, task, e.Released(task.id, skip=True), "done")
+
+
+def check_room(fleet: FleetState, who: PrincipalId, more: int) -> None:
+    """See that so many more tasks of somebody can be taken in.
+
+    Raises:
+        TooManyRequests: There are too many, of theirs or of everybody's.
+    """
+    tasks = list(fleet.open())
+    if sum(task.author == who for task in tasks) + more > OF_ONE_AT_MOST:
+        raise TooManyRequests(words.too_many_of_one(OF_ONE_AT_MOST), retry_after_s=60.0)
+    if len(tasks) + more > OPEN_AT_MOST:
+        raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)

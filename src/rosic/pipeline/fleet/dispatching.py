@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.fleet import events as e
 from rosic.core.fleet.reacting import react
@@ -16,7 +16,7 @@ from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import HELD, Why
 from rosic.core.order import Ending
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
-from rosic.pipeline.fleet.attempting import attempt_id, end_after, end_of
+from rosic.pipeline.fleet.attempting import Asker, attempt_id, end_after, end_of
 from rosic.pipeline.fleet.letters import Letters
 from rosic.pipeline.fleet.origins import Origins
 
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.core.fleet.task import Task, TaskId
-    from rosic.core.identity import CommandId
-    from rosic.core.order import Outcome
-    from rosic.core.record import Record
+    from rosic.core.identity import CommandId, PrincipalId
+    from rosic.core.order import Order, Outcome
+    from rosic.core.record import Decided, Record
     from rosic.core.robot import RobotId
     from rosic.pipeline.changes import Changes
     from rosic.pipeline.fleet.attempting import Attempt, Attempting
@@ -35,8 +35,12 @@ if TYPE_CHECKING:
     from rosic.pipeline.fleet.recalling import Recalling
     from rosic.pipeline.rooms import Rooms
 
+Given: TypeAlias = "tuple[list[tuple[Task, Said]], Decided]"
+
 AGAIN_NS = 2_000_000_000
 """A task that no robot took just now is not offered again at once."""
+
+BEHIND_S = 0.1
 
 log = logging.getLogger("rosic.fleet")
 
@@ -54,6 +58,7 @@ class Dispatching:
         finished: How many steps each robot has done since the start.
         tell: Hears of a task before and after a change that people may want to know.
         changed: Called after every change: there may be something to choose.
+        behind: Whether what people sent while nobody listened may still come.
     """
 
     def __init__(
@@ -69,7 +74,9 @@ class Dispatching:
         self.finished: dict[RobotId, int] = {}
         self.tell: Callable[[Task, Task], object] = _unheard
         self.changed: Callable[[], object] = _nothing
+        self.behind: Callable[[], bool] = _up_to_date
         self._again_ns: dict[TaskId, int] = {}
+        self._asked_ns: dict[RobotId, int] = {}
         self._rooms = rooms
         self._changes = changes
         self._clock = clock
@@ -109,26 +116,41 @@ class Dispatching:
         self.changed()
         return True
 
-    async def give(
-        self, given: Iterable[tuple[Task, Said]], cid: CommandId, *records: Record
-    ) -> None:
+    async def give(self, cid: CommandId, make: Callable[[], Given]) -> list[tuple[Task, Said]]:
         """Take tasks in: all of them or none. What need not be known any more is let go.
+
+        Args:
+            cid: Of the line that gives them.
+            make: Returns the tasks, and what is decided with them. Called once nothing else can
+                change meanwhile, so that no two tasks have one number.
 
         Raises:
             Repeated: The message had its effect already.
+            Refusal: From `make`; nothing was taken in.
             RecordUnavailable: Nothing was taken in.
         """
         now_ns = self._clock.wall_ns()
         async with self._changes.turn() as turn:
             self.origins.check(cid)
+            given, decided = make()
             stale = self.fleet.stale()
             facts = [*self.fleet.forgotten(stale), *self.letters.forgotten(stale)]
             facts += self.origins.facts(cid, now_ns)
             for task, said in given:
                 facts.append(self.letters.fact(task.id, task.author, said))
                 facts += self.fleet.facts(react(self.fleet, e.Given(task), now_ns))
-            await turn.write((*records, *facts))
+            await turn.write((decided, *facts))
+        for gone in stale:
+            self.why.pop(gone, None)
+            self.rested.pop(gone, None)
         self.changed()
+        return given
+
+    async def ended(self, author: PrincipalId) -> None:
+        """Cancel everything that somebody wants: they are nobody any more."""
+        for task in [task for task in self.fleet.open() if task.author == author]:
+            self.why.pop(task.id, None)
+            await self._feed(e.Held(task.id, Why.CANCELLED))
 
     async def first_time(self, cid: CommandId) -> None:
         """See that a message has its effect once, whatever crashes after this.
@@ -163,35 +185,57 @@ class Dispatching:
     # ---- what follows ----
 
     async def _begin(self, doing: e.Begin) -> None:
+        while self.behind():  # a stop may be on its way: until it is heard nothing begins
+            await self._clock.sleep(BEHIND_S)
         task = self.fleet.tasks.get(doing.task)
-        if task is None or task.attempt != doing.attempt or task.leaving:
-            return  # called back before it began: the recall says what becomes of it
+        if task is not None and task.attempt == doing.attempt and self._counts(task):
+            await self._ask(task, doing)  # else it was called back before it began
+
+    async def _ask(self, task: Task, doing: e.Begin) -> None:
         said = self.letters.get(task.id)
         if said is None:
             await self._feed(e.Held(task.id, Why.CANCELLED))
             return
-        over = partial(self._over, task, doing.robot)
+        asker = Asker(partial(self._over, task), partial(self._counts, task))
         try:
-            attempt = await self._attempting.attempt(task, doing, said, over)
+            attempt = await self._attempting.attempt(task, doing, said, asker)
         except Refusal as refusal:
-            self.why[task.id] = refusal.sentence
-            self._again_ns[task.id] = self._clock.monotonic_ns() + AGAIN_NS
-            if isinstance(refusal, Unrecognised):
-                await self._feed(e.Held(task.id, Why.PAUSED))
-            else:
-                await self._feed(e.Ended(task.id, doing.attempt, end_of(refusal)))
+            if self._counts(task):
+                await self._refused(task, refusal)
         except (RosicError, Exception):
             log.exception("task %s could not be given to %s", task.id, doing.robot)
             await self._feed(e.Ended(task.id, doing.attempt, e.End.UNKNOWN))
         else:
+            if attempt is None:
+                self._give_back(doing.robot, task.author)
+                return
             before = self.begun.get(task.id)
             took = attempt.took or (before is not None and before.took)  # with an earlier step
             self.begun[task.id] = attempt._replace(took=took)
             await self._feed(e.Begun(task.id, doing.attempt))
 
-    def _over(self, task: Task, robot: RobotId, outcome: Outcome) -> None:
+    async def _refused(self, task: Task, refusal: Refusal) -> None:
+        """An attempt was not admitted, or not claimed."""
+        self.why[task.id] = refusal.sentence
+        self._not_now(task)
+        if isinstance(refusal, Unrecognised):
+            await self._feed(e.Held(task.id, Why.PAUSED))
+        else:
+            await self._feed(e.Ended(task.id, task.attempt, end_of(refusal)))
+
+    def _counts(self, task: Task) -> bool:
+        """Whether the attempt that a task had is still the one to be made."""
+        now = self.fleet.tasks.get(task.id)
+        return (
+            now is not None
+            and now.attempt == task.attempt
+            and now.state in HELD
+            and not now.leaving
+        )
+
+    def _over(self, task: Task, order: Order, outcome: Outcome) -> None:
         """An order has ended, and that is on disk."""
-        attempt = self.begun.get(task.id)
+        attempt, robot = self.begun.get(task.id), order.robot
         number = task.attempt
         if self._closing:
             self._note(e.Ended(task.id, number, e.End.SHUT_DOWN), outcome)
@@ -199,13 +243,14 @@ class Dispatching:
         current = self.fleet.tasks.get(task.id)
         if current is not None and current.author != task.author:
             self._give_back(robot, task.author)  # it was handed over meanwhile
-        end = end_after(outcome, stopped=self._rooms.board[robot].latched)
+        stopped = self._rooms.board[robot].generation != order.permit.stop_generation
+        end = end_after(outcome, stopped=stopped)
         if outcome.note:
             self.why[task.id] = outcome.note
         if end is e.End.DONE:
             self.finished[robot] = self.finished.get(robot, 0) + 1
         if end is e.End.BUSY:
-            self._again_ns[task.id] = self._clock.monotonic_ns() + AGAIN_NS
+            self._not_now(task)
         self._spawn(self._ended(e.Ended(task.id, number, end), robot, attempt))
 
     async def _ended(self, event: e.Ended, robot: RobotId, attempt: Attempt | None) -> None:
@@ -246,11 +291,19 @@ class Dispatching:
 
     # ---- beginning and ending ----
 
-    def not_now(self) -> frozenset[TaskId]:
-        """Return the tasks that were refused just now."""
+    def not_now(self) -> tuple[frozenset[TaskId], frozenset[RobotId]]:
+        """Return the tasks that were refused just now, and the robots that did not take one.
+
+        What one robot refuses for one task it mostly refuses for the next.
+        """
         now_ns = self._clock.monotonic_ns()
         self._again_ns = {task: at for task, at in self._again_ns.items() if at > now_ns}
-        return frozenset(self._again_ns)
+        self._asked_ns = {robot: at for robot, at in self._asked_ns.items() if at > now_ns}
+        return frozenset(self._again_ns), frozenset(self._asked_ns)
+
+    def _not_now(self, task: Task) -> None:
+        again_ns = self._clock.monotonic_ns() + AGAIN_NS
+        self._again_ns[task.id] = self._asked_ns[task.robot] = again_ns
 
     async def settle(self, ends: Callable[[Task], e.End | None]) -> None:
         """Settle tasks that had a robot when the last run ended.
@@ -279,3 +332,7 @@ def _unheard(_before: Task, _after: Task) -> None:
 
 def _nothing() -> None:
     return None
+
+
+def _up_to_date() -> bool:
+    return False

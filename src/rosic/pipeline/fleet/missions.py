@@ -17,11 +17,12 @@ from rosic.core.saying import joined
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_missions as words
-from rosic.pipeline.fleet.clerks import ANY, ASSIGN, OPEN_AT_MOST
+from rosic.pipeline.fleet.clerks import ANY, ASSIGN, check_room
 from rosic.pipeline.fleet.letters import Said
 from rosic.pipeline.fleet.reading import able
 from rosic.pipeline.fleet.timetable import KIND as TIMES
 from rosic.pipeline.fleet.timetable import PLANS_AT_MOST, Plan, Where
+from rosic.pipeline.freshness import check_errand_fresh
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Iterable
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from rosic.organiser.zones import Zone
     from rosic.pipeline.changes import Changes
     from rosic.pipeline.fleet.clerks import TaskClerk
+    from rosic.pipeline.fleet.dispatching import Given
     from rosic.pipeline.fleet.timetable import Timetable
     from rosic.pipeline.office import Asked, Office
     from rosic.pipeline.rooms import Rooms
@@ -81,11 +83,14 @@ class MissionClerk:
         Raises:
             NotUnderstood: No such mission, or nothing to do.
             NotPermitted: Somebody else's.
+            Expired: Robots would move because of it, and it was not sent just now.
         """
         verb, _, name = asked.rest.strip().casefold().partition(" ")
         name = name.strip()
         if not verb:
             return await self.missions(asked)
+        if name and (verb == "start" or ACTS.get(verb, Why.NONE) is None):
+            check_errand_fresh(asked.inbound, f"/mission {asked.rest}")
         if verb == "start" and name:
             return await self._start(asked, name)
         if verb == "off" and name:
@@ -208,10 +213,18 @@ class MissionClerk:
         self, who: PrincipalId, mission: Mission, where: Where, cid: CommandId
     ) -> tuple[str, int]:
         """Give all tasks of a mission at once; each waits for those before it."""
+        given = await self._dispatching.give(cid, lambda: self._made(who, mission, where, cid))
+        return given[0][0].mission, len(given)
+
+    def _made(self, who: PrincipalId, mission: Mission, where: Where, cid: CommandId) -> Given:
+        """Return the tasks of a mission.
+
+        Raises:
+            TooManyRequests, NotUnderstood: None of it is begun.
+        """
         fleet = self._dispatching.fleet
         leaves = lay_out(mission, self._missions)
-        if sum(1 for _ in fleet.open()) + len(leaves) > OPEN_AT_MOST:
-            raise TooManyRequests(words.too_many(OPEN_AT_MOST), retry_after_s=60.0)
+        check_room(fleet, who, len(leaves))
         first = int(fleet.next_id())
         run = f"{mission.name}{NUMBERED}{first}"
         given = [
@@ -224,8 +237,7 @@ class MissionClerk:
         decided = Decided(
             act="mission", by=who, about=run, at_ns=self._rooms.organiser.wall_ns(), digest=cid
         )
-        await self._dispatching.give(given, cid, decided)
-        return run, len(given)
+        return given, decided
 
     def _task(self, who: PrincipalId, leaf: Leaf, run: str, first: int, number: int) -> Task:
         """Return one task.
@@ -269,18 +281,18 @@ class MissionClerk:
         when = read_when(f"{said} 1 min", now_ns, self._zone.local)
         if isinstance(when, Misunderstood):
             raise NotUnderstood(when.sentence)
-        if len(timetable.plans) >= PLANS_AT_MOST:
-            raise TooManyRequests(words.too_many_times(PLANS_AT_MOST), retry_after_s=60.0)
         who = asked.caller.principal
         plan = Plan(mission.name, who, when.start, when.rrule, now_ns)
         at_ns = timetable.next_ns(plan)
         if at_ns is None:
             raise OutOfBounds(words.NEVER)
-        key = timetable.next_key()
         decided = Decided(
             act="mission-time", by=who, about=mission.name, at_ns=now_ns, digest=asked.cid
         )
         async with self._changes.turn() as turn:
+            if len(timetable.plans) >= PLANS_AT_MOST:
+                raise TooManyRequests(words.too_many_times(PLANS_AT_MOST), retry_after_s=60.0)
+            key = timetable.next_key()
             await turn.write((decided, timetable.fact(key, plan, where)))
         timetable.look()
         moment = self._rooms.organiser.moment(who, at_ns)

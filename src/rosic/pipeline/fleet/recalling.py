@@ -44,9 +44,7 @@ class Recalling:
         if doing.why in CUT_OFF or linker.presence(robot).online is False:
             self._cut_off(robot, author)
             return False
-        current = linker.current(robot)
-        if current is not None and current.cid == cid:
-            await self._hands.lives.cut(robot, words.reason(doing.task, doing.why))
+        await self._hands.lives.cut_order(robot, cid, words.reason(doing.task, doing.why))
         rested = await self._comes_to_rest(robot)
         if not rested:
             self._cut_off(robot, author)

@@ -12,10 +12,13 @@ from rosic.core.reach import FLEET
 from rosic.core.record import Decided
 from rosic.errors import NotPermitted, NotUnderstood, RobotStopped
 from rosic.pipeline.desk import Reply
+from rosic.pipeline.fleet import words_fleet
 from rosic.pipeline.fleet import words_robots as words
 from rosic.pipeline.fleet.clerks import ASSIGN
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from rosic.core.robot import RobotId
     from rosic.errors import Refusal
     from rosic.pipeline.fleet.dispatching import Dispatching
@@ -24,6 +27,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.stopping import StopLane
 
 OUT: Final = {"disable": Standing.DISABLED, "retire": Standing.RETIRED}
+NAMED_AT_MOST: Final = 5
 IN: Final = frozenset({"enable", "add"})
 
 
@@ -45,6 +49,14 @@ class RobotClerk:
         if standing is Standing.ACTIVE:
             return None
         return RobotStopped(words.barred(self._rooms.profiles[robot].shown, standing))
+
+    def begins(self, robots: Collection[RobotId]) -> str:
+        """Return what robots that were resumed may begin by themselves; mostly nothing."""
+        fleet, among = self._dispatching.fleet, set(robots)
+        waiting = (fleet.tasks[key] for key in fleet.waiting)
+        found = [t.id for t in waiting if not among.isdisjoint(t.left) and fleet.ready(t)]
+        more = len(found) - NAMED_AT_MOST
+        return words_fleet.begins(found[:NAMED_AT_MOST], max(0, more)) if found else ""
 
     async def robot(self, asked: Asked) -> Reply:
         """Say what a robot can do, or let it take part or not.
@@ -109,4 +121,5 @@ class RobotClerk:
             act=f"robot-{standing.value}", by=asked.caller.principal, about=robot,
             at_ns=self._rooms.organiser.wall_ns(), digest=asked.cid,
         )  # fmt: skip
-        await self._dispatching.feed(e.Stood(robot, standing), decided)
+        out = standing is not Standing.ACTIVE  # and that, too, waits for no disk
+        await self._dispatching.feed(e.Stood(robot, standing), decided, happened=out)

@@ -100,6 +100,7 @@ class Timetable:
         """Let a fact be so; a plan whose author's container is erased is none."""
         self.plans.pop(fact.key, None)
         self._places.pop(fact.key, None)
+        self._next_ns.pop(fact.key, None)
         if not fact.body or fact.letter is None:
             return
         try:
@@ -156,22 +157,25 @@ class Timetable:
         try:
             while self.plans:
                 for key in tuple(self.plans):
-                    await self._due(key)
+                    try:
+                        await self._due(key)
+                    except RecordUnavailable:
+                        log.warning("a mission does not begin while nothing can be written down")
                 await self._clock.sleep(LOOK_S)
-        except RecordUnavailable:
-            log.warning("missions do not begin while nothing can be written down")
         finally:
             self._waiting = None
 
     async def _due(self, key: str) -> None:
-        plan, where, now_ns = self.plans[key], self._places[key], self._clock.wall_ns()
-        at_ns = self._next_ns[key]
-        if at_ns is not None and at_ns > now_ns:
+        if not self._is_due(key):
             return
-        fact = Fact(kind=KIND, key=key, body=b"")
-        if at_ns is not None:
-            fact = self.fact(key, replace(plan, after_ns=at_ns), where)
         async with self._changes.turn() as turn:
+            if not self._is_due(key):
+                return  # somebody has taken it back meanwhile
+            plan, where, now_ns = self.plans[key], self._places[key], self._clock.wall_ns()
+            at_ns = self._next_ns[key]
+            fact = Fact(kind=KIND, key=key, body=b"")
+            if at_ns is not None:
+                fact = self.fact(key, replace(plan, after_ns=at_ns), where)
             await turn.write((fact,))  # that this time is over, before anything begins
         if at_ns is None:
             return
@@ -179,6 +183,11 @@ class Timetable:
             self._reach.tell((plan.author,), words.slept_through(plan.mission))
             return
         await self._begin(plan, where, at_ns)
+
+    def _is_due(self, key: str) -> bool:
+        """Whether a plan is still there, and its time has come or it never comes again."""
+        at_ns = self._next_ns.get(key)
+        return key in self.plans and (at_ns is None or at_ns <= self._clock.wall_ns())
 
     async def _begin(self, plan: Plan, where: Where, at_ns: int) -> None:
         if self.starter is None:

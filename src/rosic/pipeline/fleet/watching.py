@@ -134,15 +134,14 @@ class Watching:
         async with self._planning:
             await self._let_help()
             fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
-            leave = self._dispatching.not_now() | self.prefer.keys()
-            levels = by_priority(
-                fleet, now_ns, leave=leave, at_most=at_once(len(self._rooms.profiles))
-            )
-            if not levels:
+            if not fleet.waiting:
                 return
-            among = dict.fromkeys(r for level in levels for task in level for r in task.left)
+            late, left_alone = self._dispatching.not_now()
             least = self._least()
-            glances = {r: self.glance(r, least) for r in among if r in self._rooms.profiles}
+            robots = [r for r in self._rooms.profiles if r not in left_alone]
+            glances = {r: self.glance(r, least) for r in robots}
+            at_most, leave = at_once(len(self._rooms.profiles)), late | self.prefer.keys()
+            levels = by_priority(fleet, glances, now_ns, leave=leave, at_most=at_most)
             for task, robot in assign(fleet, levels, glances, now_ns).pairs:
                 await self._choose(task, robot)
 

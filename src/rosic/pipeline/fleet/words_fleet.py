@@ -57,6 +57,7 @@ HOW_TO: Final = said(
 )
 NONE_OPEN: Final = said("No task is open.")
 NO_STEPS: Final = said("Say what is to be done: /task omni wave.")
+NOT_WANTED: Final = said("Its task left the robot before this could begin. Nothing was done.")
 TOO_LATE: Final = said("That time is over. Nothing was done.")
 ERASED: Final = said("what was said for it is erased")
 
@@ -133,6 +134,22 @@ def too_many(most: int) -> str:
     """Return that no more tasks are taken in."""
     return said(
         "{most} tasks are open already. Cancel some, or wait until they are done.", most=most
+    )
+
+
+def begins(tasks: Sequence[str], more: int) -> str:
+    """Return what a robot that was resumed may begin by itself; at least one task."""
+    named = ", ".join(tasks)
+    first = said(
+        "It moves by itself as soon as it is given a task that waits: {tasks}.", tasks=named
+    )
+    return joined(" ", (first, and_more(more))) if more else first
+
+
+def too_many_of_one(most: int) -> str:
+    """Return that somebody has as many tasks open as one person may have."""
+    return said(
+        "You have {most} tasks open already. Cancel some, or wait until they are done.", most=most
     )
 
 

@@ -43,13 +43,6 @@ def nobody_can(number: int, name: str, why: str) -> str:
     )  # fmt: skip
 
 
-def too_many(most: int) -> str:
-    """Return that no more tasks are taken in."""
-    return said(
-        "{most} tasks are open already. Cancel some, or wait until they are done.", most=most
-    )
-
-
 def started(shown: str, run: str, tasks: int) -> str:
     """Return that a mission is begun."""
     return joined(
