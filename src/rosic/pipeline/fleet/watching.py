@@ -157,7 +157,8 @@ class Watching:
         for key, robot in tuple(self.prefer.items()):
             task = fleet.tasks.get(key)
             waits = task is not None and (task.state is State.QUEUED or task.leaving)
-            if task is None or not waits or self._rooms.linker.presence(robot).online is False:
+            helps = self.engaged(robot) and self._rooms.linker.presence(robot).online is not False
+            if task is None or not waits or not helps:
                 del self.prefer[key]
             elif key in fleet.waiting and may(fleet, task, self.glance(robot, helping=True)):
                 del self.prefer[key]

@@ -269,3 +269,20 @@ async def test_whoever_helps_takes_over_what_the_other_did() -> None:
         await here.clock.advance(5)
         assert tasks[by["omni"]].robot == "cf1"
         assert tasks[by["cf1"]].state is State.QUEUED, "whoever is helped has no time either"
+
+
+async def test_a_task_waits_for_whoever_helps_no_longer_than_the_help_lasts() -> None:
+    fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
+    async with Warehouse(fleet=fleet).open() as here:
+        tasks = here.gateway.furnishing.fleet.dispatching.fleet.tasks
+        await here.say("stop cf1 cf2", account=ADA, chat=ADA)
+        await here.say("/task crew wave", account=ADA, chat=ADA)
+        await here.clock.advance(2)
+        assert tasks["1"].robot == "omni"
+        ident = await asked(here)
+        await here.says("cf1", "accept", id=ident)
+        await here.clock.advance(5)
+        assert tasks["1"].state is State.QUEUED, "whoever helps is stopped"
+        await here.says("omni", "over", id=ident)
+        await here.clock.advance(5)
+        assert tasks["1"].robot == "omni"
