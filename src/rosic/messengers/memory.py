@@ -67,7 +67,7 @@ class MemoryMessenger:
         refused: How often somebody tried all the same.
         passed: Told what happens to chats; a test calls it.
         listening_since_ns: Stamped on what is said from now on; see `Inbound`.
-        behind: Set it, and what was sent while nobody listened may still come.
+        catching_up: Returns whether backlog may still come; a test says otherwise than no.
     """
 
     platform = "memory"
@@ -94,12 +94,10 @@ class MemoryMessenger:
         self.refused = 0
         self.passed: Passed = _nobody_watches
         self.listening_since_ns = 0
-        self.behind = False
+        self.catching_up: Callable[[], bool] = bool
         self._clock = clock
         self._keep = keep
-        self._serial = 0
-        self._told_ever = 0
-        self._unconfirmed = 0
+        self._serial = self._told_ever = self._unconfirmed = 0
         self._shown: dict[str, Outbound] = {}
         self._files: dict[str, bytes] = {}
         self._waiting: dict[Chat, deque[Inbound]] = {}
@@ -168,10 +166,6 @@ class MemoryMessenger:
     def gap(self) -> None:
         """Pretend that listening was interrupted until now: what was sent earlier is backlog."""
         self.listening_since_ns = self._clock.wall_ns()
-
-    def catching_up(self) -> bool:
-        """Return whether backlog may still come; see ``contracts.messenger``."""
-        return self.behind
 
     def unconfirmed(self) -> tuple[Inbound, ...]:
         """Return what has not been received to the end; another `run` would hand it over again."""

@@ -186,17 +186,17 @@ async def test_no_task_begins_before_what_was_sent_meanwhile_has_come() -> None:
     store = MemoryStore()
     async with warehouse(store).open() as here:
         await here.say("/task w1 wave then wave")
-        here.chat.behind = True
+        here.chat.catching_up = lambda: True
         await here.say("/task w2 wave")
         worker(here, "w1").end(Ending.DONE)
         await heard(here, 5)
         assert (here.acted("w1"), here.acted("w2")) == (1, 0), "a stop may be on its way"
     here = later(store)
-    here.chat.behind = True
+    here.chat.catching_up = lambda: True
     async with here.open():
         await heard(here, 5)
         await here.say("stop w2")
-        here.chat.behind = False
+        here.chat.catching_up = bool
         await heard(here, 5)
         assert here.acted("w2") == 0
         assert tasks(here)["2"].state is State.PAUSED
