@@ -58,8 +58,23 @@ async def set_up(place: Lab, user: int) -> tuple[Phone, str]:
     shown = await place.ask(user, "/authenticator", "secret=")
     phone = Phone(shown["text"])
     code = phone.code()
-    await place.ask(user, f"/code {code}", "Your phone is set up")
+    await type_code(place, user, code, "Your phone is set up")
     return phone, code
+
+
+async def type_code(place: Lab, user: int, code: str, expected: str) -> None:
+    """Type a code, and wait for the answer: it replies to nothing, as what was typed is deleted."""
+
+    async def times() -> int:
+        return sum(expected in m["text"] for m in await place.control.messages(user, by_bot=True))
+
+    before = await times()
+    await place.say(user, f"/code {code}")
+
+    async def once_more() -> bool:
+        return await times() > before
+
+    assert await place.until(once_more), f"nobody read {expected!r}"
 
 
 async def asked(place: Lab, chat: int, label: str) -> dict[str, Any]:
@@ -112,12 +127,12 @@ async def test_a_second_factor_is_asked_for_and_its_codes_count_once(
         phone, used = await set_up(place, place.bo)
         await place.ask(place.bo, "ant hop", "done ")
         assert place.acted() == 1
-        await place.ask(place.bo, f"/code {used}", "was used before")
+        await type_code(place, place.bo, used, "was used before")
         await place.ask(place.bo, "ant hop", PROVE_FIRST, chat=room)  # proven in another chat only
         for _ in range(TRIES - 1):
-            await place.ask(place.bo, f"/code {phone.wrong()}", "This code is not right")
+            await type_code(place, place.bo, phone.wrong(), "This code is not right")
         # Not even the right one, once five were wrong.
-        await place.ask(place.bo, f"/code {phone.code(1)}", "Too many wrong codes. Try again in")
+        await type_code(place, place.bo, phone.code(1), "Too many wrong codes. Try again in")
         await place.drained()
         assert place.acted() == 1
         assert await place.control.violations() == []

@@ -30,6 +30,7 @@ async def test_a_robot_is_seen_with_all_it_offers(runtime: RosRuntime) -> None:
     assert set(seen.services) == {
         Offer("/omni/slow", ("std_srvs/srv/SetBool",)),
         Offer("/omni/stop", (TRIGGER,)),
+        Offer("/omni/take", ("diagnostic_msgs/srv/AddDiagnostics",)),
     }
     assert seen.actions == (Offer("/omni/move", ("rosic_interfaces/action/Move",)),)
 
