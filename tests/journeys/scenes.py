@@ -31,6 +31,7 @@ BRAINS = Path(__file__).parents[1] / "real" / "ros2" / "fellow_peer.py"
 DRONES = ("cf1", "cf2", "cf3")
 ROVERS = ("rover1", "rover2")
 # What is made of the profiles of the plays: kind, id, groups.
+CARRIERS = ("carrier1", "carrier2", "carrier3")
 MADE = (
     ("watch", "watch", ()),
     ("carrier", "carrier1", ("carriers", "north")),
@@ -175,10 +176,11 @@ class Scenes:
         own = [line.split() for line in lines if line.startswith(f"{robot} ")]
         return [words[1] for words in own][self._from.get(robot, 0) :]
 
-    def from_now(self) -> None:
-        """Forget what robots have begun so far."""
-        self._from = {}
-        self._from = {robot: len(self.acted(robot)) for _, robot, _ in MADE}
+    def from_now(self, *robots: str) -> None:
+        """Forget what these robots have begun so far."""
+        for robot in robots:
+            self._from[robot] = 0
+            self._from[robot] = len(self.acted(robot))
 
 
 def profile(kind: str, robot: str, groups: tuple[str, ...]) -> str:

@@ -1,10 +1,12 @@
 """The paper's five scenarios over the fake Bot API server, with robots as ROS 2 nodes.
 
-They share one place, so that each costs only what happens in it.
+They share one place and go on side by side, as they would in a house with five places of work; the
+two that need the carriers go one after the other.
 """
 
 from __future__ import annotations
 
+import asyncio
 import re
 from typing import TYPE_CHECKING
 
@@ -13,7 +15,7 @@ import pytest_asyncio
 
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
 from rosic.testing.ros2.environment import why_missing
-from tests.journeys.scenes import DRONES, STUDENTS, Scenes, scenes
+from tests.journeys.scenes import CARRIERS, DRONES, STUDENTS, Scenes, scenes
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -37,8 +39,61 @@ async def here(
         yield place
 
 
-async def test_one_to_one_a_ranger_and_a_robot_that_watches_for_fire(here: Scenes) -> None:
-    here.from_now()
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def acts(here: Scenes) -> AsyncIterator[dict[str, asyncio.Task[None]]]:
+    """Begin every scenario; a test waits for the end of one."""
+    carriers = asyncio.create_task(_fleet(here))
+
+    async def afterwards() -> None:
+        await asyncio.wait((carriers,))
+        await _shift(here)
+
+    acts = {
+        "one-to-one": asyncio.create_task(_one_to_one(here)),
+        "class": asyncio.create_task(_class(here)),
+        "fleet": carriers,
+        "shift": asyncio.create_task(afterwards()),
+        "swarm": asyncio.create_task(_swarm(here)),
+    }
+    try:
+        yield acts
+    finally:
+        for act in acts.values():
+            act.cancel()
+        await asyncio.gather(*acts.values(), return_exceptions=True)
+
+
+async def test_one_to_one_a_ranger_and_a_robot_that_watches_for_fire(
+    acts: dict[str, asyncio.Task[None]],
+) -> None:
+    await acts["one-to-one"]
+
+
+async def test_class_twenty_students_share_one_arm(
+    acts: dict[str, asyncio.Task[None]],
+) -> None:
+    await acts["class"]
+
+
+async def test_fleet_a_carrier_fails_and_its_task_is_moved_exactly_once(
+    acts: dict[str, asyncio.Task[None]],
+) -> None:
+    await acts["fleet"]
+
+
+async def test_shift_groups_overlap_and_what_runs_is_handed_over(
+    acts: dict[str, asyncio.Task[None]],
+) -> None:
+    await acts["shift"]
+
+
+async def test_swarm_a_rover_asks_for_help_another_accepts_and_a_stop_stops_all(
+    acts: dict[str, asyncio.Task[None]],
+) -> None:
+    await acts["swarm"]
+
+
+async def _one_to_one(here: Scenes) -> None:
     await here.asks("Ranger", "watch goto x=0.2 y=0", "done ")
     await here.breaks("watch", "drift", -24.0)
     await here.reads("Ranger", "The heat sensor is off its benchmark")
@@ -57,7 +112,7 @@ async def test_one_to_one_a_ranger_and_a_robot_that_watches_for_fire(here: Scene
     assert here.acted("watch") == ["goto", "recalibrate", "goto"]
 
 
-async def test_class_twenty_students_share_one_arm(here: Scenes) -> None:
+async def _class(here: Scenes) -> None:
     first, second, third, *_ = STUDENTS
     before = len(here.acted("kuka1"))
     await here.asks(first, "/book kuka1 now 10 min", "is yours")
@@ -83,8 +138,8 @@ async def test_class_twenty_students_share_one_arm(here: Scenes) -> None:
     assert here.acted("kuka1")[before:] == ["grasp", "move_joint", "home"]
 
 
-async def test_fleet_a_carrier_fails_and_its_task_is_moved_exactly_once(here: Scenes) -> None:
-    here.from_now()
+async def _fleet(here: Scenes) -> None:
+    here.from_now(*CARRIERS)
     one = await here.gives("Manager", "carriers goto x=0.2 y=0 then goto x=2 y=0")
     await here.reads("Manager", f"task {one}, step 1 of 2")
     two = await here.gives("Manager", "carriers goto x=0.3 y=0")
@@ -111,8 +166,8 @@ async def test_fleet_a_carrier_fails_and_its_task_is_moved_exactly_once(here: Sc
     await here.comes_to("Manager", f"status carrier{failing}", "battery 100 %")
 
 
-async def test_shift_groups_overlap_and_what_runs_is_handed_over(here: Scenes) -> None:
-    here.from_now()
+async def _shift(here: Scenes) -> None:
+    here.from_now(*CARRIERS)
     north, south, night = "North manager", "South manager", "Night manager"
     moving = await here.says(north, "carrier2 goto x=-0.8 y=0.3")
     await here.reads(north, "received", to=moving)
@@ -130,10 +185,7 @@ async def test_shift_groups_overlap_and_what_runs_is_handed_over(here: Scenes) -
     assert here.acted("carrier3") == []
 
 
-async def test_swarm_a_rover_asks_for_help_another_accepts_and_a_stop_stops_all(
-    here: Scenes,
-) -> None:
-    here.from_now()
+async def _swarm(here: Scenes) -> None:
     leader = "Search leader"
     up = await here.says(leader, "crazyflies takeoff 1 m")
     card = await here.reads(leader, "hovering", to=up)
