@@ -6,6 +6,9 @@ robot that is left, one after another.
 
 from __future__ import annotations
 
+from contextlib import suppress
+from functools import cache
+from importlib import import_module
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.fleet.planning import (
@@ -38,6 +41,18 @@ class Assignment(NamedTuple):
 
     pairs: list[tuple[TaskId, RobotId]]
     best: bool
+
+
+@cache
+def load() -> None:
+    """Load the solver, if there is one. It takes a second, so that no event loop should wait."""
+    with suppress(ModuleNotFoundError):
+        import_module("scipy.optimize")
+
+
+def is_loaded() -> bool:
+    """Whether `load` has nothing left to do."""
+    return load.cache_info().currsize > 0
 
 
 def assign(

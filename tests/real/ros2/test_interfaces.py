@@ -103,6 +103,8 @@ async def test_a_foreign_package_is_built_once_for_all_who_ask(tmp_path: Path) -
             assert not link.ready()
     finally:
         sys.path[:] = [entry for entry in sys.path if not entry.startswith(str(cache))]
+        for module in [name for name in sys.modules if name.split(".")[0] == "control_msgs"]:
+            del sys.modules[module]  # others mean the whole package by it
 
     (package.source / "msg" / "GripperCommand.msg").write_text("float64 max_effort\n")
     assert keeping._digest(package) not in str(next(cache.glob("control_msgs-*")))

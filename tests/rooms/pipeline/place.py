@@ -16,6 +16,7 @@ from rosic.core.roles import DEFAULT_ROLES, Rulebook
 from rosic.core.skill import Parameter, Skill, SkillClass
 from rosic.errors import StoreFault
 from rosic.messengers.memory import MemoryMessenger
+from rosic.organiser.assigning import load
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
@@ -152,6 +153,7 @@ class Place:
         fleet: tuple[Profile, ...] = FLEET,
         chat: Callable[[ManualClock], MemoryMessenger] = edited,
     ) -> None:
+        load()  # of the solver: it takes real time, and the clock here is a test's own
         self.clock = clock or ManualClock()
         self.store = store or MemoryStore()
         self.latch = latch or MemoryLatch()

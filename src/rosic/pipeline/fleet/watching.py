@@ -14,7 +14,7 @@ from rosic.core.fleet.planning import Glance, by_priority, may
 from rosic.core.fleet.task import State, Why
 from rosic.core.robot import Slots
 from rosic.errors import RecordUnavailable
-from rosic.organiser.assigning import assign
+from rosic.organiser.assigning import assign, is_loaded, load
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -136,6 +136,8 @@ class Watching:
             fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
             if not fleet.waiting:
                 return
+            if not is_loaded():
+                await asyncio.to_thread(load)  # a stop does not wait for that
             late, left_alone = self._dispatching.not_now()
             least = self._least()
             robots = [r for r in self._rooms.profiles if r not in left_alone]
