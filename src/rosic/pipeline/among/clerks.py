@@ -126,7 +126,9 @@ class AmongClerk:
         open_ = [h for h in book.open() if h.robot in visible]
         lines = [words.open_help(h.id, shown(h.robot), clean(h.what)) for h in open_]
         lines += [
-            words.under_way(shown(h.robot), clean(h.what), clean(name_of(h.by)))
+            words.under_way(
+                shown(h.robot), clean(h.what), shown(h.helper) if h.helper else clean(name_of(h.by))
+            )
             for h in book.under_way()
             if h.robot in visible
         ]

@@ -245,8 +245,7 @@ class Dispatching:
             self._give_back(robot, task.author)  # it was handed over meanwhile
         stopped = self._rooms.board[robot].generation != order.permit.stop_generation
         end = end_after(outcome, stopped=stopped)
-        if outcome.note:
-            self.why[task.id] = outcome.note
+        self.why[task.id] = outcome.note  # not what an earlier attempt came to
         if end is e.End.DONE:
             self.finished[robot] = self.finished.get(robot, 0) + 1
         if end is e.End.BUSY:
