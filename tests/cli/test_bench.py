@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.running import rosic
-from tests.pace import slowness
+from tests.pace import patience
 
 MOMENTS = ("handed to the adapter", "kept by the latch", "rest told", "before it is handed over")
 STOPS = [
@@ -48,14 +48,16 @@ def test_the_bench_of_telegram_keeps_to_the_limits_and_uses_them() -> None:
     assert without.startswith(f"Without the durable claim: {above_us:.1f} us above") or (
         abs(float(without.split()[4]) - above_us) < 0.2
     )
-    assert f"With it: {durable['p50_us'] / 1e3:.2f} ms" in durably
-    assert f"the disk takes {disk['p50_us'] / 1e3:.2f} ms" in durably
+    took_ms = float(durably.partition("With it: ")[2].split()[0])
+    assert abs(took_ms - durable["p50_us"] / 1e3) < 0.011, "each is rounded for itself"
+    takes_ms = float(durably.partition("the disk takes ")[2].split()[0])
+    assert abs(takes_ms - disk["p50_us"] / 1e3) < 0.011, "each is rounded for itself"
     assert [case["name"] for case in tmpfs] == (
         ["receiving: ROSIC, durable claim on tmpfs"] if Path("/dev/shm").is_dir() else []  # noqa: S108
     )
     assert batch["permitted_share"] >= 0.95
     assert "permitted_share" not in stops
-    assert stops["p50_us"] < 500_000 * slowness()
+    assert stops["p50_us"] < 500_000 * patience()
     assert "naive" in naive["name"]
     for case, name in (
         (durable, "durable"),
@@ -94,7 +96,7 @@ def test_the_bench_of_fleets_assigns_tasks_and_compares_sizes() -> None:
     for case in cases.values():
         assert {"name", "rate_per_s", "p50_us", "p99_us"} <= set(case)
         assert 0 < case["p50_us"] <= case["p99_us"]
-    assert cases["1000 to 200: solver"]["p50_us"] < 1_000_000 * slowness()
+    assert cases["1000 to 200: solver"]["p50_us"] < 1_000_000 * patience()
     small, near, tried, large, large_near = report["cases"][:5]
     assert small["cost_m"] == tried["cost_m"] < near["cost_m"]
     assert large["cost_m"] < large_near["cost_m"]

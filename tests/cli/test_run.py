@@ -14,7 +14,7 @@ import pytest
 
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import CONFIG, gateway, rosic, write_config
-from tests.pace import slowness
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -54,7 +54,7 @@ def test_it_says_when_it_is_ready_and_ends_in_time(tmp_path: Path) -> None:
         assert running.end() == 0
         took_s = time.monotonic() - begun_s
 
-        assert took_s < 5 * slowness()
+        assert took_s < 5 * patience()
         assert re.search(r"^\d\d:\d\d:\d\d info rosic.gateway: ready in \d+\.\d\d s: 2 robots, "
                          r"by terminal$", running.err(), re.MULTILINE)  # fmt: skip
         assert "ROSIC was shut down" in running.out()
@@ -279,7 +279,7 @@ def test_what_hovers_lands_before_it_ends(tmp_path: Path, beside: str) -> None:
         assert running.end() == 0
         took_s = time.monotonic() - begun_s
 
-        assert 2.0 < took_s < 5 * slowness(), "from 1 m it takes 2.5 s to land"
+        assert 2.0 < took_s < 5 * patience(), "from 1 m it takes 2.5 s to land"
         assert "error" not in running.err()
 
 
@@ -298,7 +298,7 @@ def test_what_cannot_land_in_time_is_named_and_stays_stopped(tmp_path: Path) -> 
         begun_s = time.monotonic()
         assert running.end() == 0
 
-        assert time.monotonic() - begun_s < 5 * slowness()
+        assert time.monotonic() - begun_s < 5 * patience()
         assert running.err().splitlines()[-1].partition("rosic.gateway: ")[2] == (
             "Crazyflie 1 and Crazyflie 2 are still coming to rest, as they were told, and stay "
             "stopped until somebody resumes them."

@@ -20,7 +20,7 @@ from rosic.app.asked import Ask, Verb
 from rosic.cli.asking import answers
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import ROSIC, environment, gateway, rosic, write_config
-from tests.pace import slowness
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -97,7 +97,7 @@ def test_whoever_is_locked_comes_to_rest_within_a_second(running: Gateway, confi
     begun_s = time.monotonic()
     [said] = answers(config.parent / "rosic-data", Ask(Verb.LOCK, ("Ada",)))
     running.wait_for("omni: stopped before it ended")
-    assert time.monotonic() - begun_s < 1 * slowness()
+    assert time.monotonic() - begun_s < 1 * patience()
     assert said.startswith("Ada is locked")
     assert "stopped" in good("status", "omni", config=config)
 

@@ -13,7 +13,7 @@ import pytest
 from rosic.app.control import Ask, Verb, ask_gateway
 from tests.journeys.fleet import TOKEN
 from tests.journeys.lab import Lab, lab
-from tests.pace import slowness
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -83,7 +83,7 @@ async def test_sigterm_in_motion_brings_it_to_rest_and_tells(
         status = await gateway.ends(60, signal.SIGTERM)
 
         assert status == 0
-        assert time.monotonic() - began_s < 5 * slowness()
+        assert time.monotonic() - began_s < 5 * patience()
         [shown] = [
             message
             for message in await place.control.messages(place.bo, by_bot=True)

@@ -12,7 +12,7 @@ from rosic.testing.telegram.transcript import View, transcript
 from tests.journeys.lab import Lab, lab
 from tests.journeys.newcomer import BOT
 from tests.journeys.pictures import check_picture
-from tests.pace import slowness
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -57,7 +57,7 @@ def check_forms(forms: list[dict[str, Any]]) -> None:
     """See that a card was edited seldom, and that each form was true when it arrived."""
     times = [form["received_s"] for form in forms]
     gaps = [later - sooner for sooner, later in pairwise(times)]
-    slow = slowness()
+    slow = patience()
     assert all(gap >= PRIVATE.between_s - 0.5 * slow for gap in gaps), gaps
     for form in forms:
         stamp_s, next_s = stamps(form["text"])
@@ -79,7 +79,7 @@ async def test_it_follows_a_motion_and_goes_on_after_a_kill(
 
         forms = done["versions"]
         late_s = forms[-1]["received_s"] - life["versions"][-1]["received_s"]
-        assert late_s <= PRIVATE.between_s + LOOK_S + ON_ITS_WAY_S * slowness()
+        assert late_s <= PRIVATE.between_s + LOOK_S + ON_ITS_WAY_S * patience()
         check_forms(forms)
         assert any("sent " in form["text"] and "%" in form["text"] for form in forms[1:-1]), forms
         assert any("omni: Bo · " in form["text"] for form in forms)

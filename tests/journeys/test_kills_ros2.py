@@ -20,7 +20,7 @@ from tests.journeys.reading import Reply, read_reply
 from tests.journeys.report import percentile
 from tests.journeys.ros import Onlooker, onlooker
 from tests.journeys.verdict import Said, judge
-from tests.pace import slowness
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -85,7 +85,7 @@ async def kill_in_motion(
             print(f"  at rest by itself after {', '.join(shown)}")  # noqa: T201
         assert verdict.wrong == []
         assert len(looking.robots.actuations("omni")) == kills
-        assert max(rests_s) < REST_WITHIN_S * slowness()
+        assert max(rests_s) < REST_WITHIN_S * patience()
 
 
 async def set_moving(place: Lab, looking: Onlooker, way: str) -> Said:

@@ -10,7 +10,7 @@ import pytest
 
 from tests.journeys.fleet import Person
 from tests.journeys.lab import Lab, lab
-from tests.pace import slowness
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -95,7 +95,7 @@ async def a_thief_is_locked_in_mid_motion(place: Lab) -> None:
     begun_s = time.monotonic()
     await place.say(place.ada, "/lock Bo")
     await place.reads(place.bo, "stopped before it ended", to=moving)
-    assert time.monotonic() - begun_s < BUSY_S * slowness()
+    assert time.monotonic() - begun_s < BUSY_S * patience()
     await place.ask(place.bo, "kuka1 home", "locked")
 
 

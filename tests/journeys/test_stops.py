@@ -12,7 +12,7 @@ import pytest
 from rosic.stores.latch import FileLatch
 from tests.journeys.lab import Lab, lab
 from tests.journeys.record import settled
-from tests.pace import slowness
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -40,7 +40,7 @@ async def test_a_stop_overtakes_what_waits(tmp_path: Path, launcher: Launcher) -
         await place.reads(place.ada, "STOP: Bee at rest")
 
         [stopped] = place.counter.stops("bee")
-        assert stopped.at_s - said["time_s"] < 2.0 * slowness()
+        assert stopped.at_s - said["time_s"] < 2.0 * patience()
         assert await place.until(lambda: settled(place.data) == 60)
         assert place.counter.events[-1] is stopped, "something acted after the stop"
         assert place.acted("bee") < 5

@@ -17,7 +17,7 @@ from rosic.robots.ros2.runtime import RosRuntime
 from rosic.system import SystemClock, SystemEntropy
 from rosic.testing.ros2.graph import RosGraph
 from tests.cli.running import rosic, write_config
-from tests.pace import slowness
+from tests.pace import patience
 from tests.real.ros2.simulated import Simulated, set_fault, simulated, until
 
 if TYPE_CHECKING:
@@ -85,10 +85,10 @@ async def test_its_stop_and_its_watchdog_are_measured(tmp_path: Path, omni: Simu
     assert (stop.verdict, watchdog.verdict) == (Verdict.GOOD, Verdict.GOOD)
     measured = STOPPED.fullmatch(stop.text)
     assert measured is not None, stop.text
-    assert 0.02 < float(measured[1]) < 1.0 * slowness()
+    assert 0.02 < float(measured[1]) < 1.0 * patience()
     how, seconds = watched(watchdog)
     assert how == "at rest"
-    assert 0.4 < seconds < 1.0 * slowness()
+    assert 0.4 < seconds < 1.0 * patience()
     assert len(omni.actuations("omni")) == before + 2
 
 
@@ -117,7 +117,7 @@ async def test_a_watchdog_slower_than_its_profile_says_is_looked_at(
     assert watchdog.verdict is Verdict.LOOK
     how, seconds = watched(watchdog)
     assert how == "at rest"
-    assert 1.8 < seconds < 3.0 * slowness()
+    assert 1.8 < seconds < 3.0 * patience()
 
 
 async def test_a_robot_that_does_not_move_has_no_watchdog_measured(

@@ -16,7 +16,7 @@ from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph, RosProcess
-from tests.pace import slowness
+from tests.pace import patience
 from tests.real.ros2.simulated import TriedRobot, opened, profile_of, until
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ async def test_a_stream_is_bounded_and_ends_in_zeros(peer: RosProcess) -> None:
     assert outcome.ending is Ending.SENT, "this robot does not measure its rest"
     await asyncio.to_thread(peer.expect, "twist 0.0")
     velocities = [line.split()[1] for line in peer.lines if line.startswith("twist")]
-    assert 8 / slowness() <= velocities.count("0.25") <= 11
+    assert 8 / patience() <= velocities.count("0.25") <= 11
     assert velocities == sorted(velocities, reverse=True)
     assert velocities[-1] == "0.0"
 

@@ -15,7 +15,7 @@ from rosic.core.robot import Link
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.dialogue import GREETING
 from rosic.system import SystemClock
-from tests.pace import slowness
+from tests.pace import patience
 from tests.real.ros2.simulated import opened, shipped, until
 
 if TYPE_CHECKING:
@@ -86,6 +86,6 @@ async def test_a_stop_is_spoken_and_never_called_rest(
     said: list[str] = []
     async with opened(talker, clock, said.append) as robot:
         await until(lambda: len(said) == 1)
-        rest = await asyncio.wait_for(robot.stop(Stop("talker", 1)), 2.0 * slowness())
+        rest = await asyncio.wait_for(robot.stop(Stop("talker", 1)), 2.0 * patience())
         assert not rest.confirmed
         await until(lambda: said[1:] == ["heard: stop"])

@@ -16,7 +16,7 @@ from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
-from tests.pace import slowness
+from tests.pace import patience
 from tests.real.ros2.simulated import Simulated, opened, shipped, simulated, until
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ async def test_a_robot_that_falls_silent_is_stopped_by_its_own_watchdog(clock: S
         )
         rest = await robot.fall_silent(order, lambda _report: None)
         assert rest.confirmed
-        assert 0.3 < rest.seconds < 1.5 * slowness(), "the watchdog of this robot takes 0.5 s"
+        assert 0.3 < rest.seconds < 1.5 * patience(), "the watchdog of this robot takes 0.5 s"
 
 
 async def test_a_stop_is_confirmed_only_at_rest(clock: SystemClock, odometry: Latest) -> None:
@@ -245,11 +245,11 @@ async def test_a_robot_that_disappears_at_work_leaves_doubt_and_cannot_confirm_a
             begun = time.monotonic()
             with pytest.raises(RobotUnreachable, match=r"omni has not answered for \d+\.\d s"):
                 await asyncio.wait_for(running, 60.0)
-            assert time.monotonic() - begun < 6.0 * slowness()
+            assert time.monotonic() - begun < 6.0 * patience()
             assert robot.presence().online is False
             rest = await robot.stop(Stop("omni", 1))
             assert not rest.confirmed
-            assert 0.9 < rest.seconds < 2.5 * slowness()
+            assert 0.9 < rest.seconds < 2.5 * patience()
             assert robot.gate.latched
 
 

@@ -17,7 +17,7 @@ from rosic.pictures.draw import draw
 from rosic.robots.ros2 import sights
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
-from tests.pace import slowness
+from tests.pace import patience
 from tests.real.ros2.simulated import opened, shipped
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ async def test_a_compressed_frame_comes_as_it_was_sent() -> None:
         assert isinstance(view.content, Encoded)
         assert view.content.data == b"\xff\xd8\xff frame"
         assert not view.foreign
-        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * slowness()
+        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * patience()
 
 
 @pytest.mark.usefixtures("eyes")
@@ -105,7 +105,7 @@ async def test_a_stamp_of_another_clock_is_said_to_be_one(eyes: RosProcess) -> N
     async with robot() as made:
         view = await first(made, Sight.PICTURE)
         assert view.foreign
-        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * slowness()
+        assert 0 <= SystemClock().monotonic_ns() - view.taken_ns < 5e9 * patience()
 
 
 async def test_what_is_no_picture_is_refused_when_it_is_drawn(eyes: RosProcess) -> None:

@@ -23,7 +23,7 @@ from rosic.robots.ros2.runtime import RosRuntime
 from rosic.robots.ros2.simulation import main
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
-from tests.pace import slowness
+from tests.pace import patience
 from tests.real.ros2.simulated import (
     SIMULATION,
     Simulated,
@@ -134,7 +134,7 @@ def test_it_ends_when_it_is_told_to(graph: RosGraph, tmp_path: Path) -> None:
         begun = time.monotonic()
         simulation.process.process.send_signal(number)
         assert simulation.process.process.wait(60) == 0
-        assert time.monotonic() - begun < 2.0 * slowness()
+        assert time.monotonic() - begun < 2.0 * patience()
         simulation.process.stop()
 
 
@@ -223,9 +223,9 @@ async def test_a_robot_whose_gateway_is_killed_comes_to_rest_by_itself(
     )
     await until(lambda: speed_m_s(odometry) > 0.4)
     driver.kill()
-    begun, at = time.monotonic(), x_m(odometry)
-    await until(lambda: speed_m_s(odometry) <= 0.005, timeout_s=3.0)
-    assert time.monotonic() - begun < 2.5 * slowness()
+    at = x_m(odometry)
+    await until(lambda: speed_m_s(odometry) <= 0.005)
+    # How far it came says how long it took, whatever the machine was busy with meanwhile.
     assert 0.2 < x_m(odometry) - at < 1.0, "a second at half a metre a second, and braking"
     await odometry.newer(odometry.received + 10, timeout_s=30)
     assert speed_m_s(odometry) <= 0.005

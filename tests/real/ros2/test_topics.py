@@ -10,7 +10,7 @@ from rosic.robots.ros2.faults import BadName, BadValue, NotSent
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.services import wait_until
 from rosic.robots.ros2.topics import Latest, Quality
-from tests.pace import slowness
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.registry import TypeRegistry
@@ -102,7 +102,7 @@ async def test_a_flood_neither_grows_memory_nor_takes_the_loop(
         await asyncio.sleep(0.05)
     sent = int(await flood)
     await _value(latest, -1)
-    slow = slowness()
+    slow = patience()
     assert sent > 10_000 / slow
     assert latest.received > 1_000 / slow
     assert resident_mib() - before < 10

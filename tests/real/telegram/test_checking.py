@@ -9,7 +9,7 @@ import pytest
 
 from rosic.app.start import Checking
 from rosic.errors import ConfigurationError, MessengerFault
-from tests.pace import slowness
+from tests.pace import patience
 from tests.real.telegram.gateway import Gateway
 from tests.real.telegram.test_secrecy import WRONG, everything_about
 
@@ -60,7 +60,7 @@ async def test_telegram_that_is_silent_is_not_waited_for(
     with pytest.raises(MessengerFault, match="did not answer"):
         await gateway.messenger.check(within_s=0.3)
 
-    assert time.monotonic() - begun_s < 3 * slowness()
+    assert time.monotonic() - begun_s < 3 * patience()
 
 
 async def test_a_proxy_that_cannot_be_used_is_not_taken_for_silence(server: FakeTelegram) -> None:

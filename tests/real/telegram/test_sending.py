@@ -14,7 +14,7 @@ from rosic.messengers.telegram.line import Line
 from rosic.messengers.telegram.settings import read_settings
 from rosic.messengers.telegram.trouble import Kind, Trouble
 from rosic.testing.telegram import FakeTelegram
-from tests.pace import slowness
+from tests.pace import patience
 from tests.real.telegram.gateway import Gateway, to
 
 if TYPE_CHECKING:
@@ -218,7 +218,7 @@ async def test_every_call_is_bounded_in_time(server: FakeTelegram) -> None:
     assert raised.value.kind is Kind.LOST
     with pytest.raises(Trouble):
         await Line(settings).ask(lambda bot: bot.get_me(), within_s=0.2)
-    assert time.monotonic() - began_s < 3 * slowness()
+    assert time.monotonic() - began_s < 3 * patience()
 
 
 async def test_an_urgent_message_overtakes_what_waits(
