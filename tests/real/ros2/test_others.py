@@ -11,7 +11,7 @@ import pytest
 
 from rosic.core.order import Ending, Outcome, Report, Stage, Stop
 from rosic.core.view import Grid, Sight
-from rosic.errors import OrderVoid
+from rosic.errors import OrderVoid, RobotOffline
 from rosic.robots.ros2.graph import wait_for
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built, make_importable
 from rosic.robots.ros2.registry import TypeRegistry
@@ -71,12 +71,22 @@ class Life:
 
     def __init__(self, robot: TriedRobot, skill: str, arguments: dict[str, Argument]) -> None:
         self.reports: list[Report] = []
-        order = robot.order(skill, arguments)
-        self.task = asyncio.create_task(robot.execute(order, self.reports.append))
+        self.task = asyncio.create_task(self._carry_out(robot, skill, arguments))
 
     @property
     def fraction(self) -> float:
         return max((r.fraction or 0.0 for r in self.reports), default=0.0)
+
+    async def _carry_out(
+        self, robot: TriedRobot, skill: str, arguments: dict[str, Argument]
+    ) -> Outcome:
+        """Ask for it once everything of the robot was found: before that nothing is sent."""
+        async with asyncio.timeout(60):
+            while True:
+                try:
+                    return await robot.execute(robot.order(skill, arguments), self.reports.append)
+                except RobotOffline:
+                    await asyncio.sleep(0.05)
 
     def stages(self) -> list[Stage]:
         return list(dict.fromkeys(report.stage for report in self.reports))
