@@ -21,6 +21,7 @@ from rosic.pipeline.alerts.following import Following
 from rosic.pipeline.alerts.placed import Occurrence, Placed
 from rosic.pipeline.reach import Notice
 from rosic.pipeline.rounds import go_round
+from rosic.pipeline.writing import WriteBehind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -71,11 +72,9 @@ class Alerting:
         self._lines: dict[str, Do | None] = {}
         self._running: Running | None = None
         self._rooms = rooms
-        self._changes = changes
         self._reach = reach
         self._clock = clock
-        self._unwritten: list[Record] = []
-        self._writing: asyncio.Task[None] | None = None
+        self._behind = WriteBehind(changes)
         self._tasks: set[asyncio.Task[None]] = set()
 
     def follow(
@@ -108,9 +107,7 @@ class Alerting:
         """Write down what is open, within bounds; what is being asked of a robot is given up."""
         for task in self._tasks:
             task.cancel()
-        if self._writing is not None:
-            await asyncio.wait((self._writing,), timeout=WRITTEN_WITHIN_S)
-            self._writing.cancel()
+        await self._behind.written(WRITTEN_WITHIN_S)
 
     def look(self, robots: Iterable[RobotId]) -> None:
         """Look once at these robots, which have rules."""
@@ -227,18 +224,7 @@ class Alerting:
 
     def write(self, records: Iterable[Record]) -> None:
         """Write down what is so already; in order, one batch after another."""
-        self._unwritten.extend(records)
-        if self._unwritten and self._writing is None:
-            self._writing = asyncio.create_task(self._write())
-
-    async def _write(self) -> None:
-        try:
-            while self._unwritten:
-                batch, self._unwritten = self._unwritten, []
-                async with self._changes.turn() as turn:
-                    await turn.act(batch)
-        finally:
-            self._writing = None
+        self._behind.write(records)
 
     def _spawn(self, following: Following) -> None:
         task = asyncio.create_task(self._run_for(following))

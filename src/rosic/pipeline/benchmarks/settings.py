@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from typing import TYPE_CHECKING, Final
 
@@ -10,6 +9,7 @@ import msgspec
 
 from rosic.core.identity import PrincipalId
 from rosic.core.record import Fact
+from rosic.pipeline.writing import WriteBehind
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -52,10 +52,8 @@ class Settings:
 
     def __init__(self, changes: Changes, wall_ns: Callable[[], int]) -> None:
         self.of: dict[RobotId, dict[str, Setting]] = {}
-        self._changes = changes
         self._wall_ns = wall_ns
-        self._unwritten: list[Fact] = []
-        self._writing: asyncio.Task[None] | None = None
+        self._behind = WriteBehind(changes)
 
     def done(self, order: Order) -> None:
         """A skill that sets a robot was done: merge what it set into what is known."""
@@ -80,23 +78,11 @@ class Settings:
     def write(self, fact: Fact) -> None:
         """Let it be so, and write it down: the robot is set already."""
         self.apply(fact)
-        self._unwritten.append(fact)
-        if self._writing is None:
-            self._writing = asyncio.create_task(self._write())
-
-    async def _write(self) -> None:
-        try:
-            while self._unwritten:
-                batch, self._unwritten = self._unwritten, []
-                async with self._changes.turn() as turn:
-                    await turn.act(batch)
-        finally:
-            self._writing = None
+        self._behind.write((fact,))
 
     async def written(self) -> None:
         """Wait until everything is written, or noted for later."""
-        if self._writing is not None:
-            await asyncio.wait((self._writing,))
+        await self._behind.written()
 
     def restore(self, facts: Iterable[Fact]) -> None:
         """Take over what earlier runs wrote."""
