@@ -39,7 +39,7 @@ demo: $(VENV)/.core
 	@$(BIN)/rosic demo
 
 test: check
-	$(call bounded,$(TEST_SECONDS)) $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS) $(TESTS)
+	$(call bounded,$(TEST_SECONDS)) $(BIN)/python -m tests.alone -n $(WORKERS) --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS) $(TESTS)
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

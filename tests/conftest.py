@@ -91,12 +91,6 @@ SECONDS = {
     "tests/cli/test_init.py": 15,
 }
 
-# A machine may be slow for a while, and that is no fault of what is tested.
-settings.register_profile(
-    "slow machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
-)
-settings.load_profile("slow machine")
-
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave campaigns out, unless the mark expression speaks of them. Put the longest first."""

@@ -54,6 +54,8 @@ class Windows:
         self._reach = reach
         # Only what a messenger has called a channel is one: no id that somebody writes is trusted.
         self._known: OrderedDict[str, tuple[Messenger, Chat, str]] = OrderedDict()
+        # Their card is being ended; should that not be written, they are not shown all the same.
+        self._left: set[str] = set()
         self._tasks: set[asyncio.Task[None]] = set()
 
     def employ(self, office: Office) -> None:
@@ -69,10 +71,13 @@ class Windows:
         key = key_of(messenger, passing.chat)
         if passing.what is Passage.REMOVED:
             self._known.pop(key, None)
+            if self._live.of(messenger, passing.chat) is not None:
+                self._left.add(key)
             task = asyncio.create_task(self._close(messenger, passing.chat))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
         elif passing.what is Passage.ADDED:
+            self._left.discard(key)
             title = clean_name(passing.title)
             self._known[key] = (messenger, passing.chat, title)
             if len(self._known) > KNOWN_AT_MOST:
@@ -146,7 +151,7 @@ class Windows:
     def _all(self) -> dict[str, tuple[Messenger, Chat, str]]:
         """Return the channels that were heard of, and those that an earlier run has opened."""
         opened = {card.key: (card.messenger, card.chat, "") for card in self._live.in_channels()}
-        return opened | self._known
+        return {key: it for key, it in (opened | self._known).items() if key not in self._left}
 
     def _list(self) -> Reply:
         lines: list[str] = []
@@ -181,6 +186,7 @@ class Windows:
             return
         try:
             await self._live.end(card)
+            self._left.discard(card.key)
         except Refusal:
             log.warning("a window could not be closed; it is closed when it can be written")
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.order import Ending, Outcome, Stage, Stop
-from rosic.errors import ConfigurationError, RobotOffline, RobotUnreachable
+from rosic.errors import ConfigurationError, OrderVoid, RobotOffline, RobotUnreachable
 from rosic.robots.ros2.graph import wait_for
 from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
@@ -191,6 +191,16 @@ async def test_a_robot_that_is_not_there_is_sent_nothing() -> None:
     with pytest.raises(RobotOffline, match=r"^Omni is not there\. Nothing was sent\.$"):
         await done(omni({"service": service}), stages)
     assert stages == []
+
+
+async def test_what_is_too_late_says_so_though_nobody_is_there() -> None:
+    robot = omni({"service": {"name": "/rover/stop", "type": "std_srvs/srv/Trigger"}})
+    await robot.open(lambda _text: None)
+    try:
+        with pytest.raises(OrderVoid, match="too late"):
+            await robot.execute(robot.book.order("do", late_s=0.001), lambda _report: None)
+    finally:
+        await robot.close()
 
 
 async def test_a_value_that_does_not_fit_is_not_sent(peer: RosProcess) -> None:

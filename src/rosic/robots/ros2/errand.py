@@ -95,6 +95,7 @@ class Errand:
         """Make sure that somebody is there.
 
         Raises:
+            OrderVoid: Nobody is, and the order's time is over.
             RobotOffline: Nobody is, though discovery had its time.
         """
         if ready():
@@ -102,6 +103,9 @@ class Errand:
         try:
             await wait_until(ready, what, self._patience_s)
         except NotSent as fault:
+            now_ns = self.side.clock.monotonic_ns()
+            if now_ns > self.order.deadline_ns:  # being late is why, not discovery
+                self.side.gate.pass_order(self.order, now_ns)
             raise self.offline() from fault
 
     def offline(self) -> RobotOffline:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from dataclasses import dataclass
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from rosic.robots.ros2.faults import BadValue, NotSent
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.runtime import RosRuntime
 
 _NS = 1_000_000_000
+
+MET_FOR_S = 0.25
+"""After this long both sides have found each other: what is sent as soon as a publisher has found
+its subscriber is lost without a word if the subscriber has not found the publisher yet."""
 
 
 @dataclass(frozen=True)
@@ -61,11 +66,19 @@ class Publisher:
         self._runtime = runtime
         self._cls = cls
         self._handle = handle
+        self._alone_s = monotonic()
 
     @property
     def listeners(self) -> int:
         """How many subscribers are matched now. A topic says no more about who received it."""
         return int(self._handle.get_subscription_count()) if self._runtime.alive else 0
+
+    def heard(self) -> bool:
+        """Tell whether what is sent now is heard: somebody listens, and has met us, too."""
+        if not self.listeners:
+            self._alone_s = monotonic()
+            return False
+        return monotonic() - self._alone_s >= MET_FOR_S
 
     def publish(self, values: Values) -> None:
         """Check, convert and send, at once and on the calling thread.
