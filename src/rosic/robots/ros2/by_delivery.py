@@ -116,7 +116,7 @@ class ByDelivery:
         publisher, deliver = self._publisher, self._deliver
         if publisher is None or deliver is None:
             raise NotSent("The link is closed.")
-        await wait_until(publisher.heard, publisher.topic, FOUND_WITHIN_S)
+        await wait_until(lambda: publisher.listeners > 0, publisher.topic, FOUND_WITHIN_S)
         if (heard := self._receipts) is not None:  # else its side could say so before we listen
             await wait_until(lambda: heard.publishers > 0, heard.topic, FOUND_WITHIN_S)
         self._check_free()

@@ -79,7 +79,7 @@ class ByTopic:
         publisher = self._publisher or errand.side.brakes.zeros.get(self._binding.name)
         if publisher is None:
             raise errand.offline()
-        await errand.there(publisher.heard, publisher.topic)
+        await errand.there(lambda: publisher.listeners > 0, publisher.topic)
         return publisher
 
     async def _drive(

@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 _NS = 1_000_000_000
 
-MET_FOR_S = 0.25
-"""After this long both sides have found each other: what is sent as soon as a publisher has found
-its subscriber is lost without a word if the subscriber has not found the publisher yet."""
+ON_ITS_WAY_S = 0.25
+"""A message is kept by its publisher until every subscriber has it. Acknowledgements would tell,
+but come only with the next heartbeat, every 3 s."""
 
 
 @dataclass(frozen=True)
@@ -66,19 +66,12 @@ class Publisher:
         self._runtime = runtime
         self._cls = cls
         self._handle = handle
-        self._alone_s = monotonic()
+        self._sent_s = -ON_ITS_WAY_S
 
     @property
     def listeners(self) -> int:
         """How many subscribers are matched now. A topic says no more about who received it."""
         return int(self._handle.get_subscription_count()) if self._runtime.alive else 0
-
-    def heard(self) -> bool:
-        """Tell whether what is sent now is heard: somebody listens, and has met us, too."""
-        if not self.listeners:
-            self._alone_s = monotonic()
-            return False
-        return monotonic() - self._alone_s >= MET_FOR_S
 
     def publish(self, values: Values) -> None:
         """Check, convert and send, at once and on the calling thread.
@@ -92,11 +85,15 @@ class Publisher:
             raise NotSent("The link to ROS 2 is closed; nothing was sent.")
         try:
             self._handle.publish(message)
+            self._sent_s = monotonic()
         except Exception as error:  # RCLError under a flood; it has no stable home in rclpy
             raise NotSent(f"ROS 2 did not take the message for {self.topic}.") from error
 
     async def close(self) -> None:
-        """Leave the topic."""
+        """Leave the topic, but not at once after sending: what is on its way is lost with us."""
+        rest_s = self._sent_s + ON_ITS_WAY_S - monotonic()
+        if rest_s > 0 and self._runtime.alive:
+            await asyncio.sleep(rest_s)
         await self._runtime.discard(lambda node: node.destroy_publisher(self._handle))
 
 
