@@ -26,7 +26,7 @@ from rosic.app.people import Seed
 from rosic.app.units import compile_units
 from rosic.bench.fed import FedRobot, Feed, Frames, read_wish
 from rosic.bench.feeding import BEATS_PER_S, Beat, Sent, frame, reports, robot_name
-from rosic.bench.pipeline import BenchMessenger
+from rosic.bench.lanes import BenchMessenger
 from rosic.core.alert_rule import Alert
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound

@@ -7,13 +7,10 @@ robot, concluded and told.
 
 from __future__ import annotations
 
-import asyncio
 import gc
 import tempfile
-from functools import cache
 from itertools import count, cycle
 from pathlib import Path
-from time import perf_counter_ns
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -24,9 +21,9 @@ from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.people import Seed
 from rosic.app.units import compile_units
 from rosic.bench import deciding, places, weighing
+from rosic.bench.lanes import TURN_MESSAGES, BenchMessenger, Sending, lanes_of
 from rosic.bench.report import Case, Report, case_of, machine
 from rosic.core.identity import Address
-from rosic.core.message import Chat, Inbound, Outbound
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Busy, Link, Profile
 from rosic.core.skill import Parameter, Skill
@@ -37,15 +34,12 @@ from rosic.stores.memory import MemoryStore
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import Iterator
 
     from rosic.contracts.adapter import RobotFactory
-    from rosic.contracts.messenger import Receive
     from rosic.contracts.store import Latch, Store
-    from rosic.core.message import Enclosure
 
 ROBOTS = 50
-TURN_MESSAGES = 4
 METHOD = (
     "Orders that ended done at a robot with a distinct number, each counted once its author was "
     "told. People take turns: one sends {turn} messages on each of the slots in flight at a robot, "
@@ -94,44 +88,6 @@ CASES = (
     Load(name="durable, 256 in flight", orders=20_000, durable=True),
     Load(name="durable, 1 in flight", orders=1_000, in_flight=1, durable=True),
 )
-
-
-class BenchMessenger:
-    """Hands messages over and notices when their author is told the end."""
-
-    platform = "bench"
-    name = "bench"
-    assurance = "local"
-    edits = True
-    file_bytes = fetch_bytes = 0
-    pins = False
-
-    def __init__(self) -> None:
-        self.ended: dict[str, asyncio.Future[None]] = {}
-
-    async def run(self, receive: Receive) -> None:
-        """Nothing to listen to: the load calls ``receive`` itself."""
-
-    async def send(self, outbound: Outbound) -> str:
-        """Take the first message of a life; its id is that of the message it answers."""
-        return outbound.reply_to
-
-    async def edit(self, message: str, outbound: Outbound) -> None:
-        """Take an edit; the one that says done ends the wait."""
-        if "\ndone " in outbound.text:
-            ended = self.ended.pop(message, None)
-            if ended is not None:
-                ended.set_result(None)
-
-    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
-        """Nobody looks."""
-
-    async def answer_tap(self, inbound: Inbound, text: str) -> None:
-        """Nobody taps."""
-
-    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
-        """Nobody sends a file."""
-        raise NotImplementedError
 
 
 def measure(*, quick: bool = False) -> Report:
@@ -192,58 +148,22 @@ async def _drive(
     gateway: Gateway, messenger: BenchMessenger, load: Load
 ) -> tuple[list[int], float]:
     """Keep ``in_flight`` messages under way; return every latency and the whole time."""
-    times: list[int] = []
     robots = min(ROBOTS, load.skills, load.in_flight)
-    slots = [load.in_flight // robots + (i < load.in_flight % robots) for i in range(robots)]
-    people = cycle(range(load.people))
-    ids = count(1)
-    skills = max(1, load.skills // ROBOTS)
-    turns = asyncio.get_running_loop()
+    lanes = lanes_of(load.in_flight, [_texts(robot, load) for robot in range(robots)])
+    sending = Sending(gateway.pipeline, messenger, load.orders, load.people, CLOCK.wall_ns)
+    return await sending.send(lanes)
 
-    async def slot(robot: int, person: int) -> None:
-        for _ in range(TURN_MESSAGES):
-            number = next(ids)
-            distance = f"{0.01 + number % 4_990 / 1_000:g}" if load.new_texts else "0.5"
-            inbound = _inbound(robot, person, number, f"skill{number % skills} {distance}")
-            ended = turns.create_future()
-            messenger.ended[inbound.message] = ended
-            began_ns = perf_counter_ns()
-            await gateway.pipeline.receive(messenger, inbound)
-            await ended
-            times.append(perf_counter_ns() - began_ns)
 
-    async def lane(robot: int, width: int) -> None:
-        while len(times) < load.orders:
-            person = next(people)
-            if width == 1:
-                await slot(robot, person)
-            else:
-                await asyncio.gather(*(slot(robot, person) for _ in range(width)))
-
-    began_ns = perf_counter_ns()
-    await asyncio.gather(*(lane(robot, width) for robot, width in enumerate(slots)))
-    return times, (perf_counter_ns() - began_ns) / 1e9
+def _texts(robot: int, load: Load) -> Iterator[str]:
+    """Return what a robot is asked for, without end."""
+    skills = [f"robot{robot} skill{n}" for n in range(max(1, load.skills // ROBOTS))]
+    if load.new_texts:
+        far = (0.01 + n % 4_990 / 1_000 for n in count())
+        return (f"{skill} {m:g} m forward" for skill, m in zip(cycle(skills), far, strict=False))
+    return cycle([f"{skill} 0.5 m forward" for skill in skills])
 
 
 CLOCK = SystemClock()
-
-
-@cache
-def _whereabouts(person: int) -> tuple[Address, Chat]:
-    return Address("bench", str(person)), Chat("bench", str(person))
-
-
-def _inbound(robot: int, person: int, number: int, asked: str) -> Inbound:
-    now_ns = CLOCK.wall_ns()
-    sender, chat = _whereabouts(person)
-    return Inbound(
-        sender=sender,
-        chat=chat,
-        message=str(number),
-        text=f"robot{robot} {asked} m forward",
-        sent_ns=now_ns,
-        received_ns=now_ns,
-    )
 
 
 def _gateway(load: Load, messenger: BenchMessenger, store: Store, latch: Latch) -> Gateway:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from functools import cached_property
 from math import isfinite
 from typing import TypeAlias
 
@@ -182,7 +183,7 @@ class ParametersBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
     timeout_s: float = 5.0
 
 
-class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, dict=True):
     """One thing a robot can do, as its profile says. At most one binding.
 
     Attributes:
@@ -218,14 +219,14 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         if self.kind is SkillClass.STOP:
             raise ValueError("stop is not a skill: every robot has one")
 
-    @property
+    @cached_property
     def order_lifetime_ns(self) -> int:
         """Nanoseconds from the person's sending to the robot's receiving."""
         if self.lifetime_s is not None:
             return int(self.lifetime_s * 1e9)
         return MOTION_LIFETIME_NS if self.kind is MOTION else LIFETIME_NS
 
-    @property
+    @cached_property
     def actuates(self) -> bool:
         """Whether it can change the world, so that it needs the robot for oneself."""
         return self.kind in ACTUATING

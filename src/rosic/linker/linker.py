@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rosic.contracts.robot import deliver_of
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
@@ -13,7 +13,7 @@ from rosic.errors import RobotOffline, RosicError, StoreFault
 from rosic.linker.mailbox import Mailbox, Waiting
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, Iterable, Iterator, Mapping
+    from collections.abc import AsyncGenerator, Coroutine, Iterable, Iterator, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot, Tell
@@ -98,19 +98,23 @@ class Linker:
         """Void one order if it waits for a robot, with a reason."""
         self._mailboxes[robot_id].withdraw(cid, sentence)
 
-    async def dispatch(self, order: Order, tell: Tell) -> Outcome:
-        """Relay an order whose turn it is, and return what the robot really did.
+    def dispatch(self, order: Order, tell: Tell) -> Coroutine[Any, Any, Outcome]:
+        """Relay an order whose turn it is; awaited, this returns what the robot really did.
 
         Raises:
-            PolicyMoved: Not relayed; admit it once more, its turn is kept.
-            OrderVoid, RobotOffline: The robot has not moved.
-            RobotUnreachable: It may or may not have moved.
+            PolicyMoved: At once. Not relayed; admit it once more, its turn is kept.
+            OrderVoid, RobotOffline: Awaited. The robot has not moved.
+            RobotUnreachable: Awaited. It may or may not have moved.
         """
         if order.permit.epoch != self.epoch:
             raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
-        if robot.profile.busy is not REPLACE:
-            return await robot.execute(order, tell)
+        if robot.profile.busy is REPLACE:
+            return self._relay(robot, order, tell)
+        return robot.execute(order, tell)
+
+    async def _relay(self, robot: Robot, order: Order, tell: Tell) -> Outcome:
+        """Relay an order that gives way to the next."""
         mailbox = self._mailboxes[order.robot]
         mailbox.running = task = asyncio.create_task(robot.execute(order, tell))
         try:

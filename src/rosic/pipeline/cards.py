@@ -28,6 +28,7 @@ class Card:
         message: The platform's id, once it was sent.
         adopted: It is to take the place of ``message``, the question that was answered.
         dirty: It differs from what the chat shows.
+        due: It is shown anew at the next tick, as it is then.
         lines: For a messenger that cannot edit: what is to be said, line by line.
         untold: Orders that ended and whose author has not read it here.
         cids: The orders whose lives are shown here.
@@ -48,6 +49,7 @@ class Card:
         "cids",
         "dirty",
         "doubted",
+        "due",
         "ending",
         "in_place",
         "lines",
@@ -78,9 +80,7 @@ class Card:
         self.about = ""
         self.adopted = False
         self.words = words
-        self.dirty = False
-        self.doubted = False
-        self.ending = False
+        self.dirty = self.due = self.doubted = self.ending = False
         self.lines: list[str] = []
         self.untold: list[CommandId] = []
         self.cids: list[CommandId] = []
@@ -111,12 +111,12 @@ class Card:
     def step(self, life: Life, report: Report, at_ns: int) -> bool:
         """Take a report in. Return whether the chat is to hear of it.
 
-        Not while the first message is still to be sent: that will show it.
+        Not while the first message is still to be sent, or the next edit due: that will show it.
         """
         news = life.step(report, at_ns)
         if self.in_place:
             self.dirty = True
-            return bool(self.message) and not self.adopted
+            return not self.due and self.message != "" and not self.adopted
         if news and (report.stage is not Stage.RUNNING or len(self.lines) < LINES_AT_MOST):
             self.lines.append(life.line(report))
         return bool(self.lines)

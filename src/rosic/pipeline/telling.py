@@ -90,6 +90,7 @@ class Teller:
         if card.lines:
             self._enqueue(card.where, card)
         elif card.dirty:
+            card.due = True
             self._due[card] = None
             if self._ticking is None:
                 self._ticking = asyncio.create_task(self._tick())
@@ -100,6 +101,7 @@ class Teller:
             await self._clock.sleep(PROGRESS_EVERY_S)
             due, self._due = self._due, {}
             for card in due:
+                card.due = False
                 if card.dirty and card.open:
                     self._enqueue(card.where, card)
         self._ticking = None
@@ -121,7 +123,7 @@ class Teller:
             voice.task = asyncio.create_task(self._run(voice))
         elif voice.wake is not None and not voice.wake.done():
             voice.wake.set_result(None)
-        else:
+        elif voice.asking is not None:
             voice.hasten(item)
 
     def _retire(self) -> None:

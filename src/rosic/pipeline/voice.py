@@ -122,5 +122,5 @@ def outbound_of(card: Card, *, endings: bool) -> Outbound:
         text=card.text(endings=endings),
         reply_to=card.reply_to,
         buttons=card.buttons if card.open else (),
-        weight=weight_of(card),
+        weight=OUTCOME if card.untold else weight_of(card),
     )

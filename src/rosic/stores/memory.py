@@ -91,7 +91,7 @@ class MemoryStore:
             Refused: self._refused,
             Concluded: self._concluded,
             Placed: self._placed,
-            Told: self._told,
+            Told: self._finish,
             Stopped: self._stopped,
             Resumed: self._resumed,
             Enrolled: self._enrol,
@@ -148,13 +148,11 @@ class MemoryStore:
         if not self._open:
             return
         take = self._take
-        for record in records:
-            if type(record) in SETTLING:
-                try:
-                    self._refuse_repeated(records)
-                except (Repeated, StoreFault):
-                    return
-                break
+        if not SETTLING.isdisjoint(map(type, records)):
+            try:
+                self._refuse_repeated(records)
+            except (Repeated, StoreFault):
+                return
         for record in records:
             take[type(record)](record)
 
@@ -255,8 +253,7 @@ class MemoryStore:
         young, older = self._ids, self._older
         fresh: set[CommandId] | None = None
         for record in records:
-            kind = type(record)
-            if kind in SETTLING:
+            if type(record) in SETTLING:
                 cid = record.cid  # type: ignore[union-attr]  # the three kinds that have one
                 if cid in young or cid in older or (fresh is not None and cid in fresh):
                     raise Repeated("This was already settled.")
@@ -293,7 +290,7 @@ class MemoryStore:
     def _concluded(self, record: Concluded) -> None:
         cid = record.cid
         if record.letter is None:
-            self._finish(cid)
+            self._finish(record)
         elif cid in self._lives:
             self._endings.setdefault(cid, record)
 
@@ -301,10 +298,8 @@ class MemoryStore:
         if record.cid in self._lives:
             self._places[record.cid] = record.letter
 
-    def _told(self, record: Told) -> None:
-        self._finish(record.cid)
-
-    def _finish(self, cid: CommandId) -> None:
+    def _finish(self, record: Told | Concluded) -> None:
+        cid = record.cid
         self._lives.pop(cid, None)
         self._endings.pop(cid, None)
         self._places.pop(cid, None)
