@@ -9,9 +9,11 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Sequence
+    from collections.abc import Awaitable, Callable, Sequence
 
     from rosic.app.gateway import Gateway
+
+    Say = Callable[[str], object]
 
 # A signal ends everything within 5 s; what is left of them belongs to the interpreter.
 CLOSE_WITHIN_S = 4.3
@@ -19,18 +21,24 @@ CLOSE_WITHIN_S = 4.3
 log = logging.getLogger("rosic.gateway")
 
 
-async def close_in_time(gateway: Gateway, seconds: float = CLOSE_WITHIN_S) -> None:
+async def close_in_time(
+    gateway: Gateway, seconds: float = CLOSE_WITHIN_S, *, status: int = 0, say: Say = log.warning
+) -> None:
     """Close a gateway; what is not closed in time is left to the record, which is on disk.
 
     Its orders read "unknown" then. A robot that is not at rest by then has been told to come to
     rest all the while; it is latched, so that the next start moves it for nobody before a resume.
+
+    Args:
+        status: With which the process ends there and then, when time is over.
+        say: Says so before, in a sentence.
     """
     task = asyncio.ensure_future(_quietly(gateway.close()))
     done, _ = await asyncio.wait((task,), timeout=seconds)
     if not done:
-        log.warning("%s", await _leave(gateway))
+        say(await _leave(gateway))
         logging.shutdown()
-        os._exit(0)
+        os._exit(status)
 
 
 async def _leave(gateway: Gateway) -> str:

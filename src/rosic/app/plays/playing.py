@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from rosic.contracts.entropy import Entropy
 
 FAST: Final = 4.0
+INTERRUPTED: Final = 130
 CLOSE_WITHIN_S: Final = 15.0
 LINE_WITHIN_S: Final = 180.0
 
@@ -64,7 +65,7 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
 
 
 async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
-    """Play it. Return 0, or 1 if it did not go as written."""
+    """Play it. Return 0, 1 if it did not go as written, 130 if a signal came before its end."""
     if wish.fast:
         clock = BriskClock(clock, FAST)
     began_ns = clock.monotonic_ns()
@@ -83,6 +84,7 @@ async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
         seat.know(gateway.rooms.profiles.values())
         seat.pace = None if is_terminal(sys.stdin) else partial(_line_over, gateway, clock)
     stage = Stage(told, gateway, chats, curtain, clock)
+    status = 0
     try:
         curtain.title(f"rosic demo {told.name}: {told.about}")
         async with _listening(gateway, seat) as over:
@@ -90,12 +92,26 @@ async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
             if seat is not None and not over.done():
                 stage.muted.add(wish.role or told.people[0].name)  # they read it at their seat
                 await _sit_down(seat, told, wish, curtain, over)
-        curtain.title("What happened, by the record and by the robots")
-        took_s = (clock.monotonic_ns() - began_ns) / 1e9
-        curtain.plain("\n".join(stage.summary(store, took_s)))
+        if status != INTERRUPTED:
+            curtain.title("What happened, by the record and by the robots")
+            took_s = (clock.monotonic_ns() - began_ns) / 1e9
+            curtain.plain("\n".join(stage.summary(store, took_s)))
         return status
     finally:
-        await close_in_time(gateway, CLOSE_WITHIN_S)
+        if status == INTERRUPTED:
+            await _break_off(stage, curtain)
+        else:
+            await close_in_time(gateway, CLOSE_WITHIN_S)
+
+
+async def _break_off(stage: Stage, curtain: Curtain) -> None:
+    """Bring everything to rest, and say in one line whether it is: the play is not over."""
+    stage.muted.update(person.name for person in stage.play.people)
+    gateway = stage.gateway
+    await close_in_time(gateway, status=INTERRUPTED, say=lambda text: curtain.plain(f"\n{text}"))
+    moving = ", ".join(stage.moving())
+    rest = f"Not at rest: {moving}." if moving else "Every robot is at rest."
+    curtain.plain(f"\nInterrupted. {rest} Nothing was kept.")
 
 
 async def _line_over(gateway: Gateway, clock: Clock) -> None:
@@ -104,7 +120,7 @@ async def _line_over(gateway: Gateway, clock: Clock) -> None:
 
 
 async def _act(stage: Stage, wish: Wish, over: asyncio.Task[None]) -> int:
-    """Follow the script, unless somebody leaves first. Return the exit status."""
+    """Follow the script, unless a signal comes first. Return the exit status."""
     if not wish.scripted:
         return 0
     script = asyncio.ensure_future(stage.play.script(stage))
@@ -112,7 +128,7 @@ async def _act(stage: Stage, wish: Wish, over: asyncio.Task[None]) -> int:
         await asyncio.wait((script, over), return_when=asyncio.FIRST_COMPLETED)
         if not script.done():
             over.result()
-            return 0
+            return INTERRUPTED
         script.result()
         await stage.quiet()
     except OffScript as odd:

@@ -180,6 +180,11 @@ class Stage:
 
     # ---- the end ----
 
+    def moving(self) -> list[str]:
+        """Return the robots whose machines are not at rest."""
+        profiles = self.gateway.rooms.profiles.values()
+        return [p.shown for p in profiles if not self.world.machines[p.id].at_rest()]
+
     def summary(self, record: LedgerStore, took_s: float) -> Iterator[str]:
         """Yield what happened, from the record and from the robots."""
         rooms = self.gateway.rooms
