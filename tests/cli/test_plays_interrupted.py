@@ -64,5 +64,5 @@ async def test_every_play_can_be_interrupted() -> None:
         assert took_s < WITHIN_S * patience(), name
         *before, last = out.strip("\n").splitlines()
         assert last == LINE, name
-        # What was on its way may still be read; nobody is told of the closing, nothing is summed up.
+        # What was on its way may still be read. The closing is not told, and nothing summed up.
         assert not re.search("shut down|What happened|Traceback|Interrupted", "\n".join(before))

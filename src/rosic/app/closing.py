@@ -28,10 +28,7 @@ async def close_in_time(
 
     Its orders read "unknown" then. A robot that is not at rest by then has been told to come to
     rest all the while; it is latched, so that the next start moves it for nobody before a resume.
-
-    Args:
-        status: With which the process ends there and then, when time is over.
-        say: Says so before, in a sentence.
+    When time is over the process ends there and then with ``status``; ``say`` says so before.
     """
     task = asyncio.ensure_future(_quietly(gateway.close()))
     done, _ = await asyncio.wait((task,), timeout=seconds)

@@ -27,11 +27,14 @@ class Curtain:
         people: Names in the order of their colours.
         colour: Whether there are any.
         now_s: Seconds since the play began.
+
+    Attributes:
+        now_s: The same.
     """
 
     def __init__(self, people: Iterable[str], now_s: Callable[[], float], *, colour: bool) -> None:
         self._colour = colour
-        self._now_s = now_s
+        self.now_s = now_s
         self._colours = {
             name: COLOURS[at % len(COLOURS)] for at, name in enumerate(people)
         }  # fmt: skip
@@ -50,7 +53,7 @@ class Curtain:
     def says(self, who: str, text: str) -> None:
         """Write what a person types or taps."""
         self._told = ""
-        at = self._in(DIM, f"{self._now_s():5.1f} s")
+        at = self._in(DIM, f"{self.now_s():5.1f} s")
         self._write(f"\n{at}  {self._name(who)} {self._in(BOLD, '>')} {harmless(text)}")
 
     def told(self, who: str, outbound: Outbound) -> None:

@@ -33,7 +33,7 @@ from rosic.robots.simulated.theatre import theatre_of
 from rosic.stores.latch import MemoryLatch
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Callable
 
     from rosic.app.plays.play import Play
     from rosic.contracts.adapter import RobotFactory
@@ -65,24 +65,18 @@ class Wish(msgspec.Struct, frozen=True, kw_only=True):
 
 
 async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
-    """Play it. Return 0, 1 if it did not go as written, 130 if a signal came before its end."""
+    """Play it. Return 0, 1 if it did not go as written, or 130 if a signal ended it."""
     if wish.fast:
         clock = BriskClock(clock, FAST)
     began_ns = clock.monotonic_ns()
-    colour = not wish.plain and is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
-    curtain = Curtain(
-        (person.name for person in told.people),
-        lambda: (clock.monotonic_ns() - began_ns) / 1e9,
-        colour=colour,
-    )
+    curtain = _curtain(told, wish, lambda: (clock.monotonic_ns() - began_ns) / 1e9)
     store, chats = LedgerStore(), Chats("phones", clock=clock)
     chats.edits = chats.pins = False  # what was printed stays printed
     seat = Seat(clock=clock, plain=wish.plain) if wish.stay or not wish.scripted else None
     gateway = gateway_of(told, wish, store, (chats, seat), clock, entropy)
     await gateway.open()
     if seat is not None:
-        seat.know(gateway.rooms.profiles.values())
-        seat.pace = None if is_terminal(sys.stdin) else partial(_line_over, gateway, clock)
+        _set_up(seat, gateway, clock)
     stage = Stage(told, gateway, chats, curtain, clock)
     status = 0
     try:
@@ -94,14 +88,18 @@ async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
                 await _sit_down(seat, told, wish, curtain, over)
         if status != INTERRUPTED:
             curtain.title("What happened, by the record and by the robots")
-            took_s = (clock.monotonic_ns() - began_ns) / 1e9
-            curtain.plain("\n".join(stage.summary(store, took_s)))
+            curtain.plain("\n".join(stage.summary(store, curtain.now_s())))
         return status
     finally:
         if status == INTERRUPTED:
             await _break_off(stage, curtain)
         else:
             await close_in_time(gateway, CLOSE_WITHIN_S)
+
+
+def _curtain(told: Play, wish: Wish, now_s: Callable[[], float]) -> Curtain:
+    colour = not wish.plain and is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
+    return Curtain((person.name for person in told.people), now_s, colour=colour)
 
 
 async def _break_off(stage: Stage, curtain: Curtain) -> None:
@@ -112,6 +110,11 @@ async def _break_off(stage: Stage, curtain: Curtain) -> None:
     moving = ", ".join(stage.moving())
     rest = f"Not at rest: {moving}." if moving else "Every robot is at rest."
     curtain.plain(f"\nInterrupted. {rest} Nothing was kept.")
+
+
+def _set_up(seat: Seat, gateway: Gateway, clock: Clock) -> None:
+    seat.know(gateway.rooms.profiles.values())
+    seat.pace = None if is_terminal(sys.stdin) else partial(_line_over, gateway, clock)
 
 
 async def _line_over(gateway: Gateway, clock: Clock) -> None:
