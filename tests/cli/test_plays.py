@@ -80,6 +80,11 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     assert "recalibrated; the sensor was -24.0 °C off" in forest
     assert "ALARM · Forest watch: It is hotter here than a forest should be." in forest
     assert re.search(r"\(watch\.jpg, \d+ kB\)", forest)
+    late = re.search(
+        r"Go to a place: took ([\d.]+) s, expected 3\.0 s · \1 s instead of 4\.2 s", forest
+    )
+    assert late
+    assert float(late[1]) > 4.2
 
     assert "19 robot-taken" in lesson
     assert "Student 1 (1), Student 2 (1), Teacher (1)" in lesson
@@ -88,6 +93,11 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     assert "moved 1 time\n" in fleet
     assert fleet.count("moved 1 time") == 1
     assert fleet.count("The task goes to another robot. 1 of 2 steps are done and stay so.") == 1
+    assert "Restock the shelves is begun as restock-5 · 3 tasks" in fleet
+    assert re.search(r"1: restock begins by itself, next .*08:00", fleet)
+    last = fleet.index(": goto, x 0.00 m, y 0.00 m · task 7: accepted")
+    assert max(fleet.index(f"Task {n} (goto x=0.6") for n in (5, 6)) < last, "when both are there"
+    assert fleet.partition(SUMMARY)[2].count("done, 1 of 1 steps done") == 4
 
     assert "had by    Carrier 1: North manager (1), Night manager (2)" in shift
 
@@ -95,6 +105,8 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     assert helped
     assert f"Task 1 goes from {helped[2]} to {helped[1]}." in swarm
     assert f"Task 2 (goto x=2.5 y=-0.5): {helped[2]} goes on with it." in swarm
+    assert re.search(r'Crazyflie 1 shares seen: .*"a coat"\}\n +\[ Silence Crazyflie 1 \]', swarm)
+    assert f"{helped[2]} has taken on: Careful (speed 0.2 m/s)." in swarm
     assert "stopped   Crazyflie 1, Crazyflie 2, Crazyflie 3, Rover 1, Rover 2" in swarm
     assert swarm.partition(SUMMARY)[2].count("z 0.00 m") == 3
 

@@ -37,13 +37,6 @@ pytestmark = [
     pytest.mark.asyncio(loop_scope="module"),
     pytest.mark.skipif(why_missing() is not None, reason=why_missing() or ""),
 ]
-STRATEGIES = """
-strategies:
-  careful:
-    title: Careful
-    parameters:
-      speed: { unit: m/s, min: 0.05, max: 0.8, default: 0.15 }
-"""
 ROLES = """
 [role.reader]
 scopes = ["rover1:read"]
@@ -135,8 +128,7 @@ async def here(tmp_path_factory: pytest.TempPathFactory, launcher: Launcher) -> 
 async def _rovers(folder: Path, launcher: Launcher) -> AsyncIterator[Here]:
     tables = []
     for robot in ROVERS:
-        text = profile("rover", robot, ("rovers",)) + STRATEGIES
-        (folder / f"{robot}.yaml").write_text(text)
+        (folder / f"{robot}.yaml").write_text(profile("rover", robot, ("rovers",)))
         tables.append(f'[[robot]]\nprofile = "{robot}.yaml"')
         tables.append(
             f'[[principal]]\nname = "{robot}"\naddress = "robot:{robot}"\nrole = "fellow"'

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.app.plays.play import Person, Play
 from rosic.app.plays.props import several
+from rosic.core.fleet.mission import Mission, Part
 from rosic.robots.simulated.machines.omni import Omni
 
 if TYPE_CHECKING:
@@ -19,6 +20,19 @@ TASKS: Final = (
     "goto x=0.8 y=-0.4 then goto x=0 y=-0.4",
     "goto x=0.5 y=0.8 battery 30",
 )
+
+
+RESTOCK: Final = Mission(
+    name="restock",
+    title="Restock the shelves",
+    do=(
+        Part(together=(
+            Part(on="carriers", steps=("goto x=0.6 y=0.3",), battery=30),
+            Part(on="carriers", steps=("goto x=0.6 y=-0.3",), battery=30),
+        )),
+        Part(on="any", steps=("goto x=0 y=0",), battery=30),
+    ),
+)  # fmt: skip
 
 
 async def _script(stage: Stage) -> None:
@@ -38,6 +52,14 @@ async def _script(stage: Stage) -> None:
     await stage.hears(MANAGER, "The task goes to another robot. 1 of 2 steps are done")
     await stage.until(lambda: all(task.over for task in tasks.values()), "Not all is done", 60.0)
     await stage.quiet()
+    stage.aside(
+        "What is done every week is written down as a mission: two carriers fetch side by side, "
+        "and when both are there, one brings it back."
+    )
+    await stage.says(MANAGER, "/mission start restock", hears="3 tasks")
+    await stage.says(MANAGER, "/mission start restock every mon 8:00", hears="begins by itself")
+    await stage.until(lambda: all(task.over for task in tasks.values()), "It is not restocked")
+    await stage.quiet()
     await stage.says(MANAGER, "/tasks", hears="No task is open.")
     await stage.says(MANAGER, "/fleet carriers", hears="0 %, low")
 
@@ -56,5 +78,7 @@ FLEET: Final = Play(
     ),
     script=_script,
     hints=("/task carriers goto x=1 y=0 then goto x=0 y=0", "/fleet", "/tasks",
+           "/mission restock", "/mission start restock",
            "/robot disable carrier2", "stop"),
+    missions=(RESTOCK,),
 )  # fmt: skip

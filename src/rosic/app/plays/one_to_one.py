@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 RANGER: Final = "Ranger"
 WATCH: Final = "watch"
 COLD_C: Final = -24.0
+BRAMBLES_M_S: Final = 0.18
 FIRE: Final = Hearth(1.6, 0.5, 45.0)
 
 
@@ -39,9 +40,14 @@ async def _script(stage: Stage) -> None:
     await stage.taps(RANGER, "Seen", hears="Noted.")
     await stage.says(RANGER, "/picture watch", hears="camera")
     await stage.beat()
-    stage.aside("The ranger has seen enough to call the fire brigade, and takes the robot back.")
-    await stage.says(RANGER, "watch goto x=-0.4 y=0", hears="at -0.40")
-    await stage.says(RANGER, "status watch", hears="at rest")
+    stage.aside(
+        "The ranger calls the fire brigade, and takes the robot back, through brambles. How long "
+        "a way should take is in its profile, too."
+    )
+    watch.speed_cap_m_s = BRAMBLES_M_S
+    await stage.says(RANGER, "watch goto x=0.2 y=0", hears="at 0.20")
+    await stage.hears(RANGER, "This takes longer than its benchmark")
+    await stage.says(RANGER, "/benchmark watch", hears="expected 3.0 s")
 
 
 ONE_TO_ONE: Final = Play(
@@ -51,5 +57,12 @@ ONE_TO_ONE: Final = Play(
     profiles=lambda: (prop(WATCH),),
     machines=lambda: (Watcher(WATCH),),
     script=_script,
-    hints=("watch goto x=1 y=0", "status watch", "/picture watch", "/alerts", "stop"),
+    hints=(
+        "watch goto x=1 y=0",
+        "status watch",
+        "/picture watch",
+        "/benchmark watch",
+        "/alerts",
+        "stop",
+    ),
 )

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from rosic.app.plays.stage import Stage
+    from rosic.core.fleet.mission import Mission
     from rosic.core.robot import Profile
     from rosic.robots.simulated.machines.clockwork import SteppedMachine
 
@@ -42,6 +43,7 @@ class Play(NamedTuple):
         fellows: Robots that speak with each other, with the role ``fellow``.
         rules: Roles and pre-emption.
         lease_idle_s: How long a robot stays somebody's after their last order ended.
+        missions: What several robots do when somebody says so.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Play(NamedTuple):
     fellows: tuple[str, ...] = ()
     rules: Rulebook = RULES
     lease_idle_s: float = 20.0
+    missions: tuple[Mission, ...] = ()
 
 
 class OffScript(Exception):

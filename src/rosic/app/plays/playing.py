@@ -209,6 +209,7 @@ def gateway_of(
         rulebook=told.rules,
         place="play",
         lease_idle_s=told.lease_idle_s,
+        missions=told.missions,
     )
     parts = Parts(
         messengers=(chats,) if seat is None else (chats, seat),

@@ -26,13 +26,16 @@ async def _script(stage: Stage) -> None:
     for name in ROVERS:
         stage.robot(name).reacts = partial(_helps, stage.robot(name))
     stage.aside("A search leader has three drones in the air and two rovers on the ground.")
-    await stage.says(LEADER, "crazyflies takeoff 1 m")
+    await stage.says(LEADER, "/shared cf1 seen follow", hears="From now on you read here")
+    stage.aside("All three take off at one moment; if one were not ready, none would.")
+    await stage.says(LEADER, "/together crazyflies takeoff 1 m")
     for drone in DRONES:
         await stage.until(partial(_high, stage, drone), f"{drone} is not up")
     await stage.says(LEADER, "crazyflies formation triangle spacing=0.8 m", hears="accepted")
     stage.robot("cf1").says("share", topic="seen", data={"x": 2.5, "y": 0.0, "what": "a coat"})
-    await stage.says(LEADER, "/shared cf1", hears="coat")
-    stage.aside("A drone has shared what it saw. The rovers have a look, each on its own way.")
+    stage.aside("A drone sees something, and shares it with whoever follows it.")
+    await stage.hears(LEADER, "a coat")
+    stage.aside("The rovers have a look, each on its own way.")
     await stage.says(LEADER, "/task rovers goto x=2.5 y=0.5", hears="Task 1: ")
     await stage.says(LEADER, "/task rovers goto x=2.5 y=-0.5", hears="Task 2: ")
     tasks = stage.gateway.furnishing.fleet.dispatching.fleet.tasks
@@ -62,6 +65,8 @@ async def _gets_help(stage: Stage, stuck: str, helper: str) -> None:
     await stage.hears(LEADER, "needs no more help")
     stage.aside(f"{_shown(stage, stuck)} is out again, and takes what was left.")
     await stage.hears(LEADER, f"{_shown(stage, stuck)} goes on with it")
+    stage.aside("Who has been stuck once had better be careful. The robot itself says that it is.")
+    await stage.says(LEADER, f"/strategy {stuck} careful speed=0.2 now", hears="has taken on")
 
 
 def _helps(robot: SpeakingRobot, told: Mapping[str, Any]) -> None:
@@ -95,7 +100,8 @@ SWARM: Final = Play(
     ),
     script=_script,
     hints=("crazyflies takeoff 1 m", "crazyflies formation line", "rovers goto x=1 y=0",
-           "/assist", "stop"),
+           "/together crazyflies land",
+           "/strategy rover1 careful", "/shared cf1", "/assist", "stop"),
     fellows=(*DRONES, *ROVERS),
     rules=Rulebook(roles={**DEFAULT_ROLES, "fellow": FELLOW}),
 )  # fmt: skip

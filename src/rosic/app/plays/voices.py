@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from typing import Any
 
-    from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
     from rosic.core.gate import Gate
     from rosic.core.robot import Profile
@@ -30,21 +29,15 @@ class SpeakingRobot(SimulatedRobot):
         super().__init__(profile, gate, clock)
         self.heard: list[dict[str, Any]] = []
         self.reacts: Callable[[Mapping[str, Any]], None] | None = None
-        self._speak: Speak | None = None
-
-    def meet(self, speak: Speak) -> None:
-        """Say who takes what its nodes say."""
-        self._speak = speak
 
     def says(self, kind: str, **said: Any) -> None:  # noqa: ANN401 - any JSON
         """Have its nodes say something."""
-        if self._speak is not None:
-            self._speak(msgspec.json.encode({"kind": kind, **said}), 0)
+        self.speak(msgspec.json.encode({"kind": kind, **said}), 0)
 
     def hear(self, words: bytes) -> bool:
-        """Bring something to its nodes."""
+        """Bring something to its nodes; the machine itself takes on strategies."""
         told = msgspec.json.decode(words)
         self.heard.append(told)
         if self.reacts is not None:
             self.reacts(told)
-        return True
+        return super().hear(words)
