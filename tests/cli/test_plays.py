@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.plays.brisk import BriskClock
+from rosic.app.plays.curtain import Curtain
 from rosic.app.plays.play import OffScript
 from rosic.app.plays.playing import Wish, play
 from rosic.app.plays.repertoire import NAMES, play_named
+from rosic.core.message import Chat, Outbound
 from rosic.robots.simulated.theatre import theatre_of
 from rosic.system import SystemClock, SystemEntropy
 from tests.cli.running import ROSIC, Ran, environment, rosic
@@ -104,7 +106,7 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     helped = re.search(r"(Rover \d) helps (Rover \d) \(stuck in the mud\)\.", swarm)
     assert helped
     assert f"Task 1 goes from {helped[2]} to {helped[1]}." in swarm
-    assert f"Task 2 (goto x=2.5 y=-0.5): {helped[2]} goes on with it." in swarm
+    assert f"Task 2 (goto x=3.5 y=-0.5): {helped[2]} goes on with it." in swarm
     assert re.search(r'Crazyflie 1 shares seen: .*"a coat"\}\n +\[ Silence Crazyflie 1 \]', swarm)
     assert f"{helped[2]} has taken on: Careful (speed 0.2 m/s)." in swarm
     assert "stopped   Crazyflie 1, Crazyflie 2, Crazyflie 3, Rover 1, Rover 2" in swarm
@@ -139,6 +141,22 @@ async def test_a_play_that_goes_wrong_says_so_and_fails(
     out = capsys.readouterr().out
     assert "This did not go as written. Nobody came." in out
     assert "orders    1 on the record: 1 done" in out
+
+
+def test_what_is_longer_than_the_terminal_is_broken_between_words(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    long = "Task 2 (goto x=1.2 y=0; goto x=0.2 y=0): Carrier 3 has failed at it. It is stopped."
+    narrow = Curtain(["Ada"], lambda: 1.0, colour=True, columns=60)
+    narrow.told("Ada", Outbound(chat=Chat(platform="phones", id="a"), text=f"{long}\n\nOmni: done"))
+    narrow.plain(f"  {long}")
+    narrow.aside(long)
+    lines = re.sub(r"\x1b\[[\d;]*m", "", capsys.readouterr().out).splitlines()
+    assert max(map(len, lines)) < 60
+    assert " ".join(" ".join(lines).split()).count(long) == 3, "no word is cut, and none is lost"
+    wide = Curtain(["Ada"], lambda: 1.0, colour=False)
+    wide.told("Ada", Outbound(chat=Chat(platform="phones", id="a"), text=long))
+    assert f"            {long}\n" in capsys.readouterr().out
 
 
 @pytest.mark.limit(300)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Outbound
 
 WIDTH: Final = 100
+LEAST: Final = 20
 MARGIN: Final = "    "
 COLOURS: Final = ("1;36", "1;35", "1;33", "1;34", "1;32")
 DIM: Final = "2"
@@ -27,13 +28,17 @@ class Curtain:
         people: Names in the order of their colours.
         colour: Whether there are any.
         now_s: Seconds since the play began.
+        columns: Of the terminal; 0: lines are as long as they are.
 
     Attributes:
         now_s: The same.
     """
 
-    def __init__(self, people: Iterable[str], now_s: Callable[[], float], *, colour: bool) -> None:
+    def __init__(
+        self, people: Iterable[str], now_s: Callable[[], float], *, colour: bool, columns: int = 0
+    ) -> None:
         self._colour = colour
+        self._columns = columns
         self.now_s = now_s
         self._colours = {
             name: COLOURS[at % len(COLOURS)] for at, name in enumerate(people)
@@ -47,7 +52,7 @@ class Curtain:
     def aside(self, text: str) -> None:
         """Write what an onlooker would say."""
         self._told = ""
-        lines = textwrap.wrap(text, WIDTH - 2)
+        lines = textwrap.wrap(text, min(self._columns or WIDTH, WIDTH) - 2)
         self._write("\n" + "\n".join(self._in(DIM, f"  {line}") for line in lines))
 
     def says(self, who: str, text: str) -> None:
@@ -63,9 +68,8 @@ class Curtain:
         if outbound.attachment is not None:
             size = len(outbound.attachment.content) / 1000
             lines.append(f"({outbound.attachment.name}, {size:.0f} kB)")
-        text = "\n".join(filter(None, (*lines, harmless(buttons))))
-        if self._colour:
-            text = painted(text)
+        shown = [self._folded(line) for line in filter(None, (*lines, harmless(buttons)))]
+        text = "\n".join(shown)
         head = "" if who == self._told else f"{self._name(who)} {self._in(DIM, 'reads')}\n"
         self._told = who
         self._write(textwrap.indent(head, MARGIN * 2) + textwrap.indent(text, MARGIN * 3))
@@ -73,7 +77,21 @@ class Curtain:
     def plain(self, text: str) -> None:
         """Write as it is."""
         self._told = ""
-        self._write(harmless(text))
+        lines = harmless(text).split("\n")
+        self._write("\n".join("\n".join(self._fold(line, self._columns)) for line in lines))
+
+    def _folded(self, line: str) -> str:
+        first, *more = self._fold(line, self._columns - len(MARGIN) * 3)
+        return "\n".join((painted(first) if self._colour else first, *more))
+
+    def _fold(self, line: str, columns: int) -> list[str]:
+        """Break a line between words, where it is longer than the terminal is wide."""
+        if not self._columns or len(line) < columns:
+            return [line]
+        return textwrap.wrap(
+            line, max(columns - 1, LEAST), subsequent_indent="  ", break_long_words=False,
+            break_on_hyphens=False, replace_whitespace=False,
+        )  # fmt: skip
 
     def _name(self, who: str) -> str:
         return self._in(self._colours.get(who, BOLD), who)

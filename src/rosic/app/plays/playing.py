@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import shutil
 import signal
 import sys
 from contextlib import asynccontextmanager
@@ -99,7 +100,9 @@ async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
 
 def _curtain(told: Play, wish: Wish, now_s: Callable[[], float]) -> Curtain:
     colour = not wish.plain and is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
-    return Curtain((person.name for person in told.people), now_s, colour=colour)
+    columns = shutil.get_terminal_size().columns if is_terminal(sys.stdout) else 0
+    names = (person.name for person in told.people)
+    return Curtain(names, now_s, colour=colour, columns=columns)
 
 
 async def _break_off(stage: Stage, curtain: Curtain) -> None:

@@ -28,6 +28,8 @@ Found = TypeVar("Found")
 WITHIN_S: Final = 45.0
 """On the play's clock. Nothing in a play takes half as long."""
 BEAT_S: Final = 0.8
+READ_S: Final = 0.02
+"""For each letter of what an onlooker says, before somebody acts."""
 LOOK_S: Final = 0.05
 # An order's way is told step by step; its beginning and its end are enough for an onlooker.
 STEP: Final = re.compile(r"[^:\n]+: (sent|received by the robot|[^:\n]+ \d+ %)")
@@ -69,6 +71,7 @@ class Stage:
         self._clock = clock
         self._told: list[tuple[str, str, Outbound]] = []
         self._since: dict[str, int] = {}
+        self._unread = 0
         chats.shows = self._shows
 
     def _shows(self, message: str, outbound: Outbound) -> None:
@@ -138,10 +141,12 @@ class Stage:
     def aside(self, text: str) -> None:
         """Say what an onlooker sees."""
         self._curtain.aside(text)
+        self._unread = len(text)
 
     async def beat(self, seconds: float = BEAT_S) -> None:
         """Let people read."""
-        await self._clock.sleep(seconds)
+        unread, self._unread = self._unread, 0
+        await self._clock.sleep(max(seconds, unread * READ_S))
 
     async def quiet(self) -> None:
         """Wait until nothing is under way.

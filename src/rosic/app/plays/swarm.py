@@ -32,12 +32,12 @@ async def _script(stage: Stage) -> None:
     for drone in DRONES:
         await stage.until(partial(_high, stage, drone), f"{drone} is not up")
     await stage.says(LEADER, "crazyflies formation triangle spacing=0.8 m", hears="accepted")
-    stage.robot("cf1").says("share", topic="seen", data={"x": 2.5, "y": 0.0, "what": "a coat"})
+    stage.robot("cf1").says("share", topic="seen", data={"x": 3.5, "y": 0.0, "what": "a coat"})
     stage.aside("A drone sees something, and shares it with whoever follows it.")
     await stage.hears(LEADER, "a coat")
     stage.aside("The rovers have a look, each on its own way.")
-    await stage.says(LEADER, "/task rovers goto x=2.5 y=0.5", hears="Task 1: ")
-    await stage.says(LEADER, "/task rovers goto x=2.5 y=-0.5", hears="Task 2: ")
+    await stage.says(LEADER, "/task rovers goto x=3.5 y=0.5", hears="Task 1: ")
+    await stage.says(LEADER, "/task rovers goto x=3.5 y=-0.5", hears="Task 2: ")
     tasks = stage.gateway.furnishing.fleet.dispatching.fleet.tasks
     stuck = await stage.until(lambda: tasks["1"].robot, "Task 1 did not begin")
     helper = await stage.until(lambda: tasks["2"].robot, "Task 2 did not begin")
