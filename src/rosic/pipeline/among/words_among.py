@@ -361,7 +361,8 @@ def strategy_unknown(shown: str, what: str) -> str:
 
 def strategy_unheard(shown: str, what: str) -> str:
     """Return that nobody listens there."""
-    return said("{robot} does not listen now. {strategy} was not sent.", robot=shown, strategy=what)
+    return said("{robot} does not listen now, so this was not sent: {strategy}.",
+                robot=shown, strategy=what)  # fmt: skip
 
 
 def strategy_unanswered(shown: str, what: str) -> str:

@@ -211,11 +211,14 @@ def leaves(task: Task, what: str, shown: str) -> str:
 
 
 def waits(task: Task, what: str, *, rested: bool, shown: str) -> str:
-    """Return that a task waits for another robot."""
+    """Return that a task waits for another robot, or for the same, if there is no other."""
     parts: list[str] = [_headed(task, what, why_left(task.why, shown))]
     if not rested:
         parts.append(not_seen_at_rest(shown))
-    parts.append(said("The task goes to another robot."))
+    if len(task.among) == 1:
+        parts.append(said("The task waits for {robot}.", robot=shown))
+    else:
+        parts.append(said("The task goes to another robot."))
     if task.steps > 1:
         parts.append(
             said("{done} of {steps} steps are done and stay so.", done=task.done, steps=task.steps)

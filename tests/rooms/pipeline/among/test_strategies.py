@@ -139,7 +139,7 @@ async def test_a_robot_that_declines_or_does_not_answer_is_not_said_to_have_done
         before = len(here.chat.told)
         await say(here, "/strategy omni brisk manner=calm now")
         told = "\n".join(t.outbound.text for t in list(here.chat.told)[before:])
-        assert "omni does not listen now." in told
+        assert "omni does not listen now, so this was not sent: " in told
 
 
 async def test_rights_count_for_people_and_for_robots() -> None:
