@@ -103,6 +103,29 @@ async def test_a_shift_is_handed_over_only_when_it_is_accepted_and_rights_are_th
         assert here.acted("w1") == 2
 
 
+async def test_a_robot_that_idles_in_somebodys_hands_goes_with_their_shift_and_no_other_does() -> (
+    None
+):
+    async with warehouse().open() as here:
+        organiser = here.gateway.rooms.organiser
+        for robot, account in (("w1", ADA), ("w2", ADA), ("w3", BO)):
+            worker(here, robot).work_s = 1e-9
+            await here.say(f"{robot} wave", account=account)
+        worker(here, "w2").work_s = 3600.0
+        await here.say("w2 wave")
+        fence = organiser.lease("w1").fence
+        assert "Ada hands over to you: one robot." in await here.say("/handover Bo")
+        assert organiser.holder("w1") == _id(here, "Ada"), "not before it is accepted"
+        button, under = here.button("I take over")
+        assert "Yours now, from Ada: one robot." in await here.tap(button, under, account=BO)
+        holders = {robot: organiser.holder(robot) for robot in ("w1", "w2", "w3")}
+        ada, bo = _id(here, "Ada"), _id(here, "Bo")
+        assert holders == {"w1": bo, "w2": ada, "w3": bo}, "what works goes on in its hands"
+        assert organiser.lease("w1").fence > fence
+        assert "w1 is taken by Bo." in await here.say("w1 wave")
+        assert here.acted("w1") == 1
+
+
 def _id(here: object, name: str) -> str:
     directory = here.gateway.rooms.authoriser.directory  # type: ignore[attr-defined]
     [person] = directory.named(name)
