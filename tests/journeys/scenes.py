@@ -52,7 +52,18 @@ PEOPLE = {
     "Night manager": "keeper",
     "Search leader": "leader",
 }
+MISSION = """
+name: restock
+title: Restock
+do:
+  - together:
+      - { on: carriers, steps: [goto x=0.4 y=0.2], battery: 30 }
+      - { on: carriers, steps: [goto x=0.4 y=-0.2], battery: 30 }
+  - { on: carriers, steps: [goto x=0 y=0.2], battery: 30 }
+"""
 RULES = """
+[[mission]]
+file = "restock.yaml"
 [role.ranger]
 scopes = ["watch:*"]
 [role.student]
@@ -202,6 +213,7 @@ async def scenes(folder: Path, launcher: Launcher) -> AsyncIterator[Scenes]:
     for kind, robot, groups in MADE:
         (folder / f"{robot}.yaml").write_text(profile(kind, robot, groups))
         robots.append(f'[[robot]]\nprofile = "{robot}.yaml"')
+    (folder / "restock.yaml").write_text(MISSION)
     with RosGraph(folder) as graph:
         named = (*SHIPPED, *(robot for _, robot, _ in MADE))
         graph.start(PROGRAM, "--actuations", acted, *named, timeout_s=120.0)

@@ -110,6 +110,8 @@ async def _one_to_one(here: Scenes) -> None:
     await here.breaks("watch", "fire", value=False)
     await here.reads("Ranger", "over: It is hotter here than a forest should be")
     assert here.acted("watch") == ["goto", "recalibrate", "goto"]
+    told = await here.asks("Ranger", "/benchmark watch", "Go to a place: took ")
+    assert "expected 3.0 s" in told["text"]
 
 
 async def _class(here: Scenes) -> None:
@@ -162,8 +164,22 @@ async def _fleet(here: Scenes) -> None:
     begun = [skill for n in (1, 2, 3) for skill in here.acted(f"carrier{n}")]
     assert begun == ["goto"] * 4, "two steps, one of them once more, and the other task"
     assert await here.shown("Manager", "The task goes to another robot") == 1
+    await _restocks(here)
     await here.breaks(f"carrier{failing}", "battery", 1.0)
     await here.comes_to("Manager", f"status carrier{failing}", "battery 100 %")
+
+
+async def _restocks(here: Scenes) -> None:
+    """Start a mission now, and have it begin by itself every week."""
+    begun = await here.asks("Manager", "/mission start restock", "Restock is begun as restock-")
+    first = int(begun["text"].partition("restock-")[2].partition(" ")[0])
+    planned = await here.asks("Manager", "/mission start restock every mon 8:00", "by itself")
+    assert re.search(r"^1: restock begins by itself, next .*08:00", planned["text"])
+    last = await here.reads("Manager", f"Task {first + 2} (goto x=0 y=0.2): done by Carrier ")
+    for before in (first, first + 1):
+        done = await here.reads("Manager", f"Task {before} (goto x=")
+        assert done["message_id"] < last["message_id"], "it follows when both are done"
+    await here.asks("Manager", "/mission off 1", "does not begin by itself any more")
 
 
 async def _shift(here: Scenes) -> None:
@@ -187,7 +203,7 @@ async def _shift(here: Scenes) -> None:
 
 async def _swarm(here: Scenes) -> None:
     leader = "Search leader"
-    up = await here.says(leader, "crazyflies takeoff 1 m")
+    up = await here.says(leader, "/together crazyflies takeoff 1 m")
     card = await here.reads(leader, "hovering", to=up)
     assert await here.place.until(lambda: all("takeoff" in here.acted(drone) for drone in DRONES))
     assert card["text"].count("Crazyflie") >= len(DRONES)
@@ -233,4 +249,6 @@ async def _one_helps_the_other(here: Scenes, leader: str, one: str, two: str) ->
     await here.reads(leader, f"Rover {stuck} needs no more help")
     await here.reads(leader, f"Task {one} (goto x=3 y=0): Rover {helps} goes on with it.")
     await here.reads(leader, f"Task {two} (goto x=0 y=3): Rover {stuck} goes on with it.")
+    await here.asks(leader, f"/strategy rover{stuck} careful speed=0.2 now", "I say when")
+    await here.reads(leader, f"Rover {stuck} has taken on: Careful (speed 0.2 m/s).")
     return helps
