@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import asyncio
 import gc
+from typing import TYPE_CHECKING
 from weakref import ref
 
 from msgspec.structs import replace
 
 from rosic.app.profiles import load_profile, shipped_profiles
 from rosic.core.gate import Gate
-from rosic.core.order import Ending
+from rosic.core.order import Ending, Stop
 from rosic.core.robot import Link
 from rosic.robots.ros2.station import station_of
 from rosic.robots.simulated.robot import SimulatedRobot
 from rosic.robots.simulated.theatre import theatre_of
 from rosic.system import SystemClock
 from rosic.testing.orders import OrderBook
+
+if TYPE_CHECKING:
+    from rosic.core.skill import Argument
 
 
 async def moved_once(clock: SystemClock) -> None:
@@ -44,6 +48,31 @@ async def test_a_world_lives_as_long_as_its_clock() -> None:
         while world() is not None:  # what stepped it is being cancelled
             await asyncio.sleep(0)
             gc.collect()
+
+
+async def test_a_stop_in_full_motion_ends_when_rest_is_measured() -> None:
+    clock = SystemClock()
+    profile = load_profile(shipped_profiles()["omni"])
+    robot = SimulatedRobot(
+        replace(profile, link=Link(kind="simulated", model="omni")), Gate("omni"), clock
+    )
+    await robot.open(lambda _text: None)
+    forward: dict[str, Argument] = {"direction": "forward", "distance": 2.0, "speed": 0.25}
+    order = OrderBook(profile, clock).order("move", forward)
+    running = asyncio.create_task(robot.execute(order, lambda _report: None))
+    async with asyncio.timeout(60):
+        while robot.presence().at_rest is not False:
+            assert not running.done(), running.result()
+            await clock.sleep(0.01)
+        await clock.sleep(0.3)  # it takes its time to gain speed, and as long to lose it
+
+        rest = await robot.stop(Stop("omni", 1))
+
+        assert robot.presence().at_rest is True
+        assert rest.confirmed
+        assert rest.seconds > 0
+        assert (await running).ending is Ending.CANCELLED
+    await robot.close()
 
 
 async def test_two_clocks_are_two_worlds() -> None:

@@ -192,9 +192,8 @@ class ControlServer:
 
     async def _answer(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         try:
-            line = await asyncio.wait_for(reader.readuntil(b"\n"), ASK_WITHIN_S)
-            ask = _decode_ask(line)
-        except (ValueError, msgspec.MsgspecError, asyncio.LimitOverrunError, EOFError):
+            ask = _decode_ask(await asyncio.wait_for(_first_line(reader), ASK_WITHIN_S))
+        except (ValueError, msgspec.MsgspecError, EOFError):
             writer.write(_line(Answer("That is no request I know.", good=False)))
             return
         if ask.verb is not Verb.STOP and self._following >= AT_ONCE:
@@ -235,6 +234,26 @@ class ControlServer:
         else:
             for text in await operating.do(ask):
                 yield text
+
+
+async def _first_line(reader: asyncio.StreamReader) -> bytes:
+    """Return what was asked, of one that is too long nothing.
+
+    That one is heard out all the same: whoever is hung up on while still talking does not
+    hear the answer.
+
+    Raises:
+        EOFError: There is no whole line.
+    """
+    whole = True
+    while True:
+        try:
+            line = await reader.readuntil(b"\n")
+        except asyncio.LimitOverrunError as longer:
+            whole = False
+            await reader.readexactly(longer.consumed)
+        else:
+            return line if whole else b""
 
 
 def peer_uid(connection: socket.socket) -> int:

@@ -131,8 +131,9 @@ async def test_telegram_is_away_and_comes_back(tmp_path: Path) -> None:
             first.say(ada, ada, "before")
             await gateway.hear(1)
             await first.stop()
+            # Until a poll has failed, one that was under way may yet have been answered.
+            await gateway.until(lambda: gateway.messenger._listener._failures)
             gateway.let_pass(10)
-            await asyncio.sleep(0.2)
             async with FakeTelegram(state_file=state, port=first.port, limits=None) as second:
                 second.say(ada, ada, "after")
                 heard = await gateway.hear(2)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pytest
+from msgspec.structs import replace
+
 from rosic.core.message import Button
 from rosic.core.robot import Link, Profile
 from rosic.core.skill import Parameter, Skill
@@ -96,6 +99,16 @@ async def test_another_persons_tap_does_nothing_and_uses_nothing_up() -> None:
         assert place.chat.answers[-1][1] == "This question was asked of somebody else."
         await place.tap(button, under, account=ADA)
         assert place.acted() == 1
+
+
+@pytest.mark.parametrize("forged", ["omni wave", "A" * 22, "use omni", "?", ""])
+async def test_a_tap_on_what_was_never_shown_does_nothing(forged: str) -> None:
+    async with Place().open() as place:
+        await place.say("use omni")
+        button, under = place.button("Wave")
+        assert await place.tap(replace(button, nonce=forged), under) == ""
+        assert place.acted() == 0
+        assert place.chat.answers[-1][1] == "This button is no longer good. Nothing was done."
 
 
 async def test_a_button_is_dead_after_a_minute() -> None:

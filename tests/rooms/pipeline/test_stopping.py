@@ -153,6 +153,30 @@ async def test_a_stop_survives_a_restart() -> None:
         assert place.acted() == 1
 
 
+async def test_a_stop_that_only_the_stop_file_knows_survives_a_restart() -> None:
+    store, latch = BrokenStore(), MemoryLatch()
+    async with Place(store, latch).open() as place:
+        store.broken = True
+        await place.say("stop omni")
+    store.broken = False
+    async with Place(store, latch).open() as place:
+        assert place.robot("omni").gate.latched
+        await place.say("omni move 1 m")
+        assert place.acted() == 0
+
+
+async def test_a_stop_that_only_the_record_knows_survives_a_restart() -> None:
+    store = MemoryStore()
+    async with Place(store, BrokenLatch()).open() as place:
+        await place.say("stop omni")
+    async with Place(store, MemoryLatch()).open() as place:
+        assert place.robot("omni").gate.latched
+        assert place.robot("omni").gate.generation == 1
+        told = await place.say("omni move 1 m")
+        assert told.startswith("omni is stopped")
+        assert place.acted() == 0
+
+
 async def test_a_resume_survives_a_restart() -> None:
     store, latch = MemoryStore(), MemoryLatch()
     async with Place(store, latch).open() as place:
@@ -221,3 +245,16 @@ async def test_a_resume_sent_while_nobody_listened_undoes_nothing() -> None:
         told = place.chat.told[-1].outbound.text
         assert told == "You sent this while I could not listen. Nothing was done."
         assert place.robot("omni").gate.latched
+
+
+async def test_a_stop_sent_while_nobody_listened_is_applied_however_old() -> None:
+    async with Place().open() as place:
+        place.robot("omni").work_s = 60.0
+        await place.clock.advance(7_200.0)
+        sent_ns = place.clock.wall_ns() - 3_600_000_000_000
+        place.chat.gap()
+        await place.say("omni move 1 m", sent_ns=sent_ns)
+        told = await place.say("stop omni", sent_ns=sent_ns)
+        assert place.robot("omni").gate.latched
+        assert "STOP: omni at rest" in told
+        assert place.acted() == 0

@@ -52,6 +52,15 @@ async def test_it_never_grows(tmp_path: Path) -> None:
     await latch.close()
 
 
+@pytest.mark.parametrize("latched", [True, False])
+async def test_an_older_stop_or_resume_changes_nothing(tmp_path: Path, latched: bool) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.write("omni", 7, latched=not latched)
+    await latch.write("omni", 6, latched=latched)
+    await latch.close()
+    assert FileLatch(tmp_path / "latch").read()["omni"] == (7, not latched)
+
+
 @pytest.mark.parametrize("offset", range(64))
 async def test_any_damaged_byte_of_a_state_reads_as_stopped(tmp_path: Path, offset: int) -> None:
     latch = await a_latch(tmp_path / "latch")

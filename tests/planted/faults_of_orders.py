@@ -1,0 +1,108 @@
+"""Guards of one order on its way: whose it is, in which turn, and what outlives a restart."""
+
+from __future__ import annotations
+
+from tests.planted.faults import BUTTONS, GATE, STOPPING, WAY, Fault
+
+ROBOTS = "tests/conformance/test_robots.py"
+MAILBOX = "tests/rooms/test_mailbox.py"
+
+OF_ORDERS = (
+    Fault(
+        name="I3 a lower number that arrives later acts",
+        file="core/gate.py",
+        guard="if order.n <= self.n:",
+        without="if order.n == self.n:",
+        caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act", f"{ROBOTS}::TestMemory"),
+    ),
+    Fault(
+        name="I5 a stop that is old is not applied",
+        file="pipeline/way.py",
+        guard="if stop is not None:\n            await self._stop_lane",
+        without=(
+            "if stop is not None and inbound.sent_ns >= inbound.listening_since_ns:\n"
+            "            await self._stop_lane"
+        ),
+        caught_by=(f"{STOPPING}::test_a_stop_sent_while_nobody_listened_is_applied_however_old",),
+    ),
+    Fault(
+        name="I8 what somebody has no right to is done",
+        file="organiser/organiser.py",
+        guard=(
+            "        if isinstance(decision, Denied):\n"
+            "            raise self._refusing.denial(decision)\n"
+            "        if decision.needs:"
+        ),
+        without=(
+            "        if isinstance(decision, Denied):\n            return\n"
+            "        if decision.needs:"
+        ),
+        caught_by=(f"{WAY}::test_a_viewer_reads_and_does_not_move",),
+    ),
+    Fault(
+        name="I8 nobody's orders are counted",
+        file="organiser/rates.py",
+        guard="            if wait_s:\n                return self._refusal(kind, name, wait_s)\n",
+        without="",
+        caught_by=("tests/rooms/pipeline/test_limits.py",),
+    ),
+    Fault(
+        name="I10 a stop is kept in memory only",
+        file="linker/linker.py",
+        guard="*(self._latch.write(s.robot, s.generation, latched=True) for s in stops),",
+        without="",
+        caught_by=(f"{STOPPING}::test_a_stop_that_only_the_stop_file_knows_survives_a_restart",),
+    ),
+    Fault(
+        name="a stop is said to be at rest before that is measured",
+        file="robots/simulated/robot.py",
+        guard=(
+            "if self._machine.at_rest() or past_ns > limit_ns:\n"
+            "                return past_ns / 1e9, self._machine.at_rest()"
+        ),
+        without="if True:\n                return past_ns / 1e9, True",
+        caught_by=("tests/robots/test_worlds.py",),
+    ),
+    Fault(
+        name="I13 fences begin anew after a restart",
+        file="organiser/organiser.py",
+        guard="self._leases[robot] = Lease(fence)",
+        without="self._leases[robot] = Lease()",
+        caught_by=(f"{STOPPING}::test_numbers_and_fences_go_on_after_a_restart",),
+    ),
+    Fault(
+        name="I13 a stop that only the record knows is forgotten by a restart",
+        file="app/gates.py",
+        guard="if generation > joined.get(robot, (0, False))[0]:",
+        without="if False:",
+        caught_by=(f"{STOPPING}::test_a_stop_that_only_the_record_knows_survives_a_restart",),
+    ),
+    Fault(
+        name="I13 an older stop is written over a younger one",
+        file="stores/latch.py",
+        guard="        elif state.generation < known.generation:\n            return\n",
+        without="",
+        caught_by=("tests/rooms/stores/test_latch.py",),
+    ),
+    Fault(
+        name="I14 a tap on what nobody was shown is taken for a command",
+        file="authoriser/buttons.py",
+        guard='            raise Expired(said("This button is no longer good. Nothing was done."))',
+        without="            return nonce",
+        caught_by=(f"{BUTTONS}::test_a_tap_on_what_was_never_shown_does_nothing",),
+    ),
+    Fault(
+        name="I15 a robot's queue is as long as people make it",
+        file="linker/mailbox.py",
+        guard="if len(self._waiting) >= profile.queue_length:",
+        without="if False:",
+        caught_by=(f"{MAILBOX}::test_a_full_queue_refuses",),
+    ),
+    Fault(
+        name="I15 what was settled is remembered for ever",
+        file="stores/memory.py",
+        guard="            self._older = self._ids\n",
+        without="            self._older |= self._ids\n",
+        caught_by=("tests/rooms/stores/test_memory.py",),
+    ),
+)
