@@ -231,7 +231,7 @@ class Desk:
     def _skills(self, principal: PrincipalId, profile: Profile) -> tuple[tuple[Button, ...], ...]:
         """Return what somebody may let a robot do, a button each, and a stop."""
         here = f"{TRAIL}use {profile.id}"
-        buttons = [Button(words.label(s), f"{ASK_FIRST}{profile.id} {words.spoken(s)}{here}")
+        buttons = [Button(words.button_label(s), f"{ASK_FIRST}{profile.id} {words.spoken(s)}{here}")
                    for s in profile.skills.values()
                    if self._organiser.allows(principal, profile.id, s.id)
                    and not any(p.text for p in s.parameters.values())]  # fmt: skip
