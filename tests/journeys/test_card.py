@@ -25,6 +25,8 @@ DAY_S = 86_400
 # From looking to the server's record of it, on a busy machine; and a stamp has whole seconds.
 ON_ITS_WAY_S = 3.0
 
+PICTURED = re.compile(r"picture of omni: \d\d:\d\d:\d\d, renewed until \d\d:\d\d:\d\d\nupdated ")
+
 
 def stamps(text: str) -> tuple[int, int]:
     """Return when a card says it was so, and by when it will say something new; of the day."""
@@ -110,11 +112,12 @@ async def test_it_shows_the_last_picture_in_place(tmp_path: Path, launcher: Laun
         shown = await card(place, place.bo)
         assert [[b["text"] for b in row] for row in shown["buttons"]] == [["Picture"], ["STOP"]]
         pictured = shown
-        for _ in range(2):
+        for tap in (True, True, False):  # while somebody looks, the next one comes by itself
             before = len((await card(place, place.bo))["versions"])
-            await place.control.tap(place.bo, place.bo, shown["message_id"], "Picture")
+            if tap:
+                await place.control.tap(place.bo, place.bo, shown["message_id"], "Picture")
             pictured = await newer_picture(place, before)
-        assert re.search(r"picture of omni: \d\d:\d\d:\d\d\nupdated ", pictured["text"])
+        assert PICTURED.search(pictured["text"])
         assert pictured["message_id"] == shown["message_id"]
         assert len(await place.control.messages(place.bo, by_bot=True)) == 1
         assert {v["photo"][0]["file_id"] for v in pictured["versions"] if v["photo"]}
@@ -125,7 +128,7 @@ async def test_it_shows_the_last_picture_in_place(tmp_path: Path, launcher: Laun
         assert again["photo"] == pictured["photo"], "an edit of the words leaves the picture"
         assert "picture of omni: " in again["text"]
         edits = [c for c in await place.control.calls() if c["method"] == "editMessageMedia"]
-        assert [c["code"] for c in edits] == [200, 200]
+        assert {c["code"] for c in edits} == {200}
         assert await place.control.violations() == []
 
 

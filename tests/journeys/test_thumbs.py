@@ -57,3 +57,19 @@ async def test_a_thumb_has_seen_an_alarm_and_the_bot_nods(
         asked = [c for c in await place.control.calls() if c["method"] == "getUpdates"]
         assert all("message_reaction" in c["parameters"]["allowed_updates"] for c in asked)
         assert await place.control.violations() == []
+
+
+async def test_a_thumb_counts_beside_what_was_said_before_a_kill(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    write_profile(tmp_path)
+    async with lab(tmp_path, launcher, robots=OMNI) as place:
+        gateway = await place.start()
+        told = await place.reads(place.bo, ALARM)
+        await place.ask(place.ada, "/alerts", "It runs on its battery")
+        gateway.kill()
+        thumb = {"chat": place.bo, "user": place.bo, "message": told["message_id"]}
+        await place.control.call("react", **thumb, emoji=["👍"])
+        await place.start()
+        await place.reads(place.ada, "It runs on its battery: Bo has seen it.")
+        assert await place.control.violations() == []

@@ -13,6 +13,7 @@ from rosic.pipeline.alerts.alerting import Alerting
 from rosic.pipeline.alerts.book import ALARM, MUTE, RUN, Book
 from rosic.pipeline.alerts.circles import Circles
 from rosic.pipeline.alerts.clerks import AlarmClerk
+from rosic.pipeline.alerts.placed import TOLD
 from rosic.pipeline.alerts.reacting import Reacting
 from rosic.pipeline.alerts.running import Running
 
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from rosic.app.config_file import ConfigFile
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
-    from rosic.core.record import Memory
+    from rosic.core.record import Fact, Memory
     from rosic.core.robot import Profile
     from rosic.pipeline import Pipeline
     from rosic.pipeline.alerts.running import Hands
@@ -54,6 +55,7 @@ class Alarms:
         for kind in (ALARM, MUTE, RUN):
             book.restore(memory.facts.get(kind, ()))
             changes.keep(kind, book.apply)
+        changes.keep(TOLD, _so_already)
         rules = [
             rule
             for profile in rooms.profiles.values()
@@ -63,6 +65,14 @@ class Alarms:
         named = named_in_file(people, memory, rooms.authoriser)
         self.running.author_of = lambda name: named.get(name.casefold())
         self.alerting.follow(rules, lines, self.running)
+        open_now = {
+            following.rule.key: following.alarm
+            for row in self.alerting.following.values()
+            for following in row
+            if following.alarm is not None
+        }
+        told = memory.facts.get(TOLD, ())
+        self.alerting.write(self.alerting.placed.restore(told, open_now))
         AlarmClerk(self.alerting, rooms, changes).employ(pipeline.reception.office)
 
     async def run(self) -> None:
@@ -78,6 +88,10 @@ class Alarms:
         """Follow them no more, and write down what is open."""
         await self.reacting.close()
         await self.alerting.close()
+
+
+def _so_already(_fact: Fact) -> None:
+    """Which message tells of what is known before it is written."""
 
 
 def author_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[Finding]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import unicodedata
 from functools import cached_property
 from math import isfinite
 from typing import TypeAlias
@@ -30,6 +31,9 @@ class SkillClass(enum.Enum):
 
 # To look a member up in its class costs as much as three calls, and orders ask several times each.
 MOTION = SkillClass.MOTION
+STOP_SIGNS = frozenset("🛑✋⛔⏹🤚🖐🚫")
+JOINER = "\u200d"
+ICON_MOST = 8
 ACTUATING = frozenset((MOTION, SkillClass.TASK, SkillClass.CONFIG))
 
 # How long an order of a class may wait between being sent by the person and reaching the robot.
@@ -188,6 +192,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     Attributes:
         id: Filled from the key in the profile.
+        icon: One sign before its name on a button.
         kind: The class, ``class`` in the file.
         words: Other names people use for it.
         lifetime_s: Instead of the class's.
@@ -197,6 +202,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     id: str = ""
     title: str = ""
+    icon: str = ""
     kind: SkillClass = msgspec.field(name="class", default=SkillClass.MOTION)
     words: tuple[str, ...] = ()
     parameters: dict[str, Parameter] = {}
@@ -216,6 +222,8 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
             raise ValueError(f"lifetime_s must be above 0 and at most {LIFETIME_MAX_S:.0f}")
         if not 1 <= self.cost <= COST_MAX:
             raise ValueError(f"cost must be between 1 and {COST_MAX:g}")
+        if self.icon and not is_icon(self.icon):
+            raise ValueError("icon must be one sign, no letter or digit, and none that means stop")
         if self.kind is SkillClass.STOP:
             raise ValueError("stop is not a skill: every robot has one")
 
@@ -230,3 +238,14 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     def actuates(self) -> bool:
         """Whether it can change the world, so that it needs the robot for oneself."""
         return self.kind in ACTUATING
+
+
+def is_icon(text: str) -> bool:
+    """Whether a text is one sign that stands well on a button, and stops nothing."""
+    signs = text.split(JOINER)
+    return (
+        len(text) <= ICON_MOST
+        and STOP_SIGNS.isdisjoint(text)
+        and all(unicodedata.category(sign[:1] or " ") == "So" for sign in signs)
+        and all(unicodedata.category(rest) in {"Mn", "Sk"} for sign in signs for rest in sign[1:])
+    )

@@ -66,6 +66,11 @@ def label(skill: Skill) -> str:
     return skill.title or spoken(skill).capitalize()
 
 
+def button_label(skill: Skill) -> str:
+    """Return a skill's name as its own button shows it, with its sign."""
+    return f"{skill.icon} {label(skill)}" if skill.icon else label(skill)
+
+
 def parameter_hint(name: str, parameter: Parameter) -> str:
     """Return a parameter with its bounds: ``distance 0.01 to 5 m``."""
     if parameter.choices is not None:

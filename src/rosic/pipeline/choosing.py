@@ -16,10 +16,10 @@ from rosic.core.message import Button
 from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood, Refusal
 from rosic.pipeline.desk import Reply, rows
-from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, DO_IT, LEAVE, LEAVE_IT
+from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, DO_IT, LEAVE, LEAVE_IT, PREVIOUS, TRAIL
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from rosic.container.habits import Habits
     from rosic.core.identity import Caller, PrincipalId
@@ -36,6 +36,7 @@ OFTEN = "★"
 ROWS_AT_MOST = 6
 # Of these, a row of choices holds as many as can be read.
 CHOICES_AT_MOST = 12
+STEPS_AT_MOST = 12
 
 
 NOTHING_TO_DO = said("There is nothing to do again here yet.")
@@ -52,7 +53,7 @@ class Choosing:
         """Return the question whether a command is meant, with its values to step through.
 
         Args:
-            command: As typed.
+            command: As typed; after `TRAIL`, from what it was changed, and the menu it came from.
             visible: What the person may see.
             selected: Who is meant where the command names nobody.
 
@@ -60,6 +61,7 @@ class Choosing:
             NotUnderstood: The command means nothing any more, or needs a text that is to be typed.
             OutOfBounds: It holds a value that its robot does not allow.
         """
+        command, *trail = command.split(TRAIL)
         line = self._reader.lines(command, selected, visible)[0]
         if isinstance(line, Misunderstood):
             raise NotUnderstood(line.sentence, offers=line.offers)
@@ -67,7 +69,7 @@ class Choosing:
             raise NotUnderstood(NOTHING_TO_DO)
         if line.group:
             said_whole = command if line.group in command.casefold() else f"{line.group} {command}"
-            return _question(said_whole, said_whole, ())
+            return _question(said_whole, said_whole, (), trail)
         vocabulary, robot = self._reader.vocabulary, line.robots[0]
         compiled, given = place(vocabulary, robot, line.skills[0], line.spoken)
         arguments: dict[str, Argument] = {}
@@ -82,9 +84,8 @@ class Choosing:
             arguments[parameter.name] = value
         shown = vocabulary.robots[robot].shown
         title = joined(": ", (shown, show(vocabulary, robot, line.skills[0], arguments)))
-        return _question(
-            title, _command(robot, compiled, arguments), _steppers(robot, compiled, arguments)
-        )
+        steppers = _steppers(robot, compiled, arguments, trail)
+        return _question(title, _command(robot, compiled, arguments), steppers, trail)
 
     def again(self, caller: Caller, chat: Chat, visible: frozenset[RobotId]) -> Reply:
         """Ask whether the last command of somebody in this chat is to be done again.
@@ -116,18 +117,32 @@ class Choosing:
         return list(found.values())
 
 
-def _question(title: str, command: str, steppers: tuple[tuple[Button, ...], ...]) -> Reply:
-    last = (Button(DO_IT, f"{CONFIRMED}{command}"), Button(LEAVE_IT, LEAVE))
+def _question(
+    title: str, command: str, steppers: tuple[tuple[Button, ...], ...], trail: Sequence[str]
+) -> Reply:
+    back = (Button(PREVIOUS, _backwards(trail)),) if trail else ()
+    last = (Button(DO_IT, f"{CONFIRMED}{command}"), *back, Button(LEAVE_IT, LEAVE))
     return Reply(joined("", (title, "?")), (*steppers, last))
 
 
+def _backwards(trail: Sequence[str]) -> str:
+    """Return what shows the step before: the question as it was, or the menu it came from."""
+    return trail[0] if trail[0].startswith("use ") else f"{ASK_FIRST}{TRAIL.join(trail)}"
+
+
 def _steppers(
-    robot: RobotId, compiled: CompiledSkill, arguments: Mapping[str, Argument]
-) -> tuple[tuple[Button, ...], ...]:
+    robot: RobotId, compiled: CompiledSkill, arguments: Mapping[str, Argument],
+    trail: Sequence[str],
+) -> tuple[tuple[Button, ...], ...]:  # fmt: skip
     """Return a row for each number and some for each choice; none for what is better typed."""
+    now = _command(robot, compiled, arguments)
+    way = [now, *trail]
+    if len(way) > STEPS_AT_MOST:
+        way = [*way[: STEPS_AT_MOST - 1], way[-1]]  # the menu is found in the end all the same
 
     def becoming(parameter: CompiledParameter, value: Argument) -> str:
-        return f"{ASK_FIRST}{_command(robot, compiled, {**arguments, parameter.name: value})}"
+        command = _command(robot, compiled, {**arguments, parameter.name: value})
+        return f"{ASK_FIRST}{TRAIL.join((command, *(trail if command == now else way)))}"
 
     steppers: list[tuple[Button, ...]] = []
     for parameter in compiled.parameters:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import msgspec
+from msgspec.structs import replace
 
 from rosic.contracts.messenger import Messenger
 from rosic.core import words
@@ -14,7 +15,8 @@ from rosic.core.message import Attachment, Button, Chat
 from rosic.core.reach import FLEET
 from rosic.core.robot import Slots
 from rosic.core.saying import joined, said
-from rosic.pipeline.replies import ASK_FIRST
+from rosic.pipeline.earlier import Earlier
+from rosic.pipeline.replies import ASK_FIRST, PREVIOUS, TRAIL
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -33,6 +35,12 @@ LETTERS_A_ROW = 36
 LINKED = "__"
 EXAMPLES = 3
 WHICH = said("Which robot?")
+NONE_CHOSEN = said("No robot is chosen now. Say its name with each command.")
+NOT_THE_LAST = said("Something else was chosen here since. Nothing was changed.")
+NOTHING_TO_UNDO = said(
+    "There is no choice to take back here. What a robot has done is not undone by this."
+)
+NONE = "nothing"
 
 
 class Reply(msgspec.Struct, frozen=True):
@@ -65,6 +73,8 @@ class Desk:
         self._board = rooms.board
         self._profiles = rooms.profiles
         self._choosing = choosing
+        self._earlier = Earlier()
+        reception.office.employ("undo", self.undo)
 
     def answer(self, caller: Caller, chat: Chat, line: Line) -> Reply:
         """Answer a line that moves nothing."""
@@ -166,23 +176,68 @@ class Desk:
         )
 
     def _use(self, caller: Caller, chat: Chat, line: Use) -> Reply:
+        before = self._chosen(caller.principal, chat)
         self._container.select(caller.principal, chat, line.name)
-        if not line.name:
-            return Reply(said("No robot is chosen now. Say its name with each command."))
-        profile = self._profiles.get(line.name)
+        if line.name != before:
+            self._earlier.note(caller.principal, chat, before)
+        return self._shown(caller, chat, line.name)
+
+    def _chosen(self, principal: PrincipalId, chat: Chat) -> str:
+        """Return what somebody chose here themselves; empty where only a usual one is meant."""
+        container = self._container
+        chosen = container.selected(principal, chat)
+        meant_anyhow = (container.here(chat) if chat.topic else "") or (
+            "" if container.usual is None else container.usual(principal)
+        )
+        return "" if chosen == meant_anyhow else chosen
+
+    def _shown(self, caller: Caller, chat: Chat, name: str) -> Reply:
+        """Return what is chosen now, what it can do, and the way back."""
+        principal = caller.principal
+        several = len(self._organiser.visible(principal)) > 1
+        some = several and self._earlier.has(principal, chat)
+        back = (Button(PREVIOUS, f"undo {name or NONE}"),) if some else ()
+        if not name:
+            return Reply(NONE_CHOSEN, (back,) if back else ())
+        profile = self._profiles.get(name)
         if profile is None:
-            return Reply(said("{name}: chosen. Its name may be left out now.", name=line.name))
+            text = said("{name}: chosen. Its name may be left out now.", name=name)
+            return Reply(text, (back,) if back else ())
         text = said("{status}\nIts name may be left out now.", status=self._status(profile.id))
-        return Reply(text, self._skills(caller.principal, profile), about=profile.id)
+        *above, last = self._skills(principal, profile)
+        return Reply(text, (*above, (*last, *back)), about=profile.id)
+
+    async def undo(self, asked: Asked) -> Reply:
+        """Take the last choice of a robot in this chat back; nothing moves, nor is moved back.
+
+        A button says which choice it takes back: if that is not the last one any more, it does
+        nothing.
+        """
+        principal, chat = asked.caller.principal, asked.inbound.chat
+        meant = asked.rest.strip()
+        if meant and meant != (self._chosen(principal, chat) or NONE):
+            return Reply(NOT_THE_LAST)
+        visible = self._organiser.visible(principal)
+        before = self._earlier.take(principal, chat)
+        while before and visible.isdisjoint(self.members(before)):
+            before = self._earlier.take(principal, chat)  # they may not see that one any more
+        if before is None:
+            return Reply(NOTHING_TO_UNDO, self._robots(visible))
+        self._container.select(principal, chat, before)
+        shown = self._shown(asked.caller, chat, before)
+        # Nothing chosen: a step further back is the menu of robots.
+        return shown if before else replace(shown, buttons=(*self._robots(visible), *shown.buttons))
 
     def _skills(self, principal: PrincipalId, profile: Profile) -> tuple[tuple[Button, ...], ...]:
         """Return what somebody may let a robot do, a button each, and a stop."""
-        buttons = [Button(words.label(s), f"{ASK_FIRST}{profile.id} {words.spoken(s)}")
+        here = f"{TRAIL}use {profile.id}"
+        buttons = [Button(words.button_label(s), f"{ASK_FIRST}{profile.id} {words.spoken(s)}{here}")
                    for s in profile.skills.values()
                    if self._organiser.allows(principal, profile.id, s.id)
                    and not any(p.text for p in s.parameters.values())]  # fmt: skip
         visible = self._organiser.visible(principal)
-        often = self._choosing.favourites(principal, profile.id, visible)
+        favourites = self._choosing.favourites(principal, profile.id, visible)
+        often = [Button(one.label, f"{one.command}{here}") for one in favourites]
         seen = self._reception.sights(profile.id)
         last = [Button("STOP", f"stop {profile.id}")]
         if len(visible) > 1:

@@ -26,6 +26,7 @@ EVERYBODY: Final = (
     ("robots", said("The robots you may see")),
     ("status", said("What every robot is doing")),
     ("use", said("Choose a robot, so that its name may be left out")),
+    ("undo", said("Take back the last choice of a robot")),
     ("stop", said("Stop every robot you may see")),
     ("resume", said("Let a stopped robot move again")),
     ("again", said("Do the last thing once more")),

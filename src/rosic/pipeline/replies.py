@@ -26,7 +26,10 @@ if TYPE_CHECKING:
 LEAVE = "leave it"
 ASK_FIRST = "?"
 CONFIRMED = "!"
-DO_IT, LEAVE_IT = said("Do it"), said("Leave it")
+# Between a command and those that it was before, the newest first; the oldest is the menu it came
+# from.
+TRAIL = "\x1f"
+DO_IT, LEAVE_IT, PREVIOUS = said("Do it"), said("Leave it"), said("Previous")
 STRANGERS = RateLimit(burst=5.0, per_s=0.2)
 
 

@@ -89,7 +89,7 @@ async def test_a_tap_shows_the_picture_on_the_card_and_says_of_when() -> None:
             await place.tap(button(place, card, "Picture"), card)
             await until(place, lambda count=times: len(put(place)) == count)  # type: ignore[misc]
         shown = place.chat.shown(card)
-        assert "\npicture of The omni: 12:00:00\nupdated " in shown.text
+        assert "\npicture of The omni: 12:00:00, renewed until 12:00:00\nupdated " in shown.text
         assert [low for _, low in place.painter.drawn] == [True, True]
         before = len(place.chat.told)
         await place.say("omni wave")

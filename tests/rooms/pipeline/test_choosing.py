@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from tests.rooms.pipeline.place import BO, Place
+from msgspec.structs import replace
+
+from tests.rooms.pipeline.place import BO, FLEET, WAVE, Place
 
 
 def _rows(place: Place) -> list[list[str]]:
@@ -17,7 +19,7 @@ async def test_a_number_is_stepped_through_and_what_is_shown_is_done() -> None:
         assert _rows(place) == [
             ["• forward", "back", "left"],
             ["−", "0.50 m", "+"],  # noqa: RUF001
-            ["Do it", "Leave it"],
+            ["Do it", "Previous", "Leave it"],
         ]
         message = place.last()[0]
         await place.tap(*place.button("+"))
@@ -58,7 +60,15 @@ async def test_a_skill_without_values_is_only_asked_about() -> None:
         await place.say("use omni")
         await place.tap(*place.button("Wave"))
         assert place.last()[1].text == "omni: wave?"
-        assert _rows(place) == [["Do it", "Leave it"]]
+        assert _rows(place) == [["Do it", "Previous", "Leave it"]]
+
+
+async def test_a_skill_has_its_sign_on_its_button() -> None:
+    omni = replace(FLEET[0], skills={"wave": replace(WAVE, icon="👋")})
+    async with Place(fleet=(omni, *FLEET[1:])).open() as place:
+        await place.say("use omni")
+        await place.tap(*place.button("👋 Wave"))
+        assert place.last()[1].text == "omni: wave?"
 
 
 async def test_again_asks_for_what_was_done_last_in_this_chat() -> None:

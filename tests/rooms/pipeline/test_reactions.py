@@ -6,16 +6,23 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Reaction
 from rosic.errors import MessengerFault
 from rosic.messengers.memory import MemoryMessenger
+from rosic.pipeline.alerts.book import Alarm
+from rosic.pipeline.alerts.placed import TOLD, Occurrence, Placed
+from rosic.stores.memory import MemoryStore
+from rosic.testing.clock import ManualClock
 from tests.rooms.pipeline.place import ADA, BO, STRANGER, VI, Place
 from tests.rooms.pipeline.test_alerts import LOW, battery, heard, place, say
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
+
+    from rosic.core.record import Fact
 
 THUMB = ("👍",)
 
@@ -35,11 +42,18 @@ class Reactive(MemoryMessenger):
 
 
 @asynccontextmanager
-async def alarmed() -> AsyncIterator[Place]:
-    """Open a place whose omni has raised an alarm, and on whose messenger people react."""
-    here = place(LOW)
+async def reactive(store: MemoryStore | None = None) -> AsyncIterator[Place]:
+    """Open a place on whose messenger people react; given a store, it goes on where that ended."""
+    here = place(LOW, store=store)
     here.chat.__class__ = Reactive
     async with here.open():
+        yield here
+
+
+@asynccontextmanager
+async def alarmed(store: MemoryStore | None = None) -> AsyncIterator[Place]:
+    """Open a place whose omni has raised an alarm, and on whose messenger people react."""
+    async with reactive(store) as here:
         battery(here, 15)
         await heard(here, 11)
         yield here
@@ -131,3 +145,69 @@ async def test_beside_any_other_message_it_does_nothing() -> None:
         acted = here.acted()
         assert await react(here, BO, here.last()[0], *THUMB) == {}
         assert here.acted() == acted
+
+
+# ---- over a restart ----
+
+
+async def kept(store: MemoryStore) -> list[Fact]:
+    """Return what is on disk of messages that tell of alarms."""
+    return [fact for fact in await store.facts(TOLD, "", 100) if fact.body]
+
+
+async def test_a_thumb_beside_what_an_earlier_run_said_has_seen_it() -> None:
+    store = MemoryStore()
+    async with alarmed(store) as here:
+        message = alarm_of(here, BO)
+    async with reactive(store) as here:
+        battery(here, 15)
+        assert await react(here, BO, message, *THUMB) == {
+            ADA: "omni: Battery is low: Bo has seen it."
+        }
+        assert here.chat.nods == [(BO, message, "👌")]  # type: ignore[attr-defined]
+        assert await heard(here, 600) == {}, "nobody is told again"
+        assert "seen by Bo" in await say(here, ADA, "/alerts")
+    async with reactive(store) as here:
+        battery(here, 15)
+        assert await react(here, BO, message, *THUMB) == {}, "it was answered before"
+        assert "seen by Bo" in await say(here, ADA, "/alerts")
+
+
+async def test_what_is_kept_of_it_ends_with_the_alarm_and_names_nobody() -> None:
+    store = MemoryStore()
+    async with alarmed(store) as here:
+        facts = await kept(store)
+        assert len(facts) == 2, "one for each who was told"
+        for fact in facts:
+            assert fact.letter is None
+            assert len(bytes.fromhex(fact.key)) == 16
+            assert b"memory" not in fact.body
+        battery(here, 50)
+        await heard(here, 2)
+        assert await kept(store) == []
+    async with reactive(store) as here:
+        battery(here, 15)
+        await heard(here, 11)
+        assert len(await kept(store)) == 2, "of the new one"
+
+
+def test_of_what_was_said_the_newest_are_kept_and_none_whose_alarm_is_over() -> None:
+    messenger = MemoryMessenger("memory", clock=ManualClock())
+
+    def told(number: int, placed: Placed) -> tuple[Fact, ...]:
+        return placed.note(Occurrence("omni/low", 7), messenger, Chat("memory", str(number)), "m")
+
+    placed, disk = Placed(remembered=3), dict[str, "Fact"]()
+    for number in range(10):
+        disk.update({fact.key: fact for fact in told(number, placed)})
+    assert len([fact for fact in disk.values() if fact.body]) == 3
+    assert placed.of(messenger, Chat("memory", "9"), "m") == ("omni/low", 7)
+    assert placed.of(messenger, Chat("memory", "0"), "m") is None
+    [bad] = told(11, Placed())
+    facts = [*disk.values(), replace(bad, key="0" * 32, body=b"\xc1")]
+    for at_ns, ended in ((7, 1), (8, 4)):
+        later = Placed()
+        gone = later.restore(facts, {"omni/low": Alarm(at_ns)})
+        assert len(gone) == ended
+        assert not any(fact.body for fact in gone)
+    assert len(Placed(remembered=2).restore(facts, {"omni/low": Alarm(7)})) == 2

@@ -14,7 +14,7 @@ ERRANDS = frozenset(
         "invite", "language", "lock", "map", "me", "mission", "missions", "mute", "mydata",
         "path", "people", "picture", "plan", "quiet", "revoke", "robot", "role", "security",
         "seen", "settings", "share", "shared", "shelf", "slots", "strategy", "take", "task",
-        "tasks", "together", "topic", "trajectory", "unlock", "unmute", "wait", "wish",
+        "tasks", "together", "topic", "trajectory", "undo", "unlock", "unmute", "wait", "wish",
     }
 )  # fmt: skip
 

@@ -7,6 +7,7 @@ API server of one's own takes 2000 MB, and what is large goes to it piece by pie
 
 from __future__ import annotations
 
+import json
 import struct
 from typing import TYPE_CHECKING, Final
 
@@ -14,6 +15,7 @@ from telegram import InputFile, InputMediaPhoto
 
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram import text as texts
+from rosic.messengers.telegram.entities import inert
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
@@ -60,11 +62,12 @@ class Sendable:
         thread: int | None = None,
     ) -> str:
         """Send it and return the message's id."""
-        attachment = self._attachment
+        attachment, marks = self._attachment, inert(caption)
         if attachment.pieces is not None:
             said = {
                 "chat_id": chat,
                 "caption": caption or None,
+                "caption_entities": marks and json.dumps([mark.to_dict() for mark in marks]),
                 "reply_parameters": reply,
                 "reply_markup": markup,
                 "message_thread_id": thread,
@@ -80,6 +83,7 @@ class Sendable:
             chat,
             file,
             caption=caption or None,
+            caption_entities=marks,
             reply_parameters=reply,
             reply_markup=markup,
             message_thread_id=thread,
@@ -111,8 +115,9 @@ def picture_of(outbound: Outbound) -> InputMediaPhoto:
     if attachment is None or not _is_picture(attachment) or not fits:
         raise MessengerFault("That cannot be shown as a picture. Nothing was changed.")
     return InputMediaPhoto(
-        attachment.content, caption=outbound.text or None, filename=attachment.name
-    )
+        attachment.content, caption=outbound.text or None, filename=attachment.name,
+        caption_entities=inert(outbound.text),
+    )  # fmt: skip
 
 
 def _is_picture(attachment: Attachment) -> bool:

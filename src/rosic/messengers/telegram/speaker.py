@@ -16,6 +16,7 @@ from rosic.core.message import Weight
 from rosic.core.saying import said
 from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.messengers.telegram import text as texts
+from rosic.messengers.telegram.entities import inert
 from rosic.messengers.telegram.files import FILE_BYTES, FILE_S, picture_of, prepared
 from rosic.messengers.telegram.line import CALL_S
 from rosic.messengers.telegram.trouble import Kind, Trouble
@@ -206,13 +207,9 @@ class Speaker:
     ) -> str:
         async def act(bot: Bot, chat: int, thread: int | None) -> str:
             message = await bot.send_message(
-                chat,
-                text,
-                link_preview_options=NO_PREVIEW,
-                reply_parameters=reply,
-                reply_markup=markup,
-                message_thread_id=thread,
-            )
+                chat, text, entities=inert(text), link_preview_options=NO_PREVIEW,
+                reply_parameters=reply, reply_markup=markup, message_thread_id=thread,
+            )  # fmt: skip
             return str(message.message_id)
 
         return await self._call_in_topic(call, act)
@@ -235,17 +232,15 @@ class Speaker:
     ) -> None:
         async def change_text(bot: Bot, chat: int) -> None:
             await bot.edit_message_text(
-                text,
-                chat_id=chat,
-                message_id=number,
-                link_preview_options=NO_PREVIEW,
-                reply_markup=markup,
-            )
+                text, chat_id=chat, message_id=number, entities=inert(text),
+                link_preview_options=NO_PREVIEW, reply_markup=markup,
+            )  # fmt: skip
 
         async def change_caption(bot: Bot, chat: int) -> None:
             await bot.edit_message_caption(
-                chat_id=chat, message_id=number, caption=text, reply_markup=markup
-            )
+                chat_id=chat, message_id=number, caption=text, caption_entities=inert(text),
+                reply_markup=markup,
+            )  # fmt: skip
 
         try:
             await self._change(call, change_text)

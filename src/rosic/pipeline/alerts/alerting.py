@@ -27,8 +27,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
     from rosic.core.language import Do
+    from rosic.core.message import Chat
     from rosic.core.record import Record
     from rosic.core.robot import Presence, RobotId
     from rosic.core.rule import Rule
@@ -163,7 +165,7 @@ class Alerting:
     def _cleared(self, following: Following, now: str, *, muted: bool) -> None:
         rule, alarm = following.rule, following.alarm
         following.alarm = None
-        self.write([self.book.cleared(rule.key)])
+        self.write([self.book.cleared(rule.key), *self.placed.over(rule.key)])
         if alarm is not None and not muted:
             self.tell(rule, alarm.told, words.cleared(rule, self.shown(rule), now))
 
@@ -183,9 +185,12 @@ class Alerting:
                 urgent=_is_urgent(rule),
                 lifetime_s=BUTTONS_LIVE_S,
                 still=True,
-                landed=partial(self.placed.note, Occurrence(rule.key, at_ns)),
+                landed=partial(self._landed, Occurrence(rule.key, at_ns)),
             )
             self._reach.give(some, notice)
+
+    def _landed(self, of: Occurrence, messenger: Messenger, chat: Chat, message: str) -> None:
+        self.write(self.placed.note(of, messenger, chat, message))
 
     def _hearing(self, rule: Rule, people: Iterable[PrincipalId]) -> list[PrincipalId]:
         return [who for who in people if self.circles.may_hear(who, rule.robot)]

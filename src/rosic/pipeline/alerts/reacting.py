@@ -49,7 +49,8 @@ class Reacting:
         if not circles.may_hear(who, robot):
             return
         # Answered once, whatever else is put there: nobody is to be talked at for their thumbs.
-        self._alerting.placed.answered(messenger, reaction.chat, reaction.message)
+        answered = self._alerting.placed.answered(messenger, reaction.chat, reaction.message)
+        self._alerting.write(answered)
         if not circles.may_acknowledge(who, robot):
             self._reach.tell((who,), words.may_not(self._alerting.shown(following.rule)))
         elif self._alerting.seen(following, who):

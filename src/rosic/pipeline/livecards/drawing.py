@@ -125,8 +125,10 @@ class Drawing:
         stamp = words.updated(self._sides.face(now_ns), self._sides.face(next_ns), lag_s)
         lines = [self.text(card.chat, card.owner, robots, most)]
         if (picture := card.picture) is not None:
+            left_ns = self.picturing.renewed_for_ns(card)
+            until = self._sides.face(now_ns + left_ns) if left_ns else ""
             lines.append(words.pictured(self._sides.shown(picture.robot),
-                                        self._sides.face(picture.at_ns)))  # fmt: skip
+                                        self._sides.face(picture.at_ns), until))  # fmt: skip
         sights = self.picturing.row(card, robots)
         stop = (_stop_button(robots if card.robots else ()),)
         outbound = Outbound(

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import asyncio
 
     from rosic.contracts.messenger import Messenger
+    from rosic.pipeline.livecards.picturing import Watched
 
 KIND: Final = "card"
 
@@ -71,13 +72,14 @@ class LiveCard:
         picture: The picture on it, or the one that is to be; None: it is text.
         offered, offered_ns, buttons: Robots that can be looked at by a tap, since when, and how.
         last: What it says when it is over; empty while it is not.
+        watched: Who looks at its picture; None: it is not renewed by itself.
         task: The edit under way.
     """
 
     __slots__ = (
         "again_ns", "buttons", "chat", "failures", "key", "kind", "lag_s", "last", "message",
         "messenger", "offered", "offered_ns", "owner", "picture", "pinned", "robots",
-        "settled_ns", "shows", "stamped_ns", "task", "wanted_pinned",
+        "settled_ns", "shows", "stamped_ns", "task", "wanted_pinned", "watched",
     )  # fmt: skip
 
     def __init__(
@@ -99,11 +101,17 @@ class LiveCard:
         self.failures = 0
         self.again_ns = 0
         self.picture: Pictured | None = None
+        self.watched: Watched | None = None
         self.offered: tuple[RobotId, ...] = ()
         self.offered_ns = 0
         self.buttons: tuple[Button, ...] = ()
         self.last = ""
         self.task: asyncio.Task[None] | None = None
+
+    @property
+    def pictured_anew(self) -> bool:
+        """Whether there is a picture that its message does not show yet."""
+        return self.picture is not None and self.picture.content is not None
 
     def fact(self) -> Fact:
         """Return what is to be written so that it outlives this process."""

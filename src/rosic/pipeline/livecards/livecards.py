@@ -227,6 +227,7 @@ class LiveCards:
             elif card.picture is not None and card.picture.robot not in robots:
                 self._without_picture(card)
             else:
+                self.drawing.picturing.renew(card)
                 self._look_at(card, robots, now_ns)
         for card in self._leaving:
             if card.task is None and now_ns >= card.again_ns:
@@ -264,7 +265,7 @@ class LiveCards:
         if not card.stamped_ns or now_ns >= card.stamped_ns + int(pace.refresh_s * SECOND_NS):
             return True
         rested = now_ns >= card.settled_ns + int(pace.between_s * SECOND_NS)
-        return rested and card.shows != self.drawing.shows(robots)
+        return rested and (card.pictured_anew or card.shows != self.drawing.shows(robots))
 
     # ---- showing ----
 

@@ -1,8 +1,13 @@
-"""The last picture on a card: asked for by a tap, shown in place, as old as the card says."""
+"""The last picture on a card: asked for by a tap, shown in place, as old as the card says.
+
+No platform says whether somebody looks, so for a while after a tap they are taken to: so long the
+picture is renewed by itself, with edits of the card that may be made anyway.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Final, Protocol, TypeAlias
 
 import msgspec
@@ -10,7 +15,7 @@ import msgspec
 from rosic.contracts.messenger import pictures_of
 from rosic.core.message import Attachment, Button, ChatKind, Outbound
 from rosic.core.robot import RobotId
-from rosic.errors import NothingToSee
+from rosic.errors import NothingToSee, Refusal
 from rosic.pipeline.livecards import words_livecards as words
 
 if TYPE_CHECKING:
@@ -28,6 +33,13 @@ RENEWED_NS: Final = 20_000_000_000
 """A button lives for a minute; a card that is edited after so long shows new ones."""
 
 
+LOOKING_S: Final = 180.0
+"""For so long after a tap somebody is taken to look."""
+RENEWED_S: Final[dict[ChatKind, float]] = {ChatKind.PRIVATE: 10.0, ChatKind.GROUP: 30.0}
+"""From one picture to the next at the least: half of those that somebody may have at all."""
+SECOND_NS: Final = 1_000_000_000
+
+
 class Pictured(msgspec.Struct, frozen=True):
     """A picture for a card.
 
@@ -42,6 +54,30 @@ class Pictured(msgspec.Struct, frozen=True):
     content: Attachment | None = None
 
 
+class Watched:
+    """Somebody looks at a robot on a card.
+
+    Attributes:
+        asked: The tap.
+        until_ns: So long, monotonic clock.
+        next_ns: No picture is taken by itself before, monotonic clock.
+    """
+
+    __slots__ = ("asked", "next_ns", "robot", "until_ns")
+
+    def __init__(self, asked: Asked, robot: RobotId, now_ns: int) -> None:
+        self.asked = asked
+        self.robot = robot
+        self.until_ns = now_ns + int(LOOKING_S * SECOND_NS)
+        self.next_ns = 0
+        self.wait(now_ns)
+
+    def wait(self, now_ns: int) -> None:
+        """A picture has just been asked for."""
+        every_s = RENEWED_S.get(self.asked.inbound.chat.kind, RENEWED_S[ChatKind.GROUP])
+        self.next_ns = now_ns + int(every_s * SECOND_NS)
+
+
 class Camera(Protocol):
     """Looks at robots that may be looked at."""
 
@@ -49,10 +85,19 @@ class Camera(Protocol):
         """Whether its profile opens its camera to people, and pictures can be drawn here."""
         ...
 
-    def look(self, asked: Asked, robot: RobotId, deliver: Deliver) -> None:
+    def look(
+        self, asked: Asked, robot: RobotId, deliver: Deliver, *, unasked: bool = False
+    ) -> None:
         """Begin to make a picture, and hand over when it was taken (wall clock), and how it looks.
 
         Only if whoever asked may still look then.
+
+        Args:
+            asked: By whom, where.
+            robot: At which robot.
+            deliver: Takes it.
+            unasked: Nobody has asked for just this one: where there is none, nothing is said, and
+                it keeps nobody's from being made.
 
         Raises:
             Refusal: Not now; nothing was begun.
@@ -111,3 +156,27 @@ class Picturing:
             live.show_picture(card, Pictured(robot, at_ns, outbound.attachment))
 
         self.camera.look(asked, robot, deliver)
+        card.watched = Watched(asked, robot, self._now_ns())
+
+    def renew(self, card: LiveCard) -> None:
+        """Look once more for whoever looks at a card, if it is time. Returns at once."""
+        watched, now_ns = card.watched, self._now_ns()
+        if watched is None or self.camera is None:
+            return
+        if now_ns >= watched.until_ns:
+            card.watched = None
+        elif now_ns >= watched.next_ns and card.picture is not None and not card.pictured_anew:
+            watched.wait(now_ns)
+            self._look_again(card, watched, self.camera)
+
+    def _look_again(self, card: LiveCard, watched: Watched, camera: Camera) -> None:
+        async def deliver(at_ns: int, outbound: Outbound) -> None:
+            if card.watched is watched and not card.last:
+                card.picture = Pictured(watched.robot, at_ns, outbound.attachment)
+
+        with suppress(Refusal):  # the next time, then
+            camera.look(watched.asked, watched.robot, deliver, unasked=True)
+
+    def renewed_for_ns(self, card: LiveCard) -> int:
+        """Return for how long a card's picture is renewed by itself."""
+        return 0 if card.watched is None else max(0, card.watched.until_ns - self._now_ns())

@@ -124,8 +124,13 @@ def picture_button(name: str) -> str:
     return said("Picture of {robot}", robot=name) if name else said("Picture")
 
 
-def pictured(shown: str, time_of_day: str) -> str:
-    """Of which robot the picture is, and of when."""
+def pictured(shown: str, time_of_day: str, until: str) -> str:
+    """Of which robot the picture is, and of when; perhaps until when newer ones come."""
+    if until:
+        return said(
+            "picture of {robot}: {time}, renewed until {until}",
+            robot=shown, time=time_of_day, until=until,
+        )  # fmt: skip
     return said("picture of {robot}: {time}", robot=shown, time=time_of_day)
 
 

@@ -57,8 +57,9 @@ class Looking:
         return ANSWERED_LATER
 
     def picture_for(
-        self, asked: Asked, robot: RobotId, deliver: Callable[[int, Outbound], Awaitable[None]]
-    ) -> None:
+        self, asked: Asked, robot: RobotId, deliver: Callable[[int, Outbound], Awaitable[None]],
+        *, unasked: bool = False,
+    ) -> None:  # fmt: skip
         """Have a frame handed over instead of sent, and when it was taken, wall clock.
 
         Raises:
@@ -72,7 +73,7 @@ class Looking:
             at_ns = self._seeing.clock.wall_ns() - past_ns
             return replace(shot, deliver=partial(deliver, at_ns))
 
-        self._begin(asked, robot, PICTURE_COST, take)
+        self._seeing.studio.begin(asked, robot, PICTURE_COST, take, unasked=unasked)
 
     async def clip(self, asked: Asked) -> Reply:
         """Show some seconds. Raises as `picture` does."""

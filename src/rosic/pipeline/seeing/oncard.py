@@ -28,11 +28,12 @@ class CardCamera:
         return self._seeing.studio.works and self._seeing.profiles[robot].offers(Sight.PICTURE)
 
     def look(
-        self, asked: Asked, robot: RobotId, deliver: Callable[[int, Outbound], Awaitable[None]]
-    ) -> None:
+        self, asked: Asked, robot: RobotId, deliver: Callable[[int, Outbound], Awaitable[None]],
+        *, unasked: bool = False,
+    ) -> None:  # fmt: skip
         """Make a picture within the bounds of all pictures, and hand it over.
 
         Raises:
             Refusal: Not now; nothing was begun.
         """
-        self._looking.picture_for(asked, robot, deliver)
+        self._looking.picture_for(asked, robot, deliver, unasked=unasked)

@@ -100,6 +100,7 @@ class Studio:
         take: Callable[[], Awaitable[Shot]],
         *,
         kept: str = "",
+        unasked: bool = False,
     ) -> None:
         """Make a picture in a task of its own: looking takes seconds, and nobody waits for it.
 
@@ -109,6 +110,8 @@ class Studio:
             cost: In pictures.
             take: Looks.
             kept: What is drawn from memory, so that the robot is not looked at.
+            unasked: Nobody has asked for just this one: it leaves half of the places to others, and
+                if it comes to nothing, nothing is said.
 
         Raises:
             NothingToSee: Pictures cannot be drawn or sent here.
@@ -122,10 +125,11 @@ class Studio:
         if key in self._tasks:
             sentence = words.somebody_looks(self._shown(robot))
             raise TooManyRequests(sentence, retry_after_s=SOON_S)
-        if len(self._tasks) >= AT_ONCE:
+        if len(self._tasks) >= (AT_ONCE // 2 if unasked else AT_ONCE):
             raise TooManyRequests(words.too_many_look(), retry_after_s=SOON_S)
         self._charge(asked.caller.principal, cost)
-        task = asyncio.create_task(self._make(asked, robot, self._painter, take))
+        say = _nothing if unasked else self._say
+        task = asyncio.create_task(self._make(asked, robot, take, say))
         self._tasks[key] = task
         task.add_done_callback(lambda _: self._tasks.pop(key, None))
 
@@ -142,9 +146,11 @@ class Studio:
         self,
         asked: Asked,
         robot: RobotId,
-        painter: Painter,
         take: Callable[[], Awaitable[Shot]],
+        tell: Callable[[Asked, str], None],
     ) -> None:
+        painter = self._painter
+        assert painter is not None  # noqa: S101 - nothing is begun without one
         try:
             shot = await take()
             async with self._drawing:
@@ -153,13 +159,13 @@ class Studio:
                 drawing = await asyncio.to_thread(painter, shot.subject, low=shot.low, say=say)
             await self._send(asked, robot, shot, drawing)
         except Refusal as refusal:
-            self._say(asked, refusal.sentence)
+            tell(asked, refusal.sentence)
         except (MessengerFault, TimeoutError) as fault:
             log.warning("a picture was not sent: %s", fault)
-            self._say(asked, words.NOT_SENT)
+            tell(asked, words.NOT_SENT)
         except Exception:
             log.exception("a picture could not be made")
-            self._say(asked, words.BROKEN)
+            tell(asked, words.BROKEN)
 
     async def _send(self, asked: Asked, robot: RobotId, shot: Shot, drawing: Drawing) -> None:
         principal, inbound = asked.caller.principal, asked.inbound
@@ -194,3 +200,7 @@ class Studio:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+
+def _nothing(_asked: Asked, _text: str) -> None:
+    """Say nothing to whoever has not asked."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import inspect
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 import msgspec
@@ -61,9 +62,11 @@ class ControlDoor:
         ]
 
     def _send_file(
-        self, chat: int, user: int, name: str, content: str, **unusual: Unpack[Saying]
-    ) -> int:
-        return self._server.send_file(chat, user, name, base64.b64decode(content), **unusual)
+        self, chat: int, user: int, name: str, content: str = "", path: str = "",
+        **unusual: Unpack[Saying],
+    ) -> int:  # fmt: skip
+        sent = Path(path) if path else base64.b64decode(content)
+        return self._server.send_file(chat, user, name, sent, **unusual)
 
     async def _serve(self, request: web.Request) -> web.Response:
         verb = self._verbs.get(request.match_info["verb"])

@@ -69,7 +69,7 @@ class BotDoor:
             return _respond(Reply(error.code, dispatch.refused(error)))
         broken: ApiError | None = None
         try:
-            raw = await read(request)
+            raw = await read(request, self._world.settings.local_folder)
         except ApiError as error:
             raw, broken = Raw(values={}, files={}), error
         entry = self._world.journal.call(method, dispatch.recorded(raw))

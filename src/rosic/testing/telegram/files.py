@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
+import os
 import struct
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
@@ -58,7 +58,7 @@ def store_photo(world: World, upload: Upload, size: tuple[int, int]) -> StoredFi
 def _store(world: World, upload: Upload, kind: str, show: JsonObject) -> StoredFile:
     """https://core.telegram.org/bots/api#file: the unique id names content and opens nothing."""
     number = world.serial()
-    digest = hashlib.sha256(upload.content).hexdigest()
+    digest = upload.sha256
     suffix = PurePosixPath(upload.name).suffix[:10] or ".bin"
     held = StoredFile(
         id=f"{kind}-{number}-{digest[:24]}",
@@ -68,11 +68,12 @@ def _store(world: World, upload: Upload, kind: str, show: JsonObject) -> StoredF
         kind=kind,
         content=upload.content,
         show={},
+        left="" if upload.on_disk is None else upload.on_disk.path,
     )
     held.show = {
         "file_id": held.id,
         "file_unique_id": held.unique_id,
-        "file_size": len(upload.content),
+        "file_size": upload.size,
         **show,
     }
     world.state.files[held.id] = held
@@ -90,5 +91,8 @@ def left_in(folder: str, held: StoredFile) -> str:
     """Leave a file where a local server does, and return its absolute path."""
     path = Path(folder) / held.path
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(held.content)
+    if not held.left:
+        path.write_bytes(held.content)
+    elif not path.exists():
+        os.link(held.left, path)
     return str(path)

@@ -8,6 +8,7 @@ accepted.
 from __future__ import annotations
 
 import enum
+import hashlib
 import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from rosic.testing.telegram.refusals import bad_request
+from rosic.testing.telegram.spool import OnDisk
 
 if TYPE_CHECKING:
     from rosic.testing.telegram.state import JsonObject
@@ -39,11 +41,29 @@ Signature = Mapping[str, Kind]
 
 
 class Upload(msgspec.Struct, frozen=True, kw_only=True):
-    """One file part of a multipart request."""
+    """One file part of a multipart request.
+
+    Attributes:
+        content: Empty where it lies on a disk.
+        on_disk: Where; None where it is in memory.
+    """
 
     name: str
     content_type: str
-    content: bytes
+    content: bytes = b""
+    on_disk: OnDisk | None = None
+
+    @property
+    def size(self) -> int:
+        """How long it is."""
+        return len(self.content) if self.on_disk is None else self.on_disk.size
+
+    @property
+    def sha256(self) -> str:
+        """What stands for its content."""
+        if self.on_disk is not None:
+            return self.on_disk.sha256
+        return hashlib.sha256(self.content).hexdigest()
 
 
 class Raw(msgspec.Struct, frozen=True, kw_only=True):
@@ -109,7 +129,7 @@ class Arguments:
 
     def shown(self) -> JsonObject:
         """Return what the record keeps: values, and name and size of files."""
-        files = {n: f"<{f.name}, {len(f.content)} bytes>" for n, f in self.files.items()}
+        files = {n: f"<{f.name}, {f.size} bytes>" for n, f in self.files.items()}
         return {**self._values, **files}
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TypedDict, Unpack
 
 from rosic.testing.telegram import entities, files, keyboards, objects
 from rosic.testing.telegram.methods.chats import REACTIONS, plain_emoji
 from rosic.testing.telegram.parameters import Upload
 from rosic.testing.telegram.refusals import ControlError
+from rosic.testing.telegram.spool import on_disk
 from rosic.testing.telegram.state import (
     ANONYMOUS_ADMIN_ID,
     CHANNEL_BOT_ID,
@@ -120,10 +122,18 @@ class People:
         return message
 
     def send_file(
-        self, chat: int, user: int, name: str, content: bytes, **unusual: Unpack[Saying]
+        self, chat: int, user: int, name: str, content: bytes | Path, **unusual: Unpack[Saying]
     ) -> int:
-        """Send a document, or a photo when the content is a PNG or JPEG named .png or .jpg."""
-        upload = Upload(name=name, content_type="application/octet-stream", content=content)
+        """Send a document, or a photo when the content is a PNG or JPEG named .png or .jpg.
+
+        What is given by its path is not copied: it stays there, a document.
+        """
+        kind = "application/octet-stream"
+        if isinstance(content, Path):
+            upload = Upload(name=name, content_type=kind, on_disk=on_disk(str(content)))
+            content = b""
+        else:
+            upload = Upload(name=name, content_type=kind, content=content)
         size = files.image_size(content) if name.lower().endswith((".png", ".jpg")) else None
         if size is None:
             media: JsonObject = {"document": files.store_document(self.world, upload).show}

@@ -7,10 +7,15 @@ from aiohttp import BodyPartReader, MultipartReader, web
 
 from rosic.testing.telegram.parameters import Raw, Upload
 from rosic.testing.telegram.refusals import ApiError, bad_request
+from rosic.testing.telegram.spool import OnDisk, received
 
 
-async def read(request: web.Request) -> Raw:
+async def read(request: web.Request, folder: str = "") -> Raw:
     """Return the parameters of the query string and the body; the body wins.
+
+    Args:
+        request: As it comes.
+        folder: Where large files are left while they come; empty to hold them in memory.
 
     Raises:
         ApiError: 400 for a JSON body that is no object, 413 for more than the server takes.
@@ -22,7 +27,7 @@ async def read(request: web.Request) -> Raw:
             body = _json_object(await request.read())
             return Raw(values=values | body, files={}, typed=frozenset(body))
         if content_type == "multipart/form-data":
-            return await _multipart(request, values)
+            return await _multipart(request, values, folder)
         if content_type == "application/x-www-form-urlencoded":
             values.update(await request.post())
     except web.HTTPRequestEntityTooLarge:
@@ -40,14 +45,24 @@ def _json_object(body: bytes) -> dict[str, object]:
     return parsed
 
 
-async def _multipart(request: web.Request, values: dict[str, object]) -> Raw:
+async def _multipart(request: web.Request, values: dict[str, object], folder: str) -> Raw:
     files: dict[str, Upload] = {}
     reader = await request.multipart()
     while (part := await reader.next()) is not None:
         if isinstance(part, MultipartReader):
             raise bad_request("can't parse request: nested multipart")
-        await _keep(part, values, files)
+        if part.filename is not None and folder:
+            files[part.name or ""] = await _spooled(part, part.filename, folder)
+        else:
+            await _keep(part, values, files)
     return Raw(values=values, files=files)
+
+
+async def _spooled(part: BodyPartReader, name: str, folder: str) -> Upload:
+    found, kind = await received(part, folder), part.headers.get("Content-Type", "")
+    if isinstance(found, OnDisk):
+        return Upload(name=name, content_type=kind, on_disk=found)
+    return Upload(name=name, content_type=kind, content=found)
 
 
 async def _keep(part: BodyPartReader, values: dict[str, object], files: dict[str, Upload]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.testing.telegram import keyboards, objects
@@ -68,7 +69,8 @@ class Record:
 
     def file(self, file_id: str) -> bytes:
         """Return the content of a file that Telegram holds."""
-        return self.world.state.files[file_id].content
+        held = self.world.state.files[file_id]
+        return Path(held.left).read_bytes() if held.left else held.content
 
     def pending(self) -> int:
         """Return how many updates the bot has not confirmed."""

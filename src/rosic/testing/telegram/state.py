@@ -138,6 +138,7 @@ class StoredFile(msgspec.Struct, kw_only=True, omit_defaults=True):
     Attributes:
         path: What getFile gives as `file_path`.
         show: The Document or PhotoSize object, without its content.
+        left: Where a large file of a local server lies; then ``content`` is empty.
         link_until_s: Server time until which it can be downloaded; 0 before getFile.
     """
 
@@ -148,6 +149,7 @@ class StoredFile(msgspec.Struct, kw_only=True, omit_defaults=True):
     kind: str
     content: bytes
     show: JsonObject
+    left: str = ""
     link_until_s: float = 0.0
 
 

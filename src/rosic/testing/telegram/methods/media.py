@@ -40,7 +40,7 @@ def _photo(world: World, call: Call, field: str) -> JsonObject:
     upload = _upload(world, call, field, "photo")
     if isinstance(upload, StoredFile):
         return {"photo": [upload.show]}
-    if len(upload.content) > MAX_PHOTO:
+    if upload.size > MAX_PHOTO:
         raise ApiError(413, "Request Entity Too Large")
     size = files.image_size(upload.content)
     if size is None:
@@ -91,9 +91,9 @@ def _upload(world: World, call: Call, field: str, kind: str) -> Upload | StoredF
         if held is None or held.kind != kind:
             raise bad_request("wrong file identifier/HTTP URL specified")
         return held
-    if len(given.content) > world.settings.max_upload_bytes:
+    if given.size > world.settings.max_upload_bytes:
         raise ApiError(413, "Request Entity Too Large")
-    if not given.content:
+    if not given.size:
         raise bad_request("file must be non-empty")
     return given
 
@@ -132,7 +132,8 @@ def get_file(world: World, call: Call) -> JsonObject:
     held = world.state.files.get(call.args.text("file_id"))
     if held is None:
         raise bad_request("invalid file_id")
-    if len(held.content) > world.settings.max_download_bytes:
+    size = held.show["file_size"] if held.left else len(held.content)
+    if size > world.settings.max_download_bytes:
         raise bad_request("file is too big")
     held.link_until_s = world.clock.now_s() + world.settings.link_lifetime_s
     folder = world.settings.local_folder

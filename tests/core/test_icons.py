@@ -1,0 +1,24 @@
+"""A sign before a skill's name on its button: one, and none that means stop."""
+
+from __future__ import annotations
+
+import pytest
+
+from rosic.core import words
+from rosic.core.skill import Skill
+
+
+@pytest.mark.parametrize("icon", ["🦾", "⚙️", "👋🏽", "🧑‍🔧", "🏠"])
+def test_one_sign_stands_before_the_name(icon: str) -> None:
+    skill = Skill(id="wave_hand", icon=icon)
+    assert words.button_label(skill) == f"{icon} Wave hand"
+    assert words.label(skill) == "Wave hand", "where it is no button it is a name"
+
+
+@pytest.mark.parametrize(
+    "icon",
+    ["x", "1", " ", "🦾🦾", "🦾 ", "\u202e", "🦾\u202e", "\u200d🦾", "🛑", "✋🏽", "<", "🦾" * 9],
+)
+def test_anything_else_is_none(icon: str) -> None:
+    with pytest.raises(ValueError, match="icon must be one sign"):
+        Skill(id="wave", icon=icon)
