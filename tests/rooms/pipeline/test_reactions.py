@@ -106,9 +106,9 @@ async def test_who_may_only_look_is_told_once_why_it_does_not_count() -> None:
     async with alarmed() as here:
         chat, message = Chat("memory", VI), "m-vi"
         alerting = here.gateway.alarms.alerting
-        [occurrence] = {alerting.placed.of(here.chat, Chat("memory", BO), alarm_of(here, BO))}
-        assert occurrence is not None
-        alerting.placed.note(occurrence, here.chat, chat, message)
+        told = alerting.telling.placed.of(here.chat, Chat("memory", BO), alarm_of(here, BO))
+        assert told
+        alerting.telling.placed.note(told, here.chat, chat, message)
         assert "Only who may operate omni" in (await react(here, VI, message, *THUMB))[VI]
         assert await react(here, VI, message, "👌") == {}
         assert "seen by" not in await say(here, ADA, "/alerts")

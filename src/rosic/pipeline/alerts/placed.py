@@ -1,4 +1,4 @@
-"""Which messages tell of which alarm: whoever reacts to one means that occurrence."""
+"""Which messages tell of which alarms: whoever reacts to one means those occurrences."""
 
 from __future__ import annotations
 
@@ -23,17 +23,19 @@ class Placed:
     """Bounded, in memory: what an earlier run said is told again if nobody has seen it."""
 
     def __init__(self) -> None:
-        self._known: OrderedDict[tuple[str, str, str], Occurrence] = OrderedDict()
+        self._known: OrderedDict[tuple[str, str, str], tuple[Occurrence, ...]] = OrderedDict()
 
-    def note(self, occurrence: Occurrence, messenger: Messenger, chat: Chat, message: str) -> None:
-        """A message tells of an alarm."""
-        self._known[messenger.name, chat.id, message] = occurrence
+    def note(
+        self, told: tuple[Occurrence, ...], messenger: Messenger, chat: Chat, message: str
+    ) -> None:
+        """A message tells of one alarm, or of many."""
+        self._known[messenger.name, chat.id, message] = told
         if len(self._known) > REMEMBERED:
             self._known.popitem(last=False)
 
-    def of(self, messenger: Messenger, chat: Chat, message: str) -> Occurrence | None:
-        """Return of which alarm a message tells."""
-        return self._known.get((messenger.name, chat.id, message))
+    def of(self, messenger: Messenger, chat: Chat, message: str) -> tuple[Occurrence, ...]:
+        """Return of which alarms a message tells."""
+        return self._known.get((messenger.name, chat.id, message), ())
 
     def answered(self, messenger: Messenger, chat: Chat, message: str) -> None:
         """What is put beside this message from now on says nothing new."""
