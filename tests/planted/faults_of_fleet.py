@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 HISTORIES = "tests/core/fleet/test_histories.py::test_whatever_fails_no_promise_is_broken"
+TIMES = "tests/rooms/pipeline/test_mission_times.py"
 REACTING = "core/fleet/reacting.py"
 ASSIGNING = "tests/rooms/organiser/test_assigning.py"
 
@@ -192,5 +193,40 @@ OF_TASKS = (
         guard="        while self.behind():  #",
         without="        while False:  #",
         caught_by=(f"{EDGES}::test_no_task_begins_before_what_was_sent_meanwhile_has_come",),
+    ),
+    Fault(
+        name="a deadline of a mission is forgotten over a restart",
+        file="core/fleet/state.py",
+        guard="        if (task.due.lasts_ns or task.due.at_ns) and not task.over:\n",
+        without="        if task.due.lasts_ns and not task.over:\n",
+        caught_by=(
+            f"{TIMES}::test_a_deadline_goes_on_over_a_restart_also_while_nothing_runs",
+            f"{TIMES}::test_a_mission_that_is_late_is_said_once_and_the_rest_is_cancelled",
+        ),
+    ),
+    Fault(
+        name="a mission that is late is said again and again",
+        file="core/fleet/reacting.py",
+        guard="    if task.over or known:\n",
+        without="    if task.over:\n",
+        caught_by=(
+            f"{TIMES}::test_what_is_late_as_a_whole_is_said_once_and_goes_on_if_nothing_else_is_written",
+        ),
+    ),
+    Fault(
+        name="a part is late before it could begin",
+        file="pipeline/fleet/deadlines.py",
+        guard="if not task.due.lasts_ns or not fleet.ready(task):",
+        without="if not task.due.lasts_ns:",
+        caught_by=(
+            f"{TIMES}::test_a_part_is_late_from_when_it_could_begin_and_what_is_written_happens",
+        ),
+    ),
+    Fault(
+        name="a value of a mission is out of its bounds",
+        file="core/fleet/filling.py",
+        guard="not quantity.min - edge <= value <= quantity.max + edge:",
+        without="value != value:",
+        caught_by=(f"{TIMES}::test_a_value_that_is_missing_wrong_or_unknown_begins_nothing",),
     ),
 )
