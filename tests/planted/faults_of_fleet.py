@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 HISTORIES = "tests/core/fleet/test_histories.py::test_whatever_fails_no_promise_is_broken"
+FOLLOW = "tests/robots/machines/test_follow.py"
 TIMES = "tests/rooms/pipeline/test_mission_times.py"
 REACTING = "core/fleet/reacting.py"
 ASSIGNING = "tests/rooms/organiser/test_assigning.py"
@@ -228,5 +229,33 @@ OF_TASKS = (
         guard="not quantity.min - edge <= value <= quantity.max + edge:",
         without="value != value:",
         caught_by=(f"{TIMES}::test_a_value_that_is_missing_wrong_or_unknown_begins_nothing",),
+    ),
+    Fault(
+        name="a drone that follows does not keep up with whom it follows",
+        file="robots/simulated/machines/following.py",
+        guard="                flight.goal_velocity = self._velocity()\n",
+        without="",
+        caught_by=(f"{FOLLOW}::test_it_keeps_its_distance_and_bearing_while_the_leader_moves",),
+    ),
+    Fault(
+        name="a stop of the leader is taken for the end of its order",
+        file="robots/simulated/machines/following.py",
+        guard="if seen is None or seen.landing or not seen.flying:\n            return said(",
+        without="if seen is None:\n            return said(",
+        caught_by=(f"{FOLLOW}::test_a_stop_of_the_leader_ends_it_and_the_follower_hovers",),
+    ),
+    Fault(
+        name="drones follow each other in a circle",
+        file="robots/simulated/machines/following.py",
+        guard="        if seen.leader == robot:\n            return True\n",
+        without="",
+        caught_by=(f"{FOLLOW}::test_one_behind_the_other_is_a_row_and_a_circle_is_none",),
+    ),
+    Fault(
+        name="a drone follows for ever",
+        file="robots/simulated/machines/following.py",
+        guard="return before and seen is not None and not seen.busy",
+        without="return False",
+        caught_by=(f"{FOLLOW}::test_it_keeps_its_distance_and_bearing_while_the_leader_moves",),
     ),
 )
