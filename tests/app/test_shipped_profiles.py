@@ -103,6 +103,9 @@ SAID: list[tuple[str, dict[str, dict[str, Any]]]] = [
      {name: {"shape": "triangle", "spacing": 0.8} for name in ("cf1", "cf2", "cf3")}),
     ("drone 2 go to x=1 y=0 z=1", {"cf2": {"x": 1.0, "y": 0.0, "z": 1.0}}),
     ("cf1 land", {"cf1": {}}),
+    ("cf2 follow cf1", {"cf2": {"leader": "cf1", "distance": 1.2, "bearing": 0.0}}),
+    ("drone 2 keep behind drone 1 150 cm bearing=-45 deg",
+     {"cf2": {"leader": "cf1", "distance": 1.5, "bearing": -pi / 4}}),
     ("rover go to the dock", {"rover": {"place": "dock"}}),
     ("rover goto x=1 y=2 yaw=90", {"rover": {"x": 1.0, "y": 2.0, "yaw": pi / 2}}),
     ("picker go to ready 50 %", {"picker": {"pose": "ready", "speed": 0.5}}),
@@ -128,7 +131,7 @@ def test_what_people_say_is_understood(
 
 def test_an_action_takes_exactly_what_a_profile_sends(fleet: dict[str, Profile]) -> None:
     own = [action for action in actions(fleet) if action.type.startswith("rosic_interfaces/")]
-    assert (len(own), len(actions(fleet))) == (22, 28)
+    assert (len(own), len(actions(fleet))) == (25, 31)
     for action in own:
         name = action.type.rpartition("/")[2]
         goal, result, feedback = (ACTIONS / f"{name}.action").read_text().split("---\n")

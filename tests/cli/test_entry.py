@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import resource
+import signal
 import subprocess
 import sys
 
@@ -79,6 +80,42 @@ def test_its_version() -> None:
     assert rosic("--version").out == f"rosic {package.__version__}\n"
 
 
+UNREAD = 128 + signal.SIGPIPE
+
+
+@pytest.mark.limit(150)
+@pytest.mark.parametrize(
+    ("arguments", "script", "lines"),
+    [
+        (("demo", "--plain"), "", 1),
+        (("demo", "--plain"), "omni move 1 m\nkuka1 grasp\nstatus\n", 9),
+        (("demo", "fleet", "--plain", "--fast"), "", 3),
+        (("--help",), "", 1),
+    ],
+)
+def test_who_reads_the_first_lines_alone_hears_of_nothing_else(
+    arguments: tuple[str, ...], script: str, lines: int
+) -> None:
+    with subprocess.Popen(  # noqa: S603 - our own command
+        [*ROSIC, *arguments],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env=environment(),
+    ) as process:  # fmt: skip
+        assert process.stdin is not None
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdin.write(script)
+        process.stdin.close()
+        for _ in range(lines):
+            assert process.stdout.readline()
+        process.stdout.close()
+        said = process.stderr.read()
+        status = process.wait(120)
+
+    assert said == ""
+    assert status in ({UNREAD} if arguments[0] == "demo" else {UNREAD, 0})
+
+
 def test_a_reader_who_goes_away_causes_no_trace() -> None:
     reading, writing = os.pipe()
     os.close(reading)
@@ -88,4 +125,5 @@ def test_a_reader_who_goes_away_causes_no_trace() -> None:
             timeout=120, env=environment(),
         )  # fmt: skip
 
-    assert "Traceback" not in done.stderr
+    assert done.stderr == ""
+    assert done.returncode == UNREAD

@@ -6,6 +6,8 @@ from tests.planted.faults import Fault
 
 WATCH = "tests/core/test_alert.py"
 ALERTS = "tests/rooms/pipeline/test_alerts.py"
+STORM = "tests/rooms/pipeline/test_alert_storm.py"
+REACTIONS = "tests/rooms/pipeline/test_reactions.py"
 RUNS = "tests/rooms/pipeline/test_alert_runs.py"
 
 OF_ALERTS = (
@@ -78,5 +80,44 @@ OF_ALERTS = (
         guard="lambda name: named.get(name.casefold())",
         without=("lambda name: next((p.id for p in rooms.authoriser.directory.named(name)), None)"),
         caught_by=(f"{RUNS}::test_a_name_means_the_person_of_the_configuration_alone",),
+    ),
+    Fault(
+        name="a thousand alarms are a thousand messages",
+        file="pipeline/alerts/gathering.py",
+        guard="        if window.left > 0:\n            window.left -= 1\n",
+        without="        if window.left > 0:\n",
+        caught_by=(
+            f"{STORM}::test_a_thousand_alarms_are_a_few_messages_and_one_tap_has_seen_them",
+        ),
+    ),
+    Fault(
+        name="a storm that goes on is told one by one again",
+        file="pipeline/alerts/gathering.py",
+        guard="                self._windows[who] = _Window(now_ns + WINDOW_NS, 0)\n",
+        without="",
+        caught_by=(f"{STORM}::test_a_storm_that_goes_on_is_one_message_a_window",),
+    ),
+    Fault(
+        name="what is gathered at the end is lost",
+        file="pipeline/alerts/alerting.py",
+        guard="        self.telling.close()\n",
+        without="",
+        caught_by=(f"{STORM}::test_what_is_gathered_when_it_ends_is_told_then",),
+    ),
+    Fault(
+        name="an old tap has seen a later alarm",
+        file="pipeline/alerts/alerting.py",
+        guard="alarm is not None and alarm.at_ns == at_ns:",
+        without="alarm is not None:",
+        caught_by=(
+            f"{STORM}::test_what_is_over_is_gathered_too_and_a_later_alarm_is_not_seen_by_an_old_tap",
+        ),
+    ),
+    Fault(
+        name="whoever only looks has seen alarms of many for all",
+        file="pipeline/alerts/reacting.py",
+        guard="[f for f in meant if circles.may_acknowledge(who, f.rule.robot)]",
+        without="meant",
+        caught_by=(f"{REACTIONS}::test_who_may_only_look_is_told_once_why_it_does_not_count",),
     ),
 )

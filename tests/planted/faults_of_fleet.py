@@ -5,6 +5,8 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 HISTORIES = "tests/core/fleet/test_histories.py::test_whatever_fails_no_promise_is_broken"
+FOLLOW = "tests/robots/machines/test_follow.py"
+TIMES = "tests/rooms/pipeline/test_mission_times.py"
 REACTING = "core/fleet/reacting.py"
 ASSIGNING = "tests/rooms/organiser/test_assigning.py"
 
@@ -192,5 +194,68 @@ OF_TASKS = (
         guard="        while self.behind():  #",
         without="        while False:  #",
         caught_by=(f"{EDGES}::test_no_task_begins_before_what_was_sent_meanwhile_has_come",),
+    ),
+    Fault(
+        name="a deadline of a mission is forgotten over a restart",
+        file="core/fleet/state.py",
+        guard="        if (task.due.lasts_ns or task.due.at_ns) and not task.over:\n",
+        without="        if task.due.lasts_ns and not task.over:\n",
+        caught_by=(
+            f"{TIMES}::test_a_deadline_goes_on_over_a_restart_also_while_nothing_runs",
+            f"{TIMES}::test_a_mission_that_is_late_is_said_once_and_the_rest_is_cancelled",
+        ),
+    ),
+    Fault(
+        name="a mission that is late is said again and again",
+        file="core/fleet/reacting.py",
+        guard="    if task.over or known:\n",
+        without="    if task.over:\n",
+        caught_by=(
+            f"{TIMES}::test_what_is_late_as_a_whole_is_said_once_and_goes_on_if_nothing_else_is_written",
+        ),
+    ),
+    Fault(
+        name="a part is late before it could begin",
+        file="pipeline/fleet/deadlines.py",
+        guard="if not task.due.lasts_ns or not fleet.ready(task):",
+        without="if not task.due.lasts_ns:",
+        caught_by=(
+            f"{TIMES}::test_a_part_is_late_from_when_it_could_begin_and_what_is_written_happens",
+        ),
+    ),
+    Fault(
+        name="a value of a mission is out of its bounds",
+        file="core/fleet/filling.py",
+        guard="not quantity.min - edge <= value <= quantity.max + edge:",
+        without="value != value:",
+        caught_by=(f"{TIMES}::test_a_value_that_is_missing_wrong_or_unknown_begins_nothing",),
+    ),
+    Fault(
+        name="a drone that follows does not keep up with whom it follows",
+        file="robots/simulated/machines/following.py",
+        guard="                flight.goal_velocity = self._velocity()\n",
+        without="",
+        caught_by=(f"{FOLLOW}::test_it_keeps_its_distance_and_bearing_while_the_leader_moves",),
+    ),
+    Fault(
+        name="a stop of the leader is taken for the end of its order",
+        file="robots/simulated/machines/following.py",
+        guard="if seen is None or seen.landing or not seen.flying:\n            return said(",
+        without="if seen is None:\n            return said(",
+        caught_by=(f"{FOLLOW}::test_a_stop_of_the_leader_ends_it_and_the_follower_hovers",),
+    ),
+    Fault(
+        name="drones follow each other in a circle",
+        file="robots/simulated/machines/following.py",
+        guard="        if seen.leader == robot:\n            return True\n",
+        without="",
+        caught_by=(f"{FOLLOW}::test_one_behind_the_other_is_a_row_and_a_circle_is_none",),
+    ),
+    Fault(
+        name="a drone follows for ever",
+        file="robots/simulated/machines/following.py",
+        guard="return before and seen is not None and not seen.busy",
+        without="return False",
+        caught_by=(f"{FOLLOW}::test_it_keeps_its_distance_and_bearing_while_the_leader_moves",),
     ),
 )

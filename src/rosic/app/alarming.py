@@ -72,7 +72,7 @@ class Alarms:
             if following.alarm is not None
         }
         told = memory.facts.get(TOLD, ())
-        self.alerting.write(self.alerting.placed.restore(told, open_now))
+        self.alerting.write(self.alerting.telling.placed.restore(told, open_now))
         AlarmClerk(self.alerting, rooms, changes).employ(pipeline.reception.office)
 
     async def run(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import signal
 import sys
 from typing import TYPE_CHECKING
@@ -63,6 +64,10 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
 
     if script:
         messenger.pace = wait_for_line
+    # Whoever closes the pipe knows that nothing reaches them any more.
+    telling = logging.getLogger("rosic.telling")
+    unread = lambda _record: not messenger.gone  # noqa: E731 - removed by its identity
+    telling.addFilter(unread)
     try:
         took_s = (clock.monotonic_ns() - begun_ns) / 1e9
         messenger.show(GREETING.format(took_s=took_s, fleet=", ".join(FLEET)))
@@ -70,6 +75,7 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
         _say_farewell(gateway, messenger, script=script)
     finally:
         await close_in_time(gateway, CLOSE_WITHIN_S)
+        telling.removeFilter(unread)
     return 1 if late else 0
 
 

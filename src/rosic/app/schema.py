@@ -1,4 +1,4 @@
-"""The published JSON Schemas of a profile, of the configuration, and of what robots say.
+"""The published JSON Schemas of profiles, missions, the configuration, and what robots say.
 
 ``python -m rosic.app.schema FOLDER`` writes them. Editors check and complete with them while a file
 is written; ROSIC itself checks more, and says it better.
@@ -18,8 +18,10 @@ import msgspec
 from rosic.app.config_file import BOUNDS as CONFIG_BOUNDS
 from rosic.app.config_file import FORMS as CONFIG_FORMS
 from rosic.app.config_file import ConfigFile
+from rosic.app.missions import MISSION_BOUNDS, MISSION_FORMS
 from rosic.app.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.core.among import Utterance
+from rosic.core.fleet.mission import Mission
 from rosic.core.robot import Profile
 
 if TYPE_CHECKING:
@@ -53,7 +55,7 @@ MESSENGER = {
 }
 
 # Fields whose name in the file is a word of Python's.
-_RENAMED = {"kind": "class", "lasting": "for", "author": "as"}
+_RENAMED = {"kind": "class", "lasting": "for", "author": "as", "values": "with"}
 
 _ENTRY = re.compile(r"^    (?P<names>\w+(?:, \w+)*): (?P<text>.+(?:\n {5,}.+)*)", re.MULTILINE)
 
@@ -69,6 +71,11 @@ def config_schema() -> dict[str, Any]:
     schema["properties"]["messenger"]["items"] = MESSENGER
     schema["$defs"]["Reference"] = REFERENCE
     return schema
+
+
+def mission_schema() -> dict[str, Any]:
+    """Return the schema of a mission."""
+    return _schema(Mission, "A mission for ROSIC")
 
 
 def among_schema() -> dict[str, Any]:
@@ -92,10 +99,10 @@ def _schema(top: type, title: str) -> dict[str, Any]:
 
 
 def _refine(name: str, part: dict[str, Any]) -> None:
-    for (owner, field), bounds in {**BOUNDS, **CONFIG_BOUNDS}.items():
+    for (owner, field), bounds in {**BOUNDS, **CONFIG_BOUNDS, **MISSION_BOUNDS}.items():
         if owner.__name__ == name:
             _bound(part["properties"][_key(owner, field)], bounds)
-    for (owner, field), form in {**FORMS, **CONFIG_FORMS}.items():
+    for (owner, field), form in {**FORMS, **CONFIG_FORMS, **MISSION_FORMS}.items():
         if owner.__name__ == name:
             _shape(part["properties"][_key(owner, field)], form)
     for owner, field in HIDDEN:
@@ -168,6 +175,7 @@ def published() -> dict[str, str]:
     """Return every schema by the name of its file."""
     return {
         "among.schema.json": render(among_schema()),
+        "mission.schema.json": render(mission_schema()),
         "robot.schema.json": render(robot_schema()),
         "rosic.schema.json": render(config_schema()),
     }

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 FAILED = 1
 WRONG = 2
 INTERRUPTED = 130
+UNREAD = 141
+"""What a shell says of whatever died of a closed pipe: 128 + SIGPIPE."""
 
 
 class Command(NamedTuple):
@@ -81,14 +83,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ConfigurationError as wrong:
         return _complain(str(wrong), WRONG)
     except RosicError as fault:
+        if isinstance(fault.__cause__, BrokenPipeError):
+            return _unread()
         return _complain(str(fault), FAILED)
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        # Whoever read our output has gone (``rosic status | head``): nothing more can be said.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FAILED
+        return _unread()
     return status
+
+
+def _unread() -> int:
+    """Say nothing more: whoever read our output has gone (``rosic status | head``)."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return UNREAD
 
 
 def _run(words: list[str]) -> int:

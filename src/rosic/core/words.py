@@ -56,6 +56,14 @@ def help_for(profile: Profile) -> str:
     return joined("\n", lines)
 
 
+def headed(shown: str, text: str) -> str:
+    """Return a text with a robot's name before it, once: a sentence may begin with it already."""
+    rest = text[len(shown) :]
+    if text.startswith(shown) and not rest[:1].isalnum():
+        return text
+    return joined(": ", (shown, text))
+
+
 def spoken(skill: Skill) -> str:
     """Return a skill's name as people type it."""
     return skill.id.replace("_", " ")

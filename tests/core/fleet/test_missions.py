@@ -5,15 +5,19 @@ from __future__ import annotations
 import pytest
 
 from rosic.core.fleet.mission import DEEPEST, TASKS_AT_MOST, Mission, Part, Wrong, lay_out
+from rosic.core.language.units import UnitTable
 
 
 def task(name: str) -> Part:
     return Part(on="w1", steps=(name,))
 
 
+NO_UNITS = UnitTable({}, {})
+
+
 def laid(mission: Mission, *others: Mission) -> list[tuple[str, tuple[int, ...]]]:
     known = {one.name: one for one in (mission, *others)}
-    return [(leaf.part.steps[0], leaf.after) for leaf in lay_out(mission, known)]
+    return [(leaf.part.steps[0], leaf.after) for leaf in lay_out(mission, known, NO_UNITS)]
 
 
 def test_parts_follow_each_other_and_what_is_side_by_side_is_waited_for() -> None:

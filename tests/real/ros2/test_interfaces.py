@@ -18,6 +18,7 @@ from rosic.robots.ros2.runtime import RosRuntime
 
 GRIPPER = "control_msgs/action/GripperCommand"
 ACTIONS = {
+    "Follow": {"leader": "string", "distance_m": "double", "bearing_rad": "double"},
     "Formation": {"shape": "string", "spacing_m": "double"},
     "GoTo": dict.fromkeys(("x_m", "y_m", "z_m", "yaw_rad", "speed_m_s"), "double"),
     "Grasp": {"force_n": "double"},
@@ -52,7 +53,9 @@ def test_a_member_of_a_swarm_says_where_it_is() -> None:
     cls = TypeRegistry(["rosic_interfaces/msg/SwarmState"]).message(
         "rosic_interfaces/msg/SwarmState"
     )
-    assert set(slots(cls)) == {"id", "pose", "velocity", "flying", "goal", "stamp"}
+    assert set(slots(cls)) == {
+        "id", "pose", "velocity", "flying", "busy", "landing", "leader", "goal", "stamp",
+    }  # fmt: skip
     values = {"id": "cf1", "velocity.linear.x": 0.5, "flying": True, "stamp.sec": 5}
     assert to_message(cls, values).velocity.linear.x == 0.5
 

@@ -265,7 +265,7 @@ async def test_a_joint_does_not_go_further_than_the_profile_lets_it(
 
     assert outcome.ending is Ending.REFUSED
     assert outcome.note == (
-        "Picker: shoulder_lift_joint goes from -3.14 to 0.00 rad only. Nothing was done."
+        "shoulder_lift_joint goes from -3.14 to 0.00 rad only. Nothing was done."
     )
     assert others.actuations("picker") == before
 

@@ -221,7 +221,7 @@ async def test_a_refusal_carries_the_robots_reason(omni: Simulated, clock: Syste
         running = await moving(robot)
         outcome = await robot.do("turn", {"direction": "left", "angle": 1.0})
         assert outcome.ending is Ending.REFUSED
-        assert outcome.note == "omni: busy with move. Nothing was done."
+        assert outcome.note == "busy with move. Nothing was done."
         await robot.stop(Stop("omni", 1))
         await running
     assert len(omni.actuations("omni")) == begun + 1

@@ -197,9 +197,7 @@ async def test_an_empty_battery_is_a_reason(
         outcome = await drone.do("takeoff", {"height": 1.0})
     await set_fault(onlooker, "cf3", "battery", 1.0)
     assert outcome.ending is Ending.REFUSED
-    assert outcome.note in {
-        f"Crazyflie 3: battery {p} %: too low. Nothing was done." for p in (17, 18)
-    }
+    assert outcome.note in {f"battery {p} %: too low. Nothing was done." for p in (17, 18)}
     assert len(robots.actuations("cf3")) == before
 
 

@@ -40,6 +40,12 @@ class Room:
         self.places: dict[str, tuple[float, float, float]] = {}
         self.nearest_m = float("inf")
         self.took_off_s: dict[str, float] = {}
+        self.watched: tuple[str, str, float] | None = None
+        self.gaps: list[float] = []
+
+    def gap(self, one: str, other: str) -> float:
+        here, there = self.places[one], self.places[other]
+        return hypot(here[0] - there[0], here[1] - there[1])
 
     def see(self, name: str, odometry: Latest) -> None:
         message = odometry.message()
@@ -49,6 +55,10 @@ class Room:
         if place.z > 0.003 and name not in self.took_off_s:
             stamp = message.header.stamp
             self.took_off_s[name] = stamp.sec + stamp.nanosec / 1e9
+        if self.watched is not None and name == self.watched[1]:
+            leader, follower, from_x_m = self.watched
+            if self.places[leader][0] > from_x_m:
+                self.gaps.append(self.gap(leader, follower))
         for one, other in combinations(self.places.values(), 2):
             self.nearest_m = min(self.nearest_m, hypot(one[0] - other[0], one[1] - other[1]))
 
@@ -142,4 +152,33 @@ async def test_a_drone_that_goes_silent_makes_the_others_land_too(
             assert [o.ending for o in outcomes] == [Ending.DONE] * 3, outcomes
             await set_fault(saboteur, "cf3", "link", value=False)
             await until(lambda: room.on_the_ground("cf1", "cf2"))
+            assert room.nearest_m >= APART_M
+
+
+@pytest.mark.limit(240)
+async def test_one_drone_keeps_behind_another_and_ends_with_it(
+    graph: RosGraph, tmp_path: Path, room: Room
+) -> None:
+    """Each in a process of its own: it follows what the other says over the topic."""
+    clock = SystemClock()
+    with simulated(graph, tmp_path, "cf1"), simulated(graph, tmp_path, "cf2"):
+        async with opened(shipped("cf1"), clock) as cf1, opened(shipped("cf2"), clock) as cf2:
+            await until(lambda: {"cf1", "cf2"} <= set(room.places))
+            outcomes = await together([cf1, cf2], "takeoff", {"height": 1.0})
+            assert [o.ending for o in outcomes] == [Ending.DONE] * 2, outcomes
+            start = await cf1.do("goto", {"x": -1.5, "y": 1.5, "z": 1.0})
+            assert start.ending is Ending.DONE
+            follow: dict[str, Argument] = {"leader": "cf1", "distance": 1.2, "bearing": 0.0}
+            following = asyncio.create_task(cf2.do("follow", follow))
+            await until(lambda: abs(room.gap("cf1", "cf2") - 1.2) < 0.05)
+            room.watched = ("cf1", "cf2", 1.0)
+            there = await cf1.do("goto", {"x": 2.8, "y": 1.5, "z": 1.0})
+            assert there.ending is Ending.DONE
+            outcome = await following
+            assert outcome.ending is Ending.DONE, outcome
+            # The last centimetres depend on how late this machine lets them hear each other.
+            assert outcome.note.startswith("followed cf1, 1."), outcome
+            assert len(room.gaps) > 5, "seen while both flew"
+            assert max(abs(gap - 1.2) for gap in room.gaps) < 0.4, room.gaps
+            assert room.gap("cf1", "cf2") == pytest.approx(1.2, abs=0.05)
             assert room.nearest_m >= APART_M

@@ -173,6 +173,10 @@ def order(drone: Crazyflie, chance: random.Random, now_s: float) -> bool:
         elif kind < 0.4:
             shape = SHAPES[int(now_s) % 3]
             drone.begin("formation", {"shape": shape, "spacing_m": 0.6}, now_s)
+        elif kind < 0.55:
+            leader = chance.choice([name for name in SWARM_PLACES if name != drone.id])
+            bearing_rad = chance.uniform(-1.5, 1.5)
+            drone.begin("follow", {"leader": leader, "bearing_rad": bearing_rad}, now_s)
         else:
             place = {"x_m": chance.uniform(-1.2, 1.2), "y_m": chance.uniform(-1.2, 1.2)}
             drone.begin("goto", place, now_s, start_s=now_s + chance.choice((0.0, 0.3)))

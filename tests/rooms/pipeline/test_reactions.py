@@ -120,9 +120,9 @@ async def test_who_may_only_look_is_told_once_why_it_does_not_count() -> None:
     async with alarmed() as here:
         chat, message = Chat("memory", VI), "m-vi"
         alerting = here.gateway.alarms.alerting
-        [occurrence] = {alerting.placed.of(here.chat, Chat("memory", BO), alarm_of(here, BO))}
-        assert occurrence is not None
-        alerting.placed.note(occurrence, here.chat, chat, message)
+        told = alerting.telling.placed.of(here.chat, Chat("memory", BO), alarm_of(here, BO))
+        assert told
+        alerting.telling.placed.note(told, here.chat, chat, message)
         assert "Only who may operate omni" in (await react(here, VI, message, *THUMB))[VI]
         assert await react(here, VI, message, "👌") == {}
         assert "seen by" not in await say(here, ADA, "/alerts")
@@ -195,14 +195,16 @@ def test_of_what_was_said_the_newest_are_kept_and_none_whose_alarm_is_over() -> 
     messenger = MemoryMessenger("memory", clock=ManualClock())
 
     def told(number: int, placed: Placed) -> tuple[Fact, ...]:
-        return placed.note(Occurrence("omni/low", 7), messenger, Chat("memory", str(number)), "m")
+        return placed.note(
+            (Occurrence("omni/low", 7),), messenger, Chat("memory", str(number)), "m"
+        )
 
     placed, disk = Placed(remembered=3), dict[str, "Fact"]()
     for number in range(10):
         disk.update({fact.key: fact for fact in told(number, placed)})
     assert len([fact for fact in disk.values() if fact.body]) == 3
-    assert placed.of(messenger, Chat("memory", "9"), "m") == ("omni/low", 7)
-    assert placed.of(messenger, Chat("memory", "0"), "m") is None
+    assert placed.of(messenger, Chat("memory", "9"), "m") == (("omni/low", 7),)
+    assert placed.of(messenger, Chat("memory", "0"), "m") == ()
     [bad] = told(11, Placed())
     facts = [*disk.values(), replace(bad, key="0" * 32, body=b"\xc1")]
     for at_ns, ended in ((7, 1), (8, 4)):
@@ -211,3 +213,18 @@ def test_of_what_was_said_the_newest_are_kept_and_none_whose_alarm_is_over() -> 
         assert len(gone) == ended
         assert not any(fact.body for fact in gone)
     assert len(Placed(remembered=2).restore(facts, {"omni/low": Alarm(7)})) == 2
+
+
+def test_a_message_of_many_alarms_is_known_until_the_last_of_them_is_over() -> None:
+    messenger, chat = MemoryMessenger("memory", clock=ManualClock()), Chat("memory", "1")
+    low, hot = Occurrence("omni/low", 7), Occurrence("omni/hot", 8)
+    placed = Placed()
+    [kept] = placed.note((low, hot), messenger, chat, "m")
+    assert placed.over("omni/low") == ()
+    assert placed.of(messenger, chat, "m") == (hot,)
+    later = Placed()
+    assert later.restore([kept], {"omni/hot": Alarm(8)}) == ()
+    assert later.of(messenger, chat, "m") == (hot,)
+    [gone] = placed.over("omni/hot")
+    assert (gone.key, gone.body) == (kept.key, b"")
+    assert placed.of(messenger, chat, "m") == ()

@@ -103,6 +103,17 @@ class Expired(msgspec.Struct, frozen=True):
     task: TaskId
 
 
+class Overdue(msgspec.Struct, frozen=True):
+    """A task is not done by when it was to be.
+
+    Attributes:
+        whole: It is the deadline of all of its mission.
+    """
+
+    task: TaskId
+    whole: bool
+
+
 class Stood(msgspec.Struct, frozen=True):
     """Somebody lets a robot take part, or not."""
 
@@ -138,6 +149,7 @@ Event: TypeAlias = (
     | Held
     | Released
     | Expired
+    | Overdue
     | Stood
     | Handed
     | Found

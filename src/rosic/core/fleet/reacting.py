@@ -228,6 +228,19 @@ def _expired(_fleet: FleetState, task: Task, _event: e.Expired, now_ns: int) -> 
     return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
 
 
+def _overdue(fleet: FleetState, task: Task, event: e.Overdue, _now_ns: int) -> e.Step:
+    """Note that it was said: once a task, and once for all of a mission."""
+    due = task.due
+    known = due.said
+    if event.whole:
+        known = due.said_all or any(other.due.said_all for other in fleet.mission(task.mission))
+    if task.over or known:
+        return e.NOTHING
+    noted = replace(due, said_all=True) if event.whole else replace(due, said=True)
+    after = replace(task, due=noted)
+    return e.Step(tasks=(after,), doings=(e.Tell(task, after),))
+
+
 def _handed(_fleet: FleetState, task: Task, event: e.Handed, now_ns: int) -> e.Step:
     if task.over:
         return e.NOTHING
@@ -273,6 +286,7 @@ _OF: dict[type, Callable[..., e.Step]] = {
     e.Held: _held,
     e.Released: _released,
     e.Expired: _expired,
+    e.Overdue: _overdue,
     e.Handed: _handed,
     e.Found: _found,
 }

@@ -32,6 +32,7 @@ class FleetState:
         tasks: Every task that is known, in the order in which they were given.
         holds: Robot to the task that it has.
         waiting: Tasks that wait for a robot or for other tasks.
+        due: Tasks that are not over and are to be done by a time.
         unreadable: Facts that could not be read, by key; they are left out.
     """
 
@@ -39,6 +40,7 @@ class FleetState:
         self.tasks: dict[TaskId, Task] = {}
         self.holds: dict[RobotId, TaskId] = {}
         self.waiting: dict[TaskId, None] = {}
+        self.due: dict[TaskId, None] = {}
         self.unreadable: list[str] = []
         self._standings: dict[RobotId, Standing] = {}
         self._over: dict[TaskId, None] = {}
@@ -120,22 +122,27 @@ class FleetState:
         old = self.tasks.get(key)
         if old is not None and self.holds.get(old.robot) == key:
             del self.holds[old.robot]
-        self.waiting.pop(key, None)
-        self._over.pop(key, None)
+        for shelf in (self.waiting, self._over, self.due):
+            shelf.pop(key, None)
         if key.isdecimal():
             self._newest = max(self._newest, int(key))
         if task is None:
             self._drop(key, old)
             return
         self.tasks[key] = task
-        if task.mission:
-            self._missions.setdefault(task.mission, {})[key] = None
+        self._list(key, task)
         if task.state in HELD:
             self.holds[task.robot] = key
         elif task.state is State.QUEUED:
             self.waiting[key] = None
         elif task.state in OVER:
             self._over[key] = None
+
+    def _list(self, key: TaskId, task: Task) -> None:
+        if task.mission:
+            self._missions.setdefault(task.mission, {})[key] = None
+        if (task.due.lasts_ns or task.due.at_ns) and not task.over:
+            self.due[key] = None
 
     def _drop(self, key: TaskId, old: Task | None) -> None:
         self.tasks.pop(key, None)

@@ -75,6 +75,26 @@ class Need(msgspec.Struct, frozen=True, array_like=True):
     localised: bool = False
 
 
+class Due(msgspec.Struct, frozen=True, array_like=True):
+    """By when a task of a mission is to be done. Zero never passes.
+
+    Attributes:
+        lasts_ns: It may take so long since it could begin.
+        at_ns: Wall clock; all of its mission is to be done then.
+        cancels: If its own passes, the rest of the mission is cancelled.
+        cancels_all: If that of the mission passes, likewise.
+        said: That its own has passed was said.
+        said_all: That the mission's has passed was said, with this task.
+    """
+
+    lasts_ns: int = 0
+    at_ns: int = 0
+    cancels: bool = False
+    cancels_all: bool = False
+    said: bool = False
+    said_all: bool = False
+
+
 class Task(msgspec.Struct, frozen=True, kw_only=True):
     """One task. Ids and numbers only: what was said lies in its letter, in its author's container.
 
@@ -92,6 +112,7 @@ class Task(msgspec.Struct, frozen=True, kw_only=True):
         place: Where it is, in m, for choosing the nearest; None when nothing says so.
         mission: Id of the mission it belongs to; empty for none.
         after: Tasks that have to be done first.
+        due: By when.
         robot: Who has it; empty unless it is assigned or running.
         attempt: Number of the newest attempt; with the task it is the identity of an order.
         asked: Which step the newest attempt is about, counted from 0.
@@ -118,6 +139,7 @@ class Task(msgspec.Struct, frozen=True, kw_only=True):
     place: tuple[float, float] | None = None
     mission: str = ""
     after: tuple[TaskId, ...] = ()
+    due: Due = Due()
     state: State = State.QUEUED
     robot: RobotId = ""
     attempt: int = 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TextIO
 
 from msgspec.structs import replace
@@ -43,6 +44,7 @@ class TerminalMessenger:
 
     Attributes:
         ended: Set when there is nothing more to read. `run` goes on: others may still talk.
+        gone: What is shown reaches nobody any more; `ended` is set then, too.
         pace: Awaited after each line, before the next is read; for scripts.
     """
 
@@ -64,6 +66,7 @@ class TerminalMessenger:
     ) -> None:
         self.name = name
         self.ended = asyncio.Event()
+        self.gone = False
         self.pace: Callable[[], Awaitable[None]] | None = None
         self.account = str(os.getuid()) if account is None else account
         self._clock = clock
@@ -163,10 +166,8 @@ class TerminalMessenger:
     async def answer_tap(self, inbound: Inbound, text: str) -> None:  # noqa: ARG002 - the contract
         """Show the answer, if there is one."""
         if text:
-            try:
+            with suppress(MessengerFault):
                 self.show(text)
-            except MessengerFault:
-                self.ended.set()
 
     def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:  # noqa: ARG002 - the contract
         """Refuse: nobody encloses anything in a line.
@@ -182,10 +183,15 @@ class TerminalMessenger:
         Raises:
             MessengerFault: There is nobody to show it to.
         """
-        if self._screen is not None:
-            self._screen.show(text)
-        else:
-            write(text, colour=self._colour())  # nobody listens yet, so there is no prompt yet
+        try:
+            if self._screen is not None:
+                self._screen.show(text)
+            else:
+                write(text, colour=self._colour())  # nobody listens yet: there is no prompt yet
+        except MessengerFault:
+            self.gone = True
+            self.ended.set()  # nobody reads any more, so nobody is there to type
+            raise
 
     def _next_id(self) -> str:
         self._serial += 1

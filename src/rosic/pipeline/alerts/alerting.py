@@ -4,33 +4,31 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from functools import partial
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
 from rosic.core.alert import Event
-from rosic.core.alert_rule import Severity
-from rosic.core.message import Button
 from rosic.core.record import Decided
 from rosic.errors import Refusal, RosicError
 from rosic.organiser.words_calendar import length
 from rosic.pipeline.alerts import words_alerts as words
+from rosic.pipeline.alerts import words_gathered
 from rosic.pipeline.alerts.book import Alarm
 from rosic.pipeline.alerts.following import Following
-from rosic.pipeline.alerts.placed import Occurrence, Placed
-from rosic.pipeline.reach import Notice
+from rosic.pipeline.alerts.gathering import News, Sort
+from rosic.pipeline.alerts.placed import Occurrence
+from rosic.pipeline.alerts.telling import AlarmTelling
 from rosic.pipeline.rounds import go_round
 from rosic.pipeline.writing import WriteBehind
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Messenger
     from rosic.core.identity import PrincipalId
     from rosic.core.language import Do
-    from rosic.core.message import Chat
+    from rosic.core.message import Button
     from rosic.core.record import Record
     from rosic.core.robot import Presence, RobotId
     from rosic.core.rule import Rule
@@ -43,8 +41,9 @@ if TYPE_CHECKING:
 
 # Robots report some times a second; a rule counts in seconds.
 EVERY_S = 0.5
-BUTTONS_LIVE_S = 86_400.0
 WRITTEN_WITHIN_S = 0.3
+LISTED_AT_MOST = 12
+"""More alarms than this are told by what is wrong, and not each by itself."""
 
 log = logging.getLogger("rosic.alerts")
 
@@ -59,7 +58,7 @@ class Alerting:
         circles: Who is around a robot.
         following: The rules, by robot.
         judged: Adds to what a robot reports how it does against its benchmarks.
-        placed: Which messages tell of which alarm.
+        telling: Says it.
     """
 
     def __init__(
@@ -69,12 +68,12 @@ class Alerting:
         self.book = book
         self.circles = circles
         self.following: dict[RobotId, list[Following]] = {}
-        self.placed = Placed()
+        self.telling = AlarmTelling(rooms, reach, clock, circles, self.write)
+        self._by_key: dict[str, Following] = {}
         self.judged: Callable[[RobotId, Presence], Presence] | None = None
         self._lines: dict[str, Do | None] = {}
         self._running: Running | None = None
         self._rooms = rooms
-        self._reach = reach
         self._clock = clock
         self._behind = WriteBehind(changes)
         self._tasks: set[asyncio.Task[None]] = set()
@@ -94,11 +93,12 @@ class Alerting:
         for rule in rules:
             following = Following(rule)
             self.following.setdefault(rule.robot, []).append(following)
+            self._by_key[rule.key] = following
             alarm = self.book.alarms.get(rule.key)
             if alarm is not None:
                 following.alarm = alarm
                 following.watch.restore(now_ns, acknowledged=bool(alarm.by), level=alarm.level)
-        known = {f.rule.key for row in self.following.values() for f in row}
+        known = self._by_key
         self.write([self.book.cleared(key) for key in self.book.alarms if key not in known])
 
     async def run(self) -> None:
@@ -109,10 +109,12 @@ class Alerting:
         """Write down what is open, within bounds; what is being asked of a robot is given up."""
         for task in self._tasks:
             task.cancel()
+        self.telling.close()
         await self._behind.written(WRITTEN_WITHIN_S)
 
     def look(self, robots: Iterable[RobotId]) -> None:
-        """Look once at these robots, which have rules."""
+        """Look once at these robots, which have rules, and tell what was gathered meanwhile."""
+        self.telling.look()
         for robot in robots:
             try:
                 presence = self._rooms.linker.presence(robot)
@@ -143,7 +145,8 @@ class Alerting:
             alarm = Alarm(wall_ns)
         people = self.circles.of(rule.robot, rule.alert.tell, level)
         text = self._text(rule, now, event, alarm.at_ns)
-        self._alarm(rule, people, text, alarm.at_ns)
+        alarmed = Occurrence(rule.key, alarm.at_ns)
+        self.telling.tell(people, News(Sort.ALARM, rule, text, alarmed))
         if not people:
             log.warning("nobody may be told of the rule %s", rule.key)
         told = tuple(dict.fromkeys((*alarm.told, *people)))
@@ -165,44 +168,37 @@ class Alerting:
     def _cleared(self, following: Following, now: str, *, muted: bool) -> None:
         rule, alarm = following.rule, following.alarm
         following.alarm = None
-        self.write([self.book.cleared(rule.key), *self.placed.over(rule.key)])
+        self.write([self.book.cleared(rule.key), *self.telling.placed.over(rule.key)])
         if alarm is not None and not muted:
-            self.tell(rule, alarm.told, words.cleared(rule, self.shown(rule), now))
+            text = words.cleared(rule, self.shown(rule), now)
+            self._tell(Sort.OVER, rule, alarm.told, text)
+
+    def _tell(
+        self, sort: Sort, rule: Rule, people: Iterable[PrincipalId], text: str, by: str = ""
+    ) -> None:
+        self.telling.tell(people, News(sort, rule, text, by=by))
 
     def tell(self, rule: Rule, people: Iterable[PrincipalId], text: str) -> None:
-        """Tell those of them who may see the robot now."""
-        self._reach.tell(self._hearing(rule, people), text, urgent=_is_urgent(rule))
-
-    def _alarm(self, rule: Rule, people: Iterable[PrincipalId], text: str, at_ns: int) -> None:
-        """Tell them of an alarm, and remember which messages say so: a reaction answers them."""
-        hearing = self._hearing(rule, people)
-        status = Button(words.STATUS, f"/status {rule.robot}")
-        for acts in (True, False):
-            some = [w for w in hearing if self.circles.may_acknowledge(w, rule.robot) is acts]
-            notice = Notice(
-                text=text,
-                buttons=((*self.buttons(rule), status) if acts else (status,),),
-                urgent=_is_urgent(rule),
-                lifetime_s=BUTTONS_LIVE_S,
-                still=True,
-                landed=partial(self._landed, Occurrence(rule.key, at_ns)),
-            )
-            self._reach.give(some, notice)
-
-    def _landed(self, of: Occurrence, messenger: Messenger, chat: Chat, message: str) -> None:
-        self.write(self.placed.note(of, messenger, chat, message))
-
-    def _hearing(self, rule: Rule, people: Iterable[PrincipalId]) -> list[PrincipalId]:
-        return [who for who in people if self.circles.may_hear(who, rule.robot)]
+        """Tell those of them who may see the robot now what came of an alarm."""
+        self._tell(Sort.NOTE, rule, people, text)
 
     def buttons(self, rule: Rule) -> tuple[Button, ...]:
         """Return what whoever may operate the robot taps."""
-        target = f"{rule.robot} {rule.alert.name}"
-        return (Button(words.SEEN, f"/seen {target}"), Button(words.MUTE, f"/mute {target} 1h"))
+        return self.telling.buttons(rule)
 
     def shown(self, rule: Rule) -> str:
         """Return how people read the robot of a rule."""
-        return self._rooms.profiles[rule.robot].shown
+        return self.telling.shown(rule)
+
+    def meant(self, occurrences: Iterable[Occurrence]) -> list[Following]:
+        """Return those alarms of a message that are not over; a later one is another."""
+        found = []
+        for key, at_ns in occurrences:
+            following = self._by_key.get(key)
+            alarm = None if following is None else following.alarm
+            if following is not None and alarm is not None and alarm.at_ns == at_ns:
+                found.append(following)
+        return found
 
     # ---- seen ----
 
@@ -216,8 +212,15 @@ class Alerting:
         decided = Decided(act="alarm-seen", by=by, about=rule.key, at_ns=self._clock.wall_ns())
         self.write([decided, self.book.raised(rule.key, following.alarm)])
         others = [who for who in alarm.told if who != by]
-        self.tell(rule, others, words.seen_by(rule, self.shown(rule), name))
+        self._tell(Sort.SEEN, rule, others, words.seen_by(rule, self.shown(rule), name), name)
         return True
+
+    def noted(self, fresh: Sequence[Following]) -> str:
+        """Return what somebody reads who has seen these; at least one."""
+        rules = [following.rule for following in fresh]
+        if len(rules) > LISTED_AT_MOST:
+            return words_gathered.you_saw(rules, self.shown)
+        return words.you_saw([words.one(rule, self.shown(rule), "", "") for rule in rules])
 
     def seen_before(self, following: Following) -> str:
         """Return that somebody else was faster, who has seen it."""
@@ -251,7 +254,3 @@ class Alerting:
         else:
             if self._lines[rule.key] is None:
                 self.tell(rule, alarm.told, words.acted(rule, self.shown(rule)))
-
-
-def _is_urgent(rule: Rule) -> bool:
-    return rule.alert.severity is Severity.CRITICAL

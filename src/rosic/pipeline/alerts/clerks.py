@@ -5,19 +5,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.language import clean
+from rosic.core.message import Button
 from rosic.core.record import Decided
 from rosic.core.saying import joined
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.pipeline.alerts import words_alerts as words
+from rosic.pipeline.alerts import words_gathered
+from rosic.pipeline.alerts.alerting import LISTED_AT_MOST
 from rosic.pipeline.alerts.book import Mute
+from rosic.pipeline.alerts.telling import MANY
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.people.invitation_line import length_said
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Container, Iterable, Iterator, Sequence
 
     from rosic.core.identity import PrincipalId
-    from rosic.core.message import Button
     from rosic.core.robot import RobotId
     from rosic.pipeline.alerts.alerting import Alerting
     from rosic.pipeline.alerts.following import Following
@@ -28,7 +31,7 @@ if TYPE_CHECKING:
 USUAL_S = 3_600.0
 SHORTEST_S = 60.0
 LONGEST_S = 30 * 86_400.0
-SHOWN_AT_MOST = 12
+ALL = "all"
 LONGEST_LINE = 200
 
 
@@ -62,19 +65,45 @@ class AlarmClerk:
             NotUnderstood: No such robot.
         """
         who = asked.caller.principal
-        lines: list[str] = []
-        rows: list[tuple[Button, ...]] = []
-        rules = self._target(who, asked.rest).rules if asked.rest.strip() else self._all(who)
+        every = asked.rest.strip().casefold() == ALL and ALL not in self._visible(who)
+        named = asked.rest.strip() and not every
+        rules = self._target(who, asked.rest).rules if named else list(self._all(who))
+        opened = [following for following in rules if following.watch.announced]
+        muted = list(self._muted(who, rules))
+        if len(opened) > LISTED_AT_MOST:
+            return self._many(who, opened, muted, every=every)
+        lines = [self._line(following) for following in opened]
+        rows = tuple(
+            self._alerting.buttons(following.rule)
+            for following in opened
+            if following.unseen and self._answers(who, following.rule.robot)
+        )
+        return (
+            Reply(joined("\n", lines + muted), rows) if lines + muted else Reply(words.none_open())
+        )
+
+    def _many(
+        self, who: PrincipalId, opened: Sequence[Following], muted: Sequence[str], *, every: bool
+    ) -> Reply:
+        """Return many alarms by what is wrong, the worst first; each robot named if all is asked.
+
+        What is muted is said where all is asked.
+        """
+        rules, shown = [following.rule for following in opened], self._alerting.shown
+        if every:
+            lines = words_gathered.lines(rules, shown, named=len(rules), most=len(rules))
+            return Reply(joined("\n", [*lines, *muted]))
+        unseen = any(f.unseen and self._answers(who, f.rule.robot) for f in opened)
+        see = (Button(words_gathered.SEEN_ALL, "/seen"),) if unseen else ()
+        row = (*see, Button(words_gathered.SHOW_ALL, f"/alerts {ALL}"))
+        return Reply(words_gathered.alarms(rules, shown), (row,))
+
+    def _muted(self, who: PrincipalId, rules: Iterable[Following]) -> Iterator[str]:
+        now_ns = self._rooms.organiser.wall_ns()
         for following in rules:
-            rule = following.rule
-            if following.watch.announced and len(rows) < SHOWN_AT_MOST:
-                lines.append(self._line(following))
-                if following.unseen and self._answers(who, rule.robot):
-                    rows.append(self._alerting.buttons(rule))
-            mute = self._alerting.book.muted(rule.key, self._rooms.organiser.wall_ns())
+            mute = self._alerting.book.muted(following.rule.key, now_ns)
             if mute is not None:
-                lines.append(self._muted_line(following, mute, who))
-        return Reply(joined("\n", lines), tuple(rows)) if lines else Reply(words.none_open())
+                yield self._muted_line(following, mute, who)
 
     def _line(self, following: Following) -> str:
         rule, alarm = following.rule, following.alarm
@@ -94,8 +123,10 @@ class AlarmClerk:
             NotUnderstood: No such robot or rule, or nothing is open.
             NotPermitted: Not theirs to answer.
         """
-        who = asked.caller.principal
-        if asked.rest.strip():
+        who, rest = asked.caller.principal, asked.rest.strip()
+        if rest.startswith(MANY) and rest not in self._visible(who):
+            meant = self._of_list(who, rest)
+        elif rest:
             target = self._target(who, asked.rest)
             self._check(who, target.robot)
             meant = target.rules
@@ -103,7 +134,7 @@ class AlarmClerk:
             meant = [f for f in self._all(who) if self._answers(who, f.rule.robot)]
         fresh = [following for following in meant if self._alerting.seen(following, who)]
         if fresh:
-            return Reply(words.you_saw([self._what(following) for following in fresh]))
+            return Reply(self._alerting.noted(fresh))
         before = [f for f in meant if f.alarm is not None and f.alarm.by]
         if not before:
             raise NotUnderstood(words.nothing_to_see())
@@ -195,8 +226,20 @@ class AlarmClerk:
         if not self._answers(who, robot):
             raise NotPermitted(words.may_not(self._rooms.profiles[robot].shown))
 
-    def _what(self, following: Following) -> str:
-        return words.one(following.rule, self._alerting.shown(following.rule), "", "")
+    def _of_list(self, who: PrincipalId, key: str) -> Sequence[Following]:
+        """Return which alarms of a message of many are theirs to answer."""
+        told = self._alerting.telling.list_of(key)
+        if not told:
+            raise NotUnderstood(words_gathered.forgotten())
+        seen = self._visible(who)
+        return [
+            following
+            for following in self._alerting.meant(told)
+            if following.rule.robot in seen and self._answers(who, following.rule.robot)
+        ]
+
+    def _visible(self, who: PrincipalId) -> Container[RobotId]:
+        return self._rooms.organiser.visible(who)
 
     def _name(self, who: PrincipalId) -> str:
         return self._rooms.organiser.name_of(who)

@@ -1,4 +1,4 @@
-"""Which messages tell of which alarm: whoever reacts to one means that occurrence."""
+"""Which messages tell of which alarms: whoever reacts to one means those occurrences."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Occurrence(NamedTuple):
 
 
 _encode = msgspec.msgpack.Encoder().encode
-_decode = msgspec.msgpack.Decoder(tuple[str, int]).decode
+_decode = msgspec.msgpack.Decoder(tuple[tuple[str, int], ...]).decode
 
 
 class Placed:
@@ -43,7 +43,8 @@ class Placed:
 
     def __init__(self, remembered: int = REMEMBERED) -> None:
         self._remembered = remembered
-        self._known: OrderedDict[str, Occurrence] = OrderedDict()
+        self._known: OrderedDict[str, tuple[Occurrence, ...]] = OrderedDict()
+        self._count = 0
         self._of_rule: dict[str, dict[str, None]] = {}
 
     def restore(self, facts: Iterable[Fact], alarms: Mapping[str, Alarm]) -> tuple[Fact, ...]:
@@ -53,51 +54,54 @@ class Placed:
             if not fact.body:
                 continue
             try:
-                occurrence = Occurrence(*_decode(fact.body))
+                told = tuple(Occurrence(*of) for of in _decode(fact.body))
             except msgspec.MsgspecError:
-                log.warning("of which alarm a message tells cannot be read; it is forgotten")
+                log.warning("of which alarms a message tells cannot be read; it is forgotten")
                 ended.append(_no_fact(fact.key))
                 continue
-            alarm = alarms.get(occurrence.rule)
-            if alarm is None or alarm.at_ns != occurrence.at_ns:
-                ended.append(_no_fact(fact.key))
+            if still := tuple(of for of in told if _is_open(of, alarms)):
+                ended += self._put(fact.key, still)
             else:
-                ended += self._put(fact.key, occurrence)
+                ended.append(_no_fact(fact.key))
         return tuple(ended)
 
     def note(
-        self, occurrence: Occurrence, messenger: Messenger, chat: Chat, message: str
+        self, told: tuple[Occurrence, ...], messenger: Messenger, chat: Chat, message: str
     ) -> tuple[Fact, ...]:
-        """A message tells of an alarm."""
+        """A message tells of one alarm, or of many."""
         key = _key(messenger, chat, message)
-        fact = Fact(kind=TOLD, key=key, body=_encode(tuple(occurrence)))
-        return (fact, *self._put(key, occurrence))
+        fact = Fact(kind=TOLD, key=key, body=_encode(tuple(map(tuple, told))))
+        return (fact, *self._put(key, told))
 
-    def _put(self, key: str, occurrence: Occurrence) -> list[Fact]:
+    def _put(self, key: str, told: tuple[Occurrence, ...]) -> list[Fact]:
         """Keep one more; return what ends because there are too many: the oldest."""
         self._forget(key)
-        self._known[key] = occurrence
-        self._of_rule.setdefault(occurrence.rule, {})[key] = None
+        self._known[key] = told
+        self._count += len(told)
+        for occurrence in told:
+            self._of_rule.setdefault(occurrence.rule, {})[key] = None
         ended: list[Fact] = []
-        while len(self._known) > self._remembered:
+        while self._count > self._remembered and len(self._known) > 1:
             oldest = next(iter(self._known))
             self._forget(oldest)
             ended.append(_no_fact(oldest))
         return ended
 
     def _forget(self, key: str) -> bool:
-        occurrence = self._known.pop(key, None)
-        if occurrence is None:
+        told = self._known.pop(key, None)
+        if told is None:
             return False
-        keys = self._of_rule[occurrence.rule]
-        del keys[key]
-        if not keys:
-            del self._of_rule[occurrence.rule]
+        self._count -= len(told)
+        for occurrence in told:
+            keys = self._of_rule.get(occurrence.rule, {})
+            keys.pop(key, None)
+            if not keys:
+                self._of_rule.pop(occurrence.rule, None)
         return True
 
-    def of(self, messenger: Messenger, chat: Chat, message: str) -> Occurrence | None:
-        """Return of which alarm a message tells."""
-        return self._known.get(_key(messenger, chat, message))
+    def of(self, messenger: Messenger, chat: Chat, message: str) -> tuple[Occurrence, ...]:
+        """Return of which alarms a message tells."""
+        return self._known.get(_key(messenger, chat, message), ())
 
     def answered(self, messenger: Messenger, chat: Chat, message: str) -> tuple[Fact, ...]:
         """What is put beside this message from now on says nothing new."""
@@ -106,8 +110,24 @@ class Placed:
 
     def over(self, rule: str) -> tuple[Fact, ...]:
         """The alarm of a rule is over: nobody can mean it any more."""
-        keys = tuple(self._of_rule.get(rule, ()))
-        return tuple(_no_fact(key) for key in keys if self._forget(key))
+        ended: list[Fact] = []
+        for key in tuple(self._of_rule.get(rule, ())):
+            told = self._known[key]
+            left = tuple(of for of in told if of.rule != rule)
+            if not left:
+                self._forget(key)
+                ended.append(_no_fact(key))
+                continue
+            # What the record keeps of it is sifted when it is read again.
+            self._known[key] = left
+            self._count -= len(told) - len(left)
+        self._of_rule.pop(rule, None)
+        return tuple(ended)
+
+
+def _is_open(of: Occurrence, alarms: Mapping[str, Alarm]) -> bool:
+    alarm = alarms.get(of.rule)
+    return alarm is not None and alarm.at_ns == of.at_ns
 
 
 def _key(messenger: Messenger, chat: Chat, message: str) -> str:

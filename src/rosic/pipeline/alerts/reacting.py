@@ -41,41 +41,30 @@ class Reacting:
         if SEEN.isdisjoint(emoji.replace(_COLOURED, "") for emoji in reaction.emoji):
             return
         found = self._directory.at(reaction.who) if reaction.who is not None else None
-        following = self._open(messenger, reaction)
-        if found is None or following is None:
+        placed, circles = self._alerting.telling.placed, self._alerting.circles
+        told = placed.of(messenger, reaction.chat, reaction.message)
+        if found is None or not told:
             return
-        who, circles = found[0].id, self._alerting.circles
-        robot = following.rule.robot
-        if not circles.may_hear(who, robot):
+        who = found[0].id
+        meant = [f for f in self._alerting.meant(told) if circles.may_hear(who, f.rule.robot)]
+        if not meant:
             return
         # Answered once, whatever else is put there: nobody is to be talked at for their thumbs.
-        answered = self._alerting.placed.answered(messenger, reaction.chat, reaction.message)
-        self._alerting.write(answered)
-        if not circles.may_acknowledge(who, robot):
-            self._reach.tell((who,), words.may_not(self._alerting.shown(following.rule)))
-        elif self._alerting.seen(following, who):
-            self._confirm(messenger, reaction, who, following)
+        self._alerting.write(placed.answered(messenger, reaction.chat, reaction.message))
+        theirs = [f for f in meant if circles.may_acknowledge(who, f.rule.robot)]
+        fresh = [f for f in theirs if self._alerting.seen(f, who)]
+        if not theirs:
+            self._reach.tell((who,), words.may_not(self._alerting.shown(meant[0].rule)))
+        elif fresh:
+            self._confirm(messenger, reaction, who, fresh)
         else:
-            self._reach.tell((who,), self._alerting.seen_before(following))
-
-    def _open(self, messenger: Messenger, reaction: Reaction) -> Following | None:
-        """Return the alarm that a message tells of, if it is not over."""
-        occurrence = self._alerting.placed.of(messenger, reaction.chat, reaction.message)
-        if occurrence is None:
-            return None
-        for row in self._alerting.following.values():
-            for following in row:
-                alarm = following.alarm
-                if following.rule.key == occurrence.rule and alarm is not None:
-                    return following if alarm.at_ns == occurrence.at_ns else None
-        return None
+            self._reach.tell((who,), self._alerting.seen_before(theirs[0]))
 
     def _confirm(
-        self, messenger: Messenger, reaction: Reaction, who: PrincipalId, following: Following
+        self, messenger: Messenger, reaction: Reaction, who: PrincipalId, fresh: list[Following]
     ) -> None:
-        rule = following.rule
-        what = words.one(rule, self._alerting.shown(rule), "", "")
-        task = asyncio.create_task(self._nod(messenger, reaction, who, words.you_saw([what])))
+        text = self._alerting.noted(fresh)
+        task = asyncio.create_task(self._nod(messenger, reaction, who, text))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 

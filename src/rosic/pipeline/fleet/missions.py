@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from msgspec.structs import replace
 
 from rosic.core.condition import seconds
 from rosic.core.fleet import events as e
-from rosic.core.fleet.mission import Mission, lay_out
-from rosic.core.fleet.task import OVER, RESTING, Need, State, Task, Why
+from rosic.core.fleet.filling import bounds, read_values, texts_of
+from rosic.core.fleet.mission import Late, Mission, lay_out
+from rosic.core.fleet.task import OVER, RESTING, Due, Need, State, Task, Why
 from rosic.core.language.lines import Misunderstood
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.when import read_when
@@ -25,9 +28,10 @@ from rosic.pipeline.fleet.timetable import PLANS_AT_MOST, Plan, Where
 from rosic.pipeline.freshness import check_errand_fresh
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterable
+    from collections.abc import Awaitable, Callable, Iterable, Mapping
     from typing import TypeAlias
 
+    from rosic.core.fleet.filling import Values
     from rosic.core.fleet.mission import Leaf
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.robot import RobotId
@@ -46,6 +50,19 @@ NUMBERED: Final = "-"
 ACTS: Final[dict[str, Why | None]] = {
     "pause": Why.PAUSED, "cancel": Why.CANCELLED, "go": None, "resume": None,
 }  # fmt: skip
+
+
+class Meant(NamedTuple):
+    """What is to be begun.
+
+    Attributes:
+        given: What was said for what it leaves open.
+        where: Where its orders are shown.
+    """
+
+    mission: Mission
+    given: Mapping[str, float]
+    where: Where
 
 
 class MissionClerk:
@@ -85,14 +102,16 @@ class MissionClerk:
             NotPermitted: Somebody else's.
             Expired: Robots would move because of it, and it was not sent just now.
         """
-        verb, _, name = asked.rest.strip().casefold().partition(" ")
-        name = name.strip()
+        verb, _, said = asked.rest.strip().partition(" ")
+        verb, said = verb.casefold(), said.strip()
+        name = said.casefold()
         if not verb:
             return await self.missions(asked)
-        if name and (verb == "start" or ACTS.get(verb, Why.NONE) is None):
+        starts = verb == "start" or (verb in self._missions and verb not in ACTS and verb != "off")
+        if name and (starts or ACTS.get(verb, Why.NONE) is None):
             check_errand_fresh(asked.inbound, f"/mission {asked.rest}")
-        if verb == "start" and name:
-            return await self._start(asked, name)
+        if starts and name:
+            return await self._start(asked, said if verb == "start" else f"{verb} {said}")
         if verb == "off" and name:
             return await self._off(asked, name)
         if verb in ACTS and name:
@@ -169,9 +188,10 @@ class MissionClerk:
         mission = self._missions.get(name)
         if mission is not None:
             lines.append(words.known(mission.name, mission.title))
+            lines += [bounds(*quantity) for quantity in mission.parameters.items()]
             lines += [
-                words.leaf(number, leaf.part.on, leaf.part.steps, leaf.after)
-                for number, leaf in enumerate(lay_out(mission, self._missions), 1)
+                words.leaf(number, leaf.part.on, leaf.steps, leaf.after)
+                for number, leaf in enumerate(self._laid_out(mission), 1)
             ]
         buttons = words.run_buttons(runs[-1]) if runs else words.start_buttons((name,))
         return Reply(joined("\n", lines or [words.not_running(name)]), buttons)
@@ -188,13 +208,19 @@ class MissionClerk:
     # ---- starting ----
 
     async def _start(self, asked: Asked, said: str) -> Reply:
-        """Begin a mission now, or say when it is to begin: ``restock every mon 8:00``."""
-        name, _, when = said.partition(" ")
-        mission = self._named(name)
+        """Begin a mission now, or say when it is to begin: ``restock every mon 8:00``.
+
+        What it leaves open is said before that: ``restock distance=2 m every mon 8:00``.
+        """
+        name, _, rest = said.partition(" ")
+        mission = self._named(name.casefold())
+        values = read_values(rest, mission.parameters, self._rooms.vocabulary.units)
+        texts_of(mission.parameters, values.given)  # that nothing is missing
         where = Where(asked.messenger.name, asked.inbound.chat)
-        if when:
-            return await self._plan(asked, mission, when, where)
-        run, count = await self._begin(asked.caller.principal, mission, where, asked.cid)
+        if values.rest:
+            return await self._plan(asked, mission, values, where)
+        meant = Meant(mission, values.given, where)
+        run, count = await self._begin(asked.caller.principal, meant, asked.cid)
         return Reply(words.started(mission.shown, run, count), words.run_buttons(run))
 
     async def at_its_time(self, plan: Plan, where: Where, cid: CommandId) -> str:
@@ -206,31 +232,32 @@ class MissionClerk:
         organiser = self._rooms.organiser
         organiser.check_unlocked(self._rooms.authoriser.stand_for(plan.author))
         mission = self._named(plan.mission)
-        run, count = await self._begin(plan.author, mission, where, cid)
+        run, count = await self._begin(plan.author, Meant(mission, plan.values, where), cid)
         return words.started(mission.shown, run, count)
 
-    async def _begin(
-        self, who: PrincipalId, mission: Mission, where: Where, cid: CommandId
-    ) -> tuple[str, int]:
+    async def _begin(self, who: PrincipalId, meant: Meant, cid: CommandId) -> tuple[str, int]:
         """Give all tasks of a mission at once; each waits for those before it."""
-        given = await self._dispatching.give(cid, lambda: self._made(who, mission, where, cid))
+        given = await self._dispatching.give(cid, lambda: self._made(who, meant, cid))
         return given[0][0].mission, len(given)
 
-    def _made(self, who: PrincipalId, mission: Mission, where: Where, cid: CommandId) -> Given:
+    def _laid_out(self, mission: Mission, given: Mapping[str, float] | None = None) -> list[Leaf]:
+        return lay_out(mission, self._missions, self._rooms.vocabulary.units, given)
+
+    def _made(self, who: PrincipalId, meant: Meant, cid: CommandId) -> Given:
         """Return the tasks of a mission.
 
         Raises:
             TooManyRequests, NotUnderstood: None of it is begun.
         """
-        fleet = self._dispatching.fleet
-        leaves = lay_out(mission, self._missions)
+        fleet, mission, where = self._dispatching.fleet, meant.mission, meant.where
+        leaves = self._laid_out(mission, meant.given)
         check_room(fleet, who, len(leaves))
         first = int(fleet.next_id())
         run = f"{mission.name}{NUMBERED}{first}"
         given = [
             (
-                self._task(who, leaf, run, first, number),
-                Said(leaf.part.steps, where.messenger, where.chat),
+                replace(self._task(who, leaf, run, first, number), due=self._due(mission, leaf)),
+                Said(leaf.steps, where.messenger, where.chat),
             )
             for number, leaf in enumerate(leaves)
         ]
@@ -246,7 +273,7 @@ class MissionClerk:
             NotUnderstood: Nobody can carry it out; none of the mission is begun.
         """
         part = leaf.part
-        found = able(self._rooms, who, self._robots(part.on, who), part.steps)
+        found = able(self._rooms, who, self._robots(part.on, who), leaf.steps)
         if not found.robots:
             why = found.why.sentence if found.why is not None else ""
             raise NotUnderstood(words.nobody_can(number + 1, part.on, why))
@@ -256,7 +283,7 @@ class MissionClerk:
             author=who,
             among=found.robots,
             wanted="" if part.on in ANY else part.on,
-            steps=len(part.steps),
+            steps=len(leaf.steps),
             skills=found.skills,
             priority=part.priority,
             given_ns=self._rooms.organiser.wall_ns(),
@@ -268,9 +295,22 @@ class MissionClerk:
             after=tuple(str(first + other) for other in leaf.after),
         )
 
+    def _due(self, mission: Mission, leaf: Leaf) -> Due:
+        """Return by when one task of a mission is to be done that begins now."""
+        units, part = self._rooms.vocabulary.units, leaf.part
+        at_ns = 0
+        if mission.deadline:
+            at_ns = self._rooms.organiser.wall_ns() + int(seconds(mission.deadline, units) * 1e9)
+        return Due(
+            lasts_ns=int(seconds(part.deadline, units) * 1e9) if part.deadline else 0,
+            at_ns=at_ns,
+            cancels=part.late is Late.CANCEL,
+            cancels_all=mission.late is Late.CANCEL,
+        )
+
     # ---- at its time ----
 
-    async def _plan(self, asked: Asked, mission: Mission, said: str, where: Where) -> Reply:
+    async def _plan(self, asked: Asked, mission: Mission, values: Values, where: Where) -> Reply:
         """Write down when a mission begins by itself.
 
         Raises:
@@ -278,11 +318,11 @@ class MissionClerk:
             TooManyRequests: There are too many.
         """
         timetable, now_ns = self._timetable, self._rooms.organiser.wall_ns()
-        when = read_when(f"{said} 1 min", now_ns, self._zone.local)
+        when = read_when(f"{values.rest.casefold()} 1 min", now_ns, self._zone.local)
         if isinstance(when, Misunderstood):
             raise NotUnderstood(when.sentence)
         who = asked.caller.principal
-        plan = Plan(mission.name, who, when.start, when.rrule, now_ns)
+        plan = Plan(mission.name, who, when.start, when.rrule, now_ns, values.given)
         at_ns = timetable.next_ns(plan)
         if at_ns is None:
             raise OutOfBounds(words.NEVER)

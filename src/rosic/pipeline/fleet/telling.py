@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 from rosic.core.fleet.task import HELD, State, Why
 from rosic.core.saying import joined
 from rosic.core.words import label
+from rosic.organiser.words_calendar import length
 from rosic.pipeline.fleet import words_fleet as words
+from rosic.pipeline.fleet import words_late as late
 
 if TYPE_CHECKING:
     from rosic.core.fleet.task import Task
@@ -51,6 +53,8 @@ class Telling:
             self.what(after, after.author),
             self.shown(before.robot) if before.robot else "",
         )
+        if after.due != before.due:
+            return self._late(after, what, whole=after.due.said_all != before.due.said_all)
         if after.state in HELD:
             return self._of_held(before, after, what)
         if after.state is State.QUEUED:
@@ -61,6 +65,15 @@ class Telling:
         if after.state is State.DONE:
             return words.over(after, what, shown)
         return words.stands(after, what, shown, self._dispatching.why.get(after.id, ""))
+
+    def _late(self, task: Task, what: str, *, whole: bool) -> str:
+        """Return that a task, or all of its mission, is not done by when it was to be."""
+        if not whole:
+            return late.task(task.id, what, length(task.due.lasts_ns // 10**9), task.due.cancels)
+        tasks = self._dispatching.fleet.mission(task.mission)
+        done = sum(one.state is State.DONE for one in tasks)
+        at = self._rooms.organiser.moment(task.author, task.due.at_ns)
+        return late.mission(task.mission, at, (done, len(tasks)), task.due.cancels_all)
 
     def _of_held(self, before: Task, after: Task, what: str) -> str:
         shown = self.shown(after.robot)

@@ -47,6 +47,7 @@ class Plan(msgspec.Struct, frozen=True):
         first: The first time, or the only one.
         rrule: RFC 5545; empty for once.
         after_ns: Wall clock; times up to then are over.
+        values: What was said for what it leaves open.
     """
 
     mission: str
@@ -54,6 +55,7 @@ class Plan(msgspec.Struct, frozen=True):
     first: Local
     rrule: str
     after_ns: int
+    values: dict[str, float] = {}
 
 
 class Where(msgspec.Struct, frozen=True):

@@ -15,6 +15,7 @@ from rosic.core.fleet.task import State, Why
 from rosic.core.robot import Slots
 from rosic.errors import RecordUnavailable
 from rosic.organiser.assigning import assign, is_loaded, load
+from rosic.pipeline.fleet.deadlines import Deadlines
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -55,6 +56,7 @@ class Watching:
         self._watching: asyncio.Task[None] | None = None
         self._running = False
         self._planning = asyncio.Lock()
+        self._deadlines = Deadlines(dispatching, clock)
 
     # ---- now and then ----
 
@@ -70,7 +72,7 @@ class Watching:
 
     def _open(self) -> bool:
         fleet = self._dispatching.fleet
-        return bool(fleet.waiting or fleet.holds)
+        return bool(fleet.waiting or fleet.holds or fleet.due)
 
     async def _watch(self) -> None:
         try:
@@ -96,6 +98,8 @@ class Watching:
         """Look once."""
         await self._look_after()
         await self._let_expire()
+        if self._deadlines.open:
+            await self._deadlines.look()
         await self.plan()
 
     async def _look_after(self) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.message import Button
-from rosic.core.saying import joined, said
+from rosic.core.saying import said
+from rosic.core.words import headed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -35,7 +36,7 @@ def none_begins(name: str) -> str:
 
 def state(shown: str, why: str) -> str:
     """Return one robot of the table."""
-    return joined(": ", (shown, why or READY))
+    return headed(shown, why or READY)
 
 
 def begin_with(shown: Sequence[str], command: str) -> tuple[tuple[Button, ...], ...]:

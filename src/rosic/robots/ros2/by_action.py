@@ -251,7 +251,6 @@ def _until_start_s(order: Order, now_ns: int) -> float:
 
 
 def _declined(errand: Errand, reason: str) -> str:
-    shown = errand.side.shown
     if not reason:
-        return said("{shown} declined.", shown=shown)
-    return said("{shown}: {reason}. Nothing was done.", shown=shown, reason=reason)
+        return said("{shown} declined.", shown=errand.side.shown)
+    return said("{reason}. Nothing was done.", reason=reason)

@@ -71,8 +71,8 @@ class TrajectoryGoal:
             move = plan(self._joints.limits, start, self._goal(order, start), self._share(order))
         except OutOfReach as far:
             sentence = said(
-                "{shown}: {joint} goes from {low:.2f} to {high:.2f} rad only. Nothing was done.",
-                shown=errand.side.shown, joint=far.joint, low=far.limit.min, high=far.limit.max,
+                "{joint} goes from {low:.2f} to {high:.2f} rad only. Nothing was done.",
+                joint=far.joint, low=far.limit.min, high=far.limit.max,
             )  # fmt: skip
             return Outcome(Ending.REFUSED, sentence, code=OUT_OF_REACH)
         return Made(self._values(move), lambda feedback: self._fraction(move, feedback))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
 from rosic.core.robot import Presence, Profile
-from rosic.core.saying import joined, said
+from rosic.core.saying import said
 from rosic.core.view import Pose, Sight, View
 from rosic.errors import ConfigurationError, NothingToSee
 from rosic.robots.simulated.fellow import answer
@@ -105,7 +105,7 @@ class SimulatedRobot:
                 return await self._drive(order, tell)
             return await self._perform(order, tell)
         except CannotDo as cannot:
-            sentence = joined(": ", (cannot.robot, cannot.reason))
+            sentence = said("{reason}. Nothing was done.", reason=cannot.reason)
             return Outcome(Ending.REFUSED, sentence, code="robot-declined")
         except asyncio.CancelledError:
             await self._rest()

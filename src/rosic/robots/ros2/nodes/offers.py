@@ -53,6 +53,7 @@ ACTIONS: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "land": "Perform",
             "goto": "GoTo",
             "formation": "Formation",
+            "follow": "Follow",
         },
     }
 )

@@ -48,6 +48,7 @@ class SwarmTopic:
 
     def _message(self, seen: Sighting, stamp: RosObject) -> RosObject:
         message = self._type(id=seen.robot, flying=seen.flying, stamp=stamp)
+        message.busy, message.landing, message.leader = seen.busy, seen.landing, seen.leader
         place, speed, goal = message.pose.position, message.velocity.linear, message.goal
         place.x, place.y, place.z = seen.x_m, seen.y_m, seen.z_m
         flight = self._drone.flight
@@ -70,5 +71,10 @@ class SwarmTopic:
                 message.goal.x,
                 message.goal.y,
                 message.flying,
+                speed.x,
+                speed.y,
+                message.busy,
+                message.landing,
+                message.leader,
             )
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import hypot, isfinite
+from math import hypot, isfinite, pi
 from typing import TYPE_CHECKING
 
 from rosic.core.saying import said
@@ -10,6 +10,7 @@ from rosic.robots.simulated.machines.activity import CannotDo, Failed, State
 from rosic.robots.simulated.machines.battery import Battery
 from rosic.robots.simulated.machines.clockwork import Plan, Recipe, SteppedMachine
 from rosic.robots.simulated.machines.flight import NEAR_M, Flight, flight_time_s
+from rosic.robots.simulated.machines.following import NEAREST_M, Chase, why_not
 from rosic.robots.simulated.machines.peers import PEER_LOST_S, Peers
 from rosic.robots.simulated.machines.separation import APART_M
 from rosic.robots.simulated.machines.swarm import Place, Sighting, Swarm, slots
@@ -39,7 +40,7 @@ PATIENCE_S = 25.0
 
 
 class Crazyflie(SteppedMachine):
-    """Skills: ``takeoff``, ``land``, ``goto``, ``formation``; and streamed positions.
+    """Skills: ``takeoff``, ``land``, ``goto``, ``formation``, ``follow``; streamed positions.
 
     Promises, kept by the drone alone from what is in `swarm`: its centre stays at least
     `APART_M` from every peer's, horizontally, flying or not; and when a peer that flies has not
@@ -68,11 +69,13 @@ class Crazyflie(SteppedMachine):
         self._from = (*place, 0.0)
         self._started_s: float | None = None
         self._intent: Place = place
+        self._leader = ""
         self._plans: dict[str, Plan] = {
             "takeoff": self._plan_takeoff,
             "land": self._plan_land,
             "goto": self._plan_goto,
             "formation": self._plan_formation,
+            "follow": self._plan_follow,
         }
         self._report(0.0)
 
@@ -152,6 +155,17 @@ class Crazyflie(SteppedMachine):
         self._intent = (x, y)
         return self._recipe_fly(x, y, self.flight.height.target)
 
+    def _plan_follow(self, asked: Arguments) -> Recipe:
+        others = tuple(name for name in self.swarm.members if name != self.id)
+        leader = asked.choice("leader", others)
+        gap_m = asked.number("distance_m", NEAREST_M, WIDEST_M, 1.2)
+        bearing_rad = asked.number("bearing_rad", -pi / 2, pi / 2, 0.0)
+        self._must_fly()
+        why = why_not(self.swarm, self.id, leader)
+        if why:
+            raise CannotDo(self.id, why)
+        return self._recipe_follow(Chase(self.swarm, leader, gap_m, bearing_rad, self._here()))
+
     # -------------------------------------------------------------------------------------- recipes
 
     def _recipe_takeoff(self, height_m: float) -> Recipe:
@@ -206,6 +220,19 @@ class Crazyflie(SteppedMachine):
             y_m=round(flight.y_m, 2) + 0.0,
             position=flight.height.position,
         )
+
+    def _recipe_follow(self, chase: Chase) -> Recipe:
+        """Keep behind another until its order is over, then come to rest there."""
+        self._stage(said("following {leader}", leader=chase.leader))
+        self._started_s = self._time_s
+        self._leader = chase.leader
+        try:
+            for place in chase.fly(self.id, self.flight, lambda: self._time_s):
+                self._intent = place
+                yield
+        finally:  # also when it is stopped
+            self._leader = ""
+        return chase.done(self._here(), self._time_s)
 
     # ------------------------------------------------------------------------------------ mechanics
 
@@ -296,6 +323,11 @@ class Crazyflie(SteppedMachine):
             x,
             y,
             self.airborne,
+            flight.vx_m_s,
+            flight.vy_m_s,
+            self._setpoint_s is not None or (self.activity is not None and self.activity.running),
+            self._landing,
+            self._leader,
         )
 
     def _intended(self) -> Place:

@@ -38,6 +38,8 @@ class Flight:
         vx_m_s, vy_m_s: Measured.
         height: Vertical axis; 0 is the ground.
         goal: None means: come to rest here.
+        goal_velocity: Of a goal that moves; the flight keeps up with it.
+        fastest_m_s: It flies to its goal no faster than this.
     """
 
     def __init__(self, x_m: float, y_m: float) -> None:
@@ -47,6 +49,8 @@ class Flight:
         self.vy_m_s = 0.0
         self.height = Axis(0.0, CLIMB_M_S, CLIMB_M_S2)
         self.goal: Planar | None = None
+        self.goal_velocity: Planar = (0.0, 0.0)
+        self.fastest_m_s = SPEED_M_S
         self._side = RIGHT
         self._stuck_s = 0.0
 
@@ -97,13 +101,17 @@ class Flight:
             return (0.0, 0.0)
         x, y = self.goal[0] - self.x_m, self.goal[1] - self.y_m
         left = hypot(x, y)
+        with_x, with_y = self.goal_velocity
         if left == 0.0:
-            return (0.0, 0.0)
+            return (with_x, with_y)
         x, y = x / left, y / left
-        towards = self.vx_m_s * x + self.vy_m_s * y
+        towards = (self.vx_m_s - with_x) * x + (self.vy_m_s - with_y) * y
         # Half of the acceleration is for coming to rest, the rest for corrections.
-        speed = min(SPEED_M_S, braking_speed(left, towards, 0.5 * ACCELERATION_M_S2, dt_s))
-        return (x * speed, y * speed)
+        speed = braking_speed(left, towards, 0.5 * ACCELERATION_M_S2, dt_s)
+        speed = min(self.fastest_m_s, speed)
+        wanted = (with_x + x * speed, with_y + y * speed)
+        over = hypot(*wanted) / self.fastest_m_s
+        return wanted if over <= 1.0 else (wanted[0] / over, wanted[1] / over)
 
     def _follow(self, wanted: Planar, dt_s: float) -> None:
         x, y = wanted[0] - self.vx_m_s, wanted[1] - self.vy_m_s

@@ -18,6 +18,10 @@ class Sighting(NamedTuple):
         time_s: When it was heard, on the clock of whoever hears it.
         goal_x_m, goal_y_m: Where it is going, or stays.
         flying: Motors on.
+        vx_m_s, vy_m_s: Where it is heading.
+        busy: It carries out an order, or is led by streamed positions.
+        landing: It comes down, by an order, a stop or of its own accord.
+        leader: Whom it follows; empty for nobody.
     """
 
     robot: str
@@ -29,6 +33,11 @@ class Sighting(NamedTuple):
     goal_x_m: float
     goal_y_m: float
     flying: bool
+    vx_m_s: float = 0.0
+    vy_m_s: float = 0.0
+    busy: bool = False
+    landing: bool = False
+    leader: str = ""
 
 
 class Swarm:

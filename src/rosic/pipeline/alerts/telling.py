@@ -1,0 +1,179 @@
+"""Tells people of alarms: one by one while there are few, many of them in one message."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from functools import partial
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.alert_rule import Severity
+from rosic.core.message import Button
+from rosic.pipeline.alerts import words_alerts as words
+from rosic.pipeline.alerts import words_gathered
+from rosic.pipeline.alerts.gathering import Gathering, News, Sort
+from rosic.pipeline.alerts.placed import Placed
+from rosic.pipeline.reach import Notice
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+    from typing import TypeAlias
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import PrincipalId
+    from rosic.core.message import Chat
+    from rosic.core.record import Record
+    from rosic.core.rule import Rule
+    from rosic.pipeline.alerts.circles import Circles
+    from rosic.pipeline.alerts.placed import Occurrence
+    from rosic.pipeline.reach import Reach
+    from rosic.pipeline.rooms import Rooms
+
+    Write: TypeAlias = Callable[[Iterable[Record]], None]
+
+BUTTONS_LIVE_S: Final = 86_400.0
+LISTS_AT_MOST: Final = 256
+MANY: Final = "many-"
+
+
+class AlarmTelling:
+    """Says it in private, to those who may see the robot when it is said.
+
+    Attributes:
+        placed: Which messages tell of which alarms.
+    """
+
+    def __init__(
+        self, rooms: Rooms, reach: Reach, clock: Clock, circles: Circles, write: Write
+    ) -> None:
+        self.placed = Placed()
+        self._write = write
+        self._rooms = rooms
+        self._reach = reach
+        self._clock = clock
+        self._circles = circles
+        self._gathering = Gathering()
+        self._lists: OrderedDict[str, tuple[Occurrence, ...]] = OrderedDict()
+        self._number = 0
+
+    def tell(self, people: Iterable[PrincipalId], news: News) -> None:
+        """Tell those of them who may see the robot: at once, or with what else there is."""
+        now_ns = self._clock.monotonic_ns()
+        hearing = [who for who in people if self._circles.may_hear(who, news.rule.robot)]
+        at_once = [who for who in hearing if self._gathering.alone(who, news, now_ns)]
+        if not at_once:
+            return
+        if news.occurrence is None:
+            self._reach.tell(at_once, news.text, urgent=is_urgent(news.rule))
+        else:
+            self._alarm(at_once, news, news.occurrence)
+
+    def look(self) -> None:
+        """Tell what was gathered for everybody whose window has ended."""
+        for who, gathered in self._gathering.due(self._clock.monotonic_ns()):
+            self._gathered(who, gathered)
+
+    def close(self) -> None:
+        """Tell what was gathered, now."""
+        for who, gathered in self._gathering.rest():
+            self._gathered(who, gathered)
+
+    def list_of(self, key: str) -> tuple[Occurrence, ...]:
+        """Return which alarms a message of many told of; none if that is not known any more."""
+        return self._lists.get(key, ())
+
+    def buttons(self, rule: Rule) -> tuple[Button, ...]:
+        """Return what whoever may operate the robot taps."""
+        target = f"{rule.robot} {rule.alert.name}"
+        return (Button(words.SEEN, f"/seen {target}"), Button(words.MUTE, f"/mute {target} 1h"))
+
+    def shown(self, rule: Rule) -> str:
+        """Return how people read the robot of a rule."""
+        return self._rooms.profiles[rule.robot].shown
+
+    # ---- one ----
+
+    def _alarm(self, people: Sequence[PrincipalId], news: News, occurrence: Occurrence) -> None:
+        """Tell them of an alarm, and remember which messages say so: a reaction answers them."""
+        robot = news.rule.robot
+        status = Button(words.STATUS, f"/status {robot}")
+        for acts in (True, False):
+            some = [w for w in people if self._circles.may_acknowledge(w, robot) is acts]
+            notice = Notice(
+                text=news.text,
+                buttons=((*self.buttons(news.rule), status) if acts else (status,),),
+                urgent=is_urgent(news.rule),
+                lifetime_s=BUTTONS_LIVE_S,
+                still=True,
+                landed=partial(self._landed, (occurrence,)),
+            )
+            self._reach.give(some, notice)
+
+    # ---- many ----
+
+    def _gathered(self, who: PrincipalId, gathered: Iterable[News]) -> None:
+        sorts: dict[Sort, list[News]] = {}
+        for news in gathered:
+            if self._circles.may_hear(who, news.rule.robot):
+                sorts.setdefault(news.sort, []).append(news)
+        for sort in Sort:
+            some = sorts.get(sort, [])
+            if sort is Sort.ALARM and some:
+                self._alarms(who, some)
+            elif some:
+                self._others(who, sort, some)
+
+    def _alarms(self, who: PrincipalId, some: Sequence[News]) -> None:
+        if len(some) == 1 and some[0].occurrence is not None:
+            self._alarm((who,), some[0], some[0].occurrence)
+            return
+        rules = [news.rule for news in some]
+        told = tuple(news.occurrence for news in some if news.occurrence is not None)
+        buttons = [Button(words_gathered.SHOW_ALL, "/alerts all")]
+        if any(self._circles.may_acknowledge(who, rule.robot) for rule in rules):
+            buttons.insert(0, Button(words_gathered.SEEN_ALL, f"/seen {self._listed(told)}"))
+        notice = Notice(
+            text=words_gathered.alarms(rules, self.shown),
+            buttons=(tuple(buttons),),
+            urgent=any(map(is_urgent, rules)),
+            lifetime_s=BUTTONS_LIVE_S,
+            still=True,
+            landed=partial(self._landed, told),
+        )
+        self._reach.give((who,), notice)
+
+    def _landed(
+        self, told: tuple[Occurrence, ...], messenger: Messenger, chat: Chat, message: str
+    ) -> None:
+        self._write(self.placed.note(told, messenger, chat, message))
+
+    def _others(self, who: PrincipalId, sort: Sort, some: Sequence[News]) -> None:
+        rules = [news.rule for news in some]
+        text = some[0].text
+        if len(some) > 1 and sort is Sort.SEEN:
+            for name in dict.fromkeys(news.by for news in some):
+                theirs = [news.rule for news in some if news.by == name]
+                self._reach.tell((who,), words_gathered.seen(name, theirs, self.shown))
+            return
+        if len(some) > 1:
+            over = sort is Sort.OVER
+            text = (
+                words_gathered.over(rules, self.shown)
+                if over
+                else words_gathered.notes(some, self.shown)
+            )
+        self._reach.tell((who,), text, urgent=any(map(is_urgent, rules)))
+
+    def _listed(self, told: tuple[Occurrence, ...]) -> str:
+        """Remember which alarms a message tells of; return what its button calls them."""
+        self._number += 1
+        key = f"{MANY}{self._number}"
+        self._lists[key] = told
+        if len(self._lists) > LISTS_AT_MOST:
+            self._lists.popitem(last=False)
+        return key
+
+
+def is_urgent(rule: Rule) -> bool:
+    """Whether what a rule says overtakes what is not urgent."""
+    return rule.alert.severity is Severity.CRITICAL
