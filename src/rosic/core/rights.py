@@ -95,6 +95,10 @@ class Rights:
                 givers[robot] = (*givers.get(robot, ()), principal)
         return Rights(epoch, self._tables, people, givers)
 
+    def later(self) -> Rights:
+        """Return the same rights under the next number: what was admitted is looked at anew."""
+        return Rights(self.epoch + 1, self._tables, self._people, self._givers)
+
     # ---- for each order ----
 
     def may(self, principal: PrincipalId, robot: RobotId, skill: str) -> Right | None:
