@@ -94,7 +94,7 @@ def test_everything_can_be_said_by_options(
     )  # fmt: skip
 
     assert status == 0
-    assert "Start with: rosic run -c place.toml\n" in out
+    assert out.startswith("Written: place.toml. Start with: rosic run -c place.toml\n")
     assert out.endswith("Whoever sends it first is the admin.\n")
     assert left(folder) == ["place.toml"]
     config = load_config("place.toml")
