@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
-from rosic.app.founding import Founding, found
+from rosic.app.founding import Founding, found, zone_here
 from rosic.cli.entry import main
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock
@@ -58,17 +58,25 @@ def test_without_a_question_it_writes_what_can_be_started(
 
 
 def test_questions_are_asked_and_answered(folder: Path) -> None:
-    answers = f"My lab\n{TOKEN}\n\nomni, talker\nperhaps\ny\n1001\n"
+    answers = (
+        f"My lab\nEurope/Vinna\nEurope/Vienna\nnonsense\n{TOKEN}\n\nomin\nomni, talker\n"
+        "perhaps\ny\n@ada\n1001\n"
+    )
     ran = rosic("init", stdin=answers, cwd=folder)
 
     assert (ran.status, ran.err) == (0, "")
-    assert "Please say yes or no." in ran.out
+    for wrong in (
+        "Did you mean Europe/Vienna?", "That does not look like a Telegram token.",
+        "No profile is called 'omin'. Did you mean omni?", "Please say yes or no.",
+        "'@ada' is not a Telegram id",
+    ):  # fmt: skip
+        assert wrong in ran.out, "it is asked again"
     assert ran.out.endswith("Written: telegram-token.txt, rosic.toml. Start with: rosic run\n")
     assert TOKEN not in ran.out
     assert TOKEN not in (folder / "rosic.toml").read_text()
     assert stat.S_IMODE((folder / "telegram-token.txt").stat().st_mode) == 0o600
     config = load_config(folder / "rosic.toml")
-    assert config.name == "My lab"
+    assert (config.name, config.zone) == ("My lab", "Europe/Vienna")
     assert [robot.id for robot in config.robots] == ["omni", "talker"]
     assert [robot.link.kind for robot in config.robots] == ["simulated", "simulated"]
     assert [str(a) for p in config.people for a in p.addresses] == ["telegram:1001"]
@@ -86,7 +94,7 @@ def test_everything_can_be_said_by_options(
     )  # fmt: skip
 
     assert status == 0
-    assert "Start with: rosic run -c place.toml\n" in out
+    assert out.startswith("Written: place.toml. Start with: rosic run -c place.toml\n")
     assert out.endswith("Whoever sends it first is the admin.\n")
     assert left(folder) == ["place.toml"]
     config = load_config("place.toml")
@@ -98,7 +106,7 @@ def test_everything_can_be_said_by_options(
 def test_nothing_is_overwritten(folder: Path, name: str) -> None:
     (folder / name).write_text("precious")
 
-    ran = rosic("init", stdin=f"\n{TOKEN}\n\n\n\n\n", cwd=folder)
+    ran = rosic("init", stdin=f"\n\n{TOKEN}\n\n\n\n\n", cwd=folder)
 
     assert ran.status == 2
     assert "it was left alone" in ran.err
@@ -136,6 +144,25 @@ def test_a_mistake_is_one_sentence_and_nothing_is_written(
     [line] = err.splitlines()
     assert sentence in line
     assert left(folder) == []
+
+
+@pytest.mark.parametrize(
+    ("said", "link", "zone"),
+    [
+        ("", "/usr/share/zoneinfo/Europe/Vienna", "Europe/Vienna"),
+        ("", "/usr/share/zoneinfo/Etc/UTC", "UTC"),
+        ("", "/etc/some-file-that-is-no-link", "UTC"),
+        (":Asia/Tokyo", "/usr/share/zoneinfo/Europe/Vienna", "Asia/Tokyo"),
+        ("<+03>-3", "/usr/share/zoneinfo/Europe/Vienna", "UTC"),
+    ],
+)
+def test_the_zone_is_that_of_the_machine(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, said: str, link: str, zone: str
+) -> None:
+    monkeypatch.setenv("TZ", said)
+    (folder / "localtime").symlink_to(link)
+
+    assert zone_here(folder / "localtime") == zone
 
 
 def test_answers_that_end_too_soon_write_nothing(folder: Path) -> None:

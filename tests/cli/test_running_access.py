@@ -113,12 +113,13 @@ def test_whoever_is_locked_comes_to_rest_within_a_second(running: Gateway, confi
 class AtTerminal:
     """`rosic run` with somebody in front of it."""
 
-    def __init__(self, config: Path, token: str) -> None:
+    def __init__(self, config: Path, token: str = "", *, types: bool = False) -> None:
         self._ours, theirs = pty.openpty()
+        hears = theirs if types else subprocess.DEVNULL
         self._log = config.with_suffix(".err")
         with self._log.open("w") as err:
             self.process = subprocess.Popen(  # noqa: S603 - our own command
-                [*ROSIC, "run", "-c", str(config)], stdin=subprocess.DEVNULL, stdout=theirs,
+                [*ROSIC, "run", "-c", str(config)], stdin=hears, stdout=theirs,
                 stderr=err, env=environment({"LAB_TOKEN": token}),
             )  # fmt: skip
         os.close(theirs)
@@ -130,6 +131,9 @@ class AtTerminal:
             assert time.monotonic() < end_s, f"no {text!r}: {self.shown}{self.log()}"
             assert self.process.poll() is None, self.log()
             self.look(0.1)
+
+    def type(self, line: str) -> None:
+        os.write(self._ours, f"{line}\r".encode())
 
     def look(self, wait_s: float = 0.0) -> None:
         """Take over what is shown by now."""
@@ -146,6 +150,16 @@ class AtTerminal:
         finally:
             self.process.kill()
             os.close(self._ours)
+
+
+def test_who_sits_at_the_terminal_is_told_how_to_begin(tmp_path: Path) -> None:
+    hand = AtTerminal(write_config(tmp_path), types=True)
+    try:
+        hand.wait_for("Say help for what can be said here, and stop at any time.")
+        hand.type("help")
+        hand.wait_for("Say what a robot should do, for example:")
+    finally:
+        hand.end()
 
 
 def everything(folder: Path) -> bytes:

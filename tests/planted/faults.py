@@ -111,15 +111,15 @@ FAULTS = (
     Fault(
         name="I5 whoever may see a robot may resume it",
         file="organiser/organiser.py",
-        guard="decision = self.decision(caller, robot, RESUME, grounds=grounds)",
+        guard="decision = self.decision(caller, robot, word, grounds=grounds)",
         without='decision = self.decision(caller, robot, "read", grounds=grounds)',
         caught_by=(f"{STOPPING}::test_after_a_stop_nothing_moves_until_somebody_who_may_resumes",),
     ),
     Fault(
         name="I8 policy epoch ignored",
         file="linker/linker.py",
-        guard="if order.permit.epoch != self.epoch:",
-        without="if False:",
+        guard=" or permit.epoch != self.epoch:",
+        without=":",
         caught_by=(
             f"{WAY}::test_a_right_that_ends_while_an_order_waits_is_asked_again",
             "tests/rooms/test_mailbox.py",
@@ -154,15 +154,15 @@ FAULTS = (
     Fault(
         name="I12 two holders",
         file="organiser/organiser.py",
-        guard="return holder is None or holder == caller.principal",
-        without="return True",
+        guard="or not (holder is None or holder == caller.principal):",
+        without=":",
         caught_by=(f"{WAY}::test_a_robot_has_one_holder_until_it_has_been_idle",),
     ),
     Fault(
         name="I12 a robot that is asked for many times at once has many holders",
         file="organiser/organiser.py",
-        guard="return holder is None or holder == caller.principal",
-        without="return True",
+        guard="or not (holder is None or holder == caller.principal):",
+        without=":",
         caught_by=(ONE_LEASE,),
     ),
     Fault(
@@ -310,8 +310,8 @@ FAULTS = (
     Fault(
         name="I8 somebody else's time keeps nobody out",
         file="organiser/organiser.py",
-        guard="                return False\n        holder = lease",
-        without="                pass\n        holder = lease",
+        guard="            return 0\n        return self.calendar.answer_ends_ns(",
+        without="            pass\n        return self.calendar.answer_ends_ns(",
         caught_by=(RIGHTS,),
     ),
     Fault(
@@ -324,8 +324,8 @@ FAULTS = (
     Fault(
         name="I8 a right that is limited counts as one without limits",
         file="organiser/organiser.py",
-        guard="if right is None or not right.plain or not self._open(",
-        without="if right is None or not self._open(",
+        guard="plain = right is not None and right.plain",
+        without="plain = right is not None",
         caught_by=(RIGHTS,),
     ),
     Fault(

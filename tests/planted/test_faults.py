@@ -14,6 +14,7 @@ from tests.planted.faults import FAULTS, Fault
 from tests.planted.faults_of_alerts import OF_ALERTS
 from tests.planted.faults_of_among import OF_AMONG
 from tests.planted.faults_of_cards import OF_CARDS
+from tests.planted.faults_of_dispatch import OF_DISPATCH
 from tests.planted.faults_of_fleet import OF_FLEET, OF_TASKS
 from tests.planted.faults_of_orders import OF_ORDERS
 from tests.planted.faults_of_telling import OF_TELLING
@@ -31,8 +32,8 @@ def pytest_terminal_summary(terminalreporter):
 """
 
 ALL = (
-    *FAULTS, *OF_ORDERS, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *OF_AMONG, *OF_FLEET, *OF_TASKS,
-    *MESSENGER_FAULTS,
+    *FAULTS, *OF_ORDERS, *OF_DISPATCH, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *OF_AMONG, *OF_FLEET,
+    *OF_TASKS, *MESSENGER_FAULTS,
 )  # fmt: skip
 
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
     from rosic.core.record import Fact, Memory
+    from rosic.organiser.calendar import Calendar
     from rosic.organiser.organiser import Organiser
 
 ADMIN = "admin"
@@ -99,7 +100,7 @@ class Access:
         self.cards = memory.facts.get(CARD, ())
         calendar = organiser.calendar
         calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
-        changes.keep(SLOT, calendar.apply)
+        changes.keep(SLOT, partial(self._booked, calendar))
         changes.keep(SERIES, calendar.apply)
         organiser.rates.restore(memory.facts.get(RATE, ()))
         self.keys.restore(self._authoriser.directory.keys(), memory.facts.get("key-end", ()))
@@ -117,7 +118,12 @@ class Access:
 
     def _set_back(self, organiser: Organiser, behind: bool) -> None:
         organiser.in_doubt = behind
+        self._authority.moved()
         self._authority.when_changed()
+
+    def _booked(self, calendar: Calendar, fact: Fact) -> None:
+        calendar.apply(fact)
+        self._authority.moved()
 
     def _locked(self, fact: Fact) -> None:
         self.locks.apply(fact)

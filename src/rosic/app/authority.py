@@ -70,6 +70,7 @@ class Authority:
     def attach(self, rooms: Rooms, stop_lane: StopLane) -> None:
         """Say whose decisions rest on the snapshot."""
         self._rooms, self._stop_lane = rooms, stop_lane
+        rooms.organiser.released = lambda _robot: self.moved()
         self._put_in_force()
 
     # ---- what was written down becomes so ----
@@ -101,6 +102,11 @@ class Authority:
         """Replace the snapshot by one in which a person's rights are those of the roster."""
         grants = self.roster.grants_of(principal)
         self.rights = self.rights.with_grants(self.rights.epoch + 1, principal, grants)
+        self._put_in_force()
+
+    def moved(self) -> None:
+        """Something besides rights has changed: what has not begun yet is admitted once more."""
+        self.rights = self.rights.later()
         self._put_in_force()
 
     def _put_in_force(self) -> None:

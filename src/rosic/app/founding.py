@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -17,13 +19,14 @@ from rosic.organiser.zones import zone_named
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
-    from pathlib import Path
 
     from rosic.contracts.clock import Clock
 
 TOKEN_FILE = "telegram-token.txt"  # noqa: S105 - the name of a file
 ROBOTS = "robots"
 SIMULATED = "simulated"
+LOCALTIME = Path("/etc/localtime")
+UTC = "UTC"
 TELEGRAM, TERMINAL = "telegram", "terminal"
 
 
@@ -94,6 +97,42 @@ def check_robots(names: tuple[str, ...]) -> None:
             raise ConfigurationError(f"No profile is called {name!r}.", hint=nearest(name, shipped))
 
 
+def check_zone(name: str) -> None:
+    """See that there is such a time zone.
+
+    Raises:
+        ConfigurationError: There is none.
+    """
+    try:
+        zone_named(name)
+    except OutOfBounds as wrong:
+        raise ConfigurationError(str(wrong)) from wrong
+
+
+def zone_here(localtime: Path = LOCALTIME) -> str:
+    """Return the time zone that this machine keeps; UTC if it does not say so by a name."""
+    said = os.environ.get("TZ", "").removeprefix(":")
+    name = said or str(localtime.resolve()).rpartition("/zoneinfo/")[2]
+    try:
+        check_zone(name)
+    except ConfigurationError:
+        return UTC
+    return UTC if name in {f"Etc/{UTC}", "Etc/UCT", "Universal", "Zulu"} else name
+
+
+def check_token(token: str) -> None:
+    """See that something may be a Telegram token, before it is kept.
+
+    Raises:
+        ConfigurationError: It is none; the sentence does not repeat it.
+    """
+    if token and re.fullmatch(r"\d{3,20}:[\w-]{20,100}", token, re.ASCII) is None:
+        raise ConfigurationError(
+            "That does not look like a Telegram token.",
+            hint="BotFather shows it as digits, a colon, and 35 letters and digits.",
+        )
+
+
 def check_account(text: str) -> Address:
     """Return the address of a Telegram account.
 
@@ -117,10 +156,7 @@ def found(path: Path, answers: Founding, clock: Clock) -> Founded:
             no configuration that a gateway starts with. Nothing is left behind.
     """
     check_absent(path)
-    try:
-        zone_named(answers.zone)
-    except OutOfBounds as wrong:
-        raise ConfigurationError(str(wrong)) from wrong
+    check_zone(answers.zone)
     if not answers.robots and not answers.drafts:
         raise ConfigurationError("There is no robot, so there would be nothing to talk to.")
     made: list[Path] = []

@@ -281,6 +281,7 @@ class Furnishing:
         sides = Sides(
             visible=organiser.visible,
             may_book=organiser.why_not_move,
+            right_ends_ns=lambda *of: organiser.rights.moves_until_ns(*of),  # noqa: PLW0108 - replaced
             may_cancel_any=lambda who, _: organiser.rights.holds(
                 who, FLEET, "slots", clock.wall_ns()
             ),

@@ -147,6 +147,7 @@ class Gateway:
             authoriser, organiser, container,
             Linker(self.robots, board, parts.latch, parts.clock), vocabulary, profiles, board,
         )  # fmt: skip
+        self.rooms.linker.wall_ns = time.wall_ns
         self.authority = authority
         await self._furnish(memory)
 

@@ -115,8 +115,8 @@ class OperatingAccess:
     def _shown(self, offer: Offer) -> tuple[str, str]:
         links = [telegram_link(bot, offer.code) for bot in self._books.bots]
         text = join_text(offer.code)
-        if not links and offer.invitation.first_admin:
-            return offer.sentence, text
+        if offer.invitation.first_admin:
+            return "\n".join((offer.sentence, *links)), links[0] if links else text
         how = how_to_join("\n".join(links), text).replace("send me", "send the bot")
         return f"{offer.sentence}\n{how}", links[0] if links else text
 

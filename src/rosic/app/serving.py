@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
 
 CHECK_WITHIN_S = 5.0
-TELEGRAM = "telegram"
+TELEGRAM, TERMINAL = "telegram", "terminal"
+GREETING = "Say help for what can be said here, and stop at any time. Ctrl-D leaves."
 CLOSE_AT_LEAST_S = 0.5
 
 log = logging.getLogger("rosic.gateway")
@@ -152,7 +153,7 @@ class Serving:
         await self._gateway.run()
 
     async def _welcome(self, desk: OperatorDesk) -> None:
-        """When nobody is admin, show the code of the first one: at the terminal, nowhere else."""
+        """Tell whoever sits here how to begin; the first admin's code is shown nowhere else."""
         if self._show is None:
             if desk.access.nobody_is_admin():
                 log.warning("nobody is admin here yet: rosic invite --role admin gives a code")
@@ -164,6 +165,8 @@ class Serving:
             return
         if shown is not None:
             self._show(*shown)
+        elif any(messenger.platform == TERMINAL for messenger in self._parts.messengers):
+            self._show(GREETING, "")
 
 
 async def check_accounts(messengers: Iterable[Messenger]) -> list[str]:

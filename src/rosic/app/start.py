@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from zoneinfo import ZoneInfo
 
 from rosic.app.adapters import messenger_factory, robot_factory
 from rosic.app.face import face_of
@@ -72,7 +73,7 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
         clock=clock,
         entropy=entropy,
         units=known_units(),
-        face=face_of(),
+        face=face_of(ZoneInfo(config.zone)),
         painter=painter(),
     )
 

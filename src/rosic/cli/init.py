@@ -8,7 +8,16 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.founding import Founding, check_absent, check_account, check_robots, found
+from rosic.app.founding import (
+    Founding,
+    check_absent,
+    check_account,
+    check_robots,
+    check_token,
+    check_zone,
+    found,
+    zone_here,
+)
 from rosic.app.profiles import shipped_profiles
 from rosic.cli.asking import CONFIG
 from rosic.cli.questions import Questions
@@ -54,7 +63,7 @@ def _parser() -> argparse.ArgumentParser:
     add = parser.add_argument
     add("-c", "--config", metavar="FILE", default=CONFIG, help=f"what to write ({CONFIG})")
     add("--name", metavar="NAME", help=f"of this place ({NAME})")
-    add("--zone", metavar="ZONE", default="UTC", help="its time zone, as Europe/Vienna (UTC)")
+    add("--zone", metavar="ZONE", help="its time zone, as Europe/Vienna (this machine's)")
     token = parser.add_mutually_exclusive_group()
     token.add_argument("--token-env", metavar="VARIABLE", default="",
                        help="of the environment, which holds the Telegram token")  # fmt: skip
@@ -71,13 +80,14 @@ def _parser() -> argparse.ArgumentParser:
 
 def _answers(options: argparse.Namespace, ask: Questions) -> Founding:
     name = options.name or ask.text("Name of this place?", NAME)
+    zone = options.zone or ask.fit("Its time zone?", zone_here(), check_zone)
     token = _token(options, ask)
     has_telegram = bool(token or options.token_env or options.token_file)
     drafts = _drafts(options, ask)
     robots = _robots(options, ask, drafts)
     return Founding(
         name=name,
-        zone=options.zone,
+        zone=zone,
         token=token,
         token_env=options.token_env,
         token_file=str(Path(options.token_file).absolute()) if options.token_file else "",
@@ -91,7 +101,8 @@ def _answers(options: argparse.Namespace, ask: Questions) -> Founding:
 def _token(options: argparse.Namespace, ask: Questions) -> str:
     if options.no_telegram or options.token_env or options.token_file:
         return ""
-    return ask.text("Telegram bot token, from BotFather (leave empty to try without):", "").strip()
+    question = "Telegram bot token, from BotFather (leave empty to try without):"
+    return ask.fit(question, "", check_token)
 
 
 def _drafts(options: argparse.Namespace, ask: Questions) -> dict[str, str]:
@@ -127,10 +138,12 @@ def _robots(options: argparse.Namespace, ask: Questions, drafts: dict[str, str])
     if drafts:
         return ()
     shipped = ", ".join(shipped_profiles())
-    said = ask.text(f"Which robots? There are {shipped}.", " ".join(ROBOTS))
-    robots = tuple(dict.fromkeys(said.replace(",", " ").split()))
-    check_robots(robots)
-    return robots
+    question = f"Which robots? There are {shipped}."
+    return _named(ask.fit(question, " ".join(ROBOTS), lambda said: check_robots(_named(said))))
+
+
+def _named(said: str) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(said.replace(",", " ").split()))
 
 
 def _link(options: argparse.Namespace, ask: Questions, robots: tuple[str, ...]) -> str:
@@ -154,5 +167,6 @@ def _admin(options: argparse.Namespace, ask: Questions, *, has_telegram: bool) -
         return check_account(options.admin)
     if not has_telegram:
         return Address("terminal", str(os.getuid()))
-    said = ask.text("Your Telegram id, a number? (leave empty to get a code at the start)", "")
-    return check_account(said) if said.strip() else None
+    question = "Your Telegram id, a number? (leave empty to get a code at the start)"
+    said = ask.fit(question, "", lambda said: said and check_account(said))
+    return check_account(said) if said else None

@@ -10,11 +10,11 @@ def show(sentence: str, payload: str, *, picture: bool = True) -> None:
 
     Args:
         sentence: Holds the code.
-        payload: What the picture shows.
+        payload: What the picture shows; empty: there is none.
         picture: False for a terminal that cannot draw, or a reader that is none.
     """
     print(sentence, flush=True)
-    if picture and _draws():
+    if payload and picture and _draws():
         from rosic.authoriser.qr import qr_text  # noqa: PLC0415 - only for whoever wants a picture
 
         print(qr_text(payload), flush=True)

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rosic.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 _YES = {"y": True, "yes": True, "n": False, "no": False}
 
@@ -20,6 +25,29 @@ class Questions:
     def say(self, sentence: str) -> None:
         """Tell something between two questions."""
         print(sentence)
+
+    def fit(self, question: str, default: str, check: Callable[[str], object]) -> str:
+        """Ask for a text, again until it fits: one slip of a finger costs no other answer.
+
+        Args:
+            question: What is asked.
+            default: For an empty answer.
+            check: Raises a ConfigurationError about an answer that does not fit.
+
+        Raises:
+            ConfigurationError: The answers ended before the questions; or nothing is asked, and
+                the default does not fit.
+        """
+        while True:
+            answer = self.text(question, default)
+            try:
+                check(answer)
+            except ConfigurationError as wrong:
+                if self._silent:
+                    raise
+                self.say(str(wrong))
+            else:
+                return answer
 
     def text(self, question: str, default: str) -> str:
         """Ask for a text.

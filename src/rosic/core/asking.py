@@ -131,7 +131,6 @@ class Allowed(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         rules: Asked, in order.
         way, grant: What made it; None for a stop.
-        until_ns: When the grant ends; None: it does not.
         needs: What still has to come first.
         care: Everything that the skill asks for, done or not.
         preempts: From whom the robot is taken over; each once, the slot's owner first.
@@ -148,6 +147,11 @@ class Allowed(msgspec.Struct, frozen=True, kw_only=True):
     preempts: tuple[PrincipalId, ...] = ()
     unchecked: tuple[Limit, ...] = ()
     priority: int = 0
+
+    @property
+    def until_ns(self) -> int | None:
+        """Return when the grant ends, wall clock; None: it does not."""
+        return None if self.grant is None else self.grant.expires_ns
 
 
 class Denied(msgspec.Struct, frozen=True, kw_only=True):

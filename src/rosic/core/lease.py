@@ -50,6 +50,10 @@ class Lease:
             self.active -= 1
             self.idle_since_ns = now_ns
 
+    def runs(self, fence: int) -> bool:
+        """Whether the robot is still with whoever took it under this number."""
+        return fence == self.fence and self.holder is not None
+
     def release(self) -> None:
         """Give the robot back. Orders still under way keep their fence and become void."""
         self.holder = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from typing import Final
 
 import msgspec
 
@@ -10,6 +11,8 @@ from rosic.core.identity import CommandId, KeyId, PrincipalId
 from rosic.core.robot import RobotId
 from rosic.core.saying import said
 from rosic.core.skill import Argument, Skill
+
+FOREVER_NS: Final = 2**63 - 1
 
 
 class Spoken(msgspec.Struct, frozen=True, gc=False):
@@ -60,6 +63,8 @@ class Permit(msgspec.Struct, frozen=True, gc=False):
         new_fence: This permit raised the fence; the record must hold it before the robot moves.
         stop_generation: The robot's stop generation when admitted.
         epoch: Number of the policy under which it was admitted.
+        until_ns: Wall clock; from then on it has to be decided anew: a slot, a grant or a key
+            ends, or somebody's slot begins.
     """
 
     principal: PrincipalId
@@ -70,6 +75,7 @@ class Permit(msgspec.Struct, frozen=True, gc=False):
     new_fence: bool
     stop_generation: int
     epoch: int
+    until_ns: int = FOREVER_NS
 
 
 class Order(msgspec.Struct, frozen=True):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from rosic.core.reach import GRANT
 from rosic.core.role_mistakes import given_by, grant_mistakes, rulebook_mistakes
 from rosic.core.roles import priority_of
-from rosic.core.tables import NO_CAUTION, Tables
+from rosic.core.tables import NEVER_NS, NO_CAUTION, Tables
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -95,6 +95,10 @@ class Rights:
                 givers[robot] = (*givers.get(robot, ()), principal)
         return Rights(epoch, self._tables, people, givers)
 
+    def later(self) -> Rights:
+        """Return the same rights under the next number: what was admitted is looked at anew."""
+        return Rights(self.epoch + 1, self._tables, self._people, self._givers)
+
     # ---- for each order ----
 
     def may(self, principal: PrincipalId, robot: RobotId, skill: str) -> Right | None:
@@ -145,6 +149,16 @@ class Rights:
     def holds(self, principal: PrincipalId, robot: RobotId, skill: str, now_ns: int) -> bool:
         """Whether somebody has a right now, under whatever limits."""
         return any(now_ns < holding.until_ns for _, holding in self.ways(principal, robot, skill))
+
+    def moves_until_ns(self, principal: PrincipalId, robot: RobotId) -> int | None:
+        """Return when the last of somebody's rights to move a robot ends; None: one has no end."""
+        ends = [
+            holding.until_ns
+            for holding in self._people.get(principal, ())
+            if any(self.actuates(robot, skill) for skill in holding.rows.get(robot, ()))
+        ]
+        last_ns = max(ends, default=0)
+        return None if last_ns >= NEVER_NS else last_ns
 
     def priority(self, principal: PrincipalId, robot: RobotId, now_ns: int) -> int:
         """Return the highest priority that somebody has on a robot now; 0 without a right."""

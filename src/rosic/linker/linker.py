@@ -29,7 +29,7 @@ REPLACE = Busy.REPLACE
 
 
 class PolicyMoved(RosicError):
-    """The policy changed since the order was admitted: it has to be admitted once more (I8)."""
+    """The policy or the time moved on since admission: the order is admitted once more (I8)."""
 
     code = "policy-moved"
 
@@ -56,12 +56,15 @@ class Linker:
 
     Attributes:
         epoch: Number of the present policy; an order admitted under another one is not relayed.
+        wall_ns: By which slots, grants and keys end. Asking it may move the policy on, when the
+            machine's clock was set back.
     """
 
     def __init__(
         self, robots: Mapping[RobotId, Robot], stops: StopBoard, latch: Latch, clock: Clock
     ) -> None:
         self.epoch = 0
+        self.wall_ns = clock.wall_ns
         self._robots = dict(robots)
         self._mailboxes = {robot_id: Mailbox(robot, clock) for robot_id, robot in robots.items()}
         self._stops = stops
@@ -106,7 +109,9 @@ class Linker:
             OrderVoid, RobotOffline: Awaited. The robot has not moved.
             RobotUnreachable: Awaited. It may or may not have moved.
         """
-        if order.permit.epoch != self.epoch:
+        permit = order.permit
+        # Asked of every order: asking is also how a clock that was set back is noticed in time.
+        if self.wall_ns() >= permit.until_ns or permit.epoch != self.epoch:
             raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
         if robot.profile.busy is REPLACE:

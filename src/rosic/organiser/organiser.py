@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
+from msgspec.structs import replace as renewed
+
 from rosic.core.asking import Ask, Denied, Key, State
-from rosic.core.authority import FILES, RESUME
 from rosic.core.decision import decide
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.lease import Lease
-from rosic.core.order import Order, Permit, Request
+from rosic.core.order import FOREVER_NS, Order, Permit, Request
 from rosic.core.robot import Slots
 from rosic.core.roles import Need
 from rosic.core.saying import said
@@ -29,7 +30,7 @@ from rosic.organiser.words_rates import person_full
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
-    from rosic.core.asking import Decision
+    from rosic.core.asking import Allowed, Decision
     from rosic.core.identity import KeyId
     from rosic.core.rate import RateLimit
     from rosic.core.rights import Rights
@@ -53,6 +54,7 @@ class Organiser:
         locked: Who is locked; kept by the authoriser.
         in_doubt: The computer's clock was set back: nothing new moves.
         locked_out: Hears of whoever was turned away because of it.
+        released: Hears of a robot that was taken from whoever had it.
         narrow: Keys that reach less than their principal's rights; kept by the authoriser.
         calendar: Whose time it is.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
@@ -74,6 +76,7 @@ class Organiser:
         self.locked: Collection[PrincipalId] = frozenset()
         self.in_doubt = False
         self.locked_out: Callable[[PrincipalId], object] = _nothing
+        self.released: Callable[[RobotId], object] = _nothing
         self.lease_idle_s = lease_idle_s
         self.name_of: NameOf = str
         self.wall_ns = clock.wall_ns
@@ -140,29 +143,31 @@ class Organiser:
         """
         now_ns = self._clock.monotonic_ns()
         rights, principal = self.rights, caller.principal
-        acting: list[Lease | None] = []
+        acting: list[tuple[Lease | None, int]] = []
         cost = 0.0
         for request in requests:
             robot, skill = request.robot, request.skill
             right = rights.may(principal, robot, skill.id)
             lease = self._leases[robot] if skill.actuates else None
-            if right is None or not right.plain or not self._open(caller, robot, lease, now_ns):
-                self._decide(caller, request, arguments_of(request), grounds_of())
+            plain = right is not None and right.plain
+            until_ns = self._open(caller, robot, lease, now_ns) if plain else 0
+            if not until_ns:
+                until_ns = self._decide(caller, request, arguments_of(request), grounds_of())
             if self.in_doubt and lease is not None:
                 raise TimeInDoubt(CLOCK_SET_BACK)
-            acting.append(lease)
+            acting.append((lease, until_ns))
             cost += skill.cost
         if cost != len(requests) or rights.rates or self.rates.robots:
             self._spend(caller, requests)
         permits: list[Permit] = []
-        for request, lease in zip(requests, acting, strict=True):
+        for request, (lease, until_ns) in zip(requests, acting, strict=True):
             robot = request.robot
             grew = lease is not None and lease.take(principal, now_ns, self._idle_ns)
             permits.append(
                 Permit(
                     principal, caller.key, robot, request.skill.id,
                     0 if lease is None else lease.fence, grew,
-                    self._stops[robot].generation, rights.epoch,
+                    self._stops[robot].generation, rights.epoch, until_ns,
                 )
             )  # fmt: skip
         return tuple(permits)
@@ -182,26 +187,27 @@ class Organiser:
                 found = rights.rated(principal, request.robot, request.skill.id, wall_ns)
                 roles.update(dict.fromkeys(found))
         robots = [(request.robot, request.skill.cost) for request in requests]
-        dearest = max(request.skill.cost for request in requests)
-        refusal = rates.spend(principal, dearest, robots, roles)
+        refusal = rates.spend(principal, max(cost for _, cost in robots), robots, roles)
         if refusal is not None:
             raise refusal
 
-    def _open(self, caller: Caller, robot: RobotId, lease: Lease | None, now_ns: int) -> bool:
-        """Whether nothing but the right itself has to be asked: the way of nearly every order."""
+    def _open(self, caller: Caller, robot: RobotId, lease: Lease | None, now_ns: int) -> int:
+        """Until when nothing but the right itself has to be asked; 0: there is more already."""
         if caller.key in self.narrow:
-            return False
+            return 0
         if lease is None:
-            return True
-        if self._stops[robot].latched:
-            return False
-        rule = self._slots.get(robot)
-        if rule is not None and (rule == "required" or self.calendar.has_slots(robot)):
-            slot = self.calendar.present(robot, self.wall_ns())
-            if not (rule == "respected" if slot is None else slot.principal == caller.principal):
-                return False
+            return FOREVER_NS
         holder = lease.holder_at(now_ns, self._idle_ns)
-        return holder is None or holder == caller.principal
+        if self._stops[robot].latched or not (holder is None or holder == caller.principal):
+            return 0
+        rule = self._slots.get(robot)
+        if rule is None or not (rule == "required" or self.calendar.has_slots(robot)):
+            return FOREVER_NS
+        wall_ns = self.wall_ns()
+        slot = self.calendar.present(robot, wall_ns)
+        if not (rule == "respected" if slot is None else slot.principal == caller.principal):
+            return 0
+        return self.calendar.answer_ends_ns(robot, wall_ns)
 
     def _decide(
         self,
@@ -209,7 +215,7 @@ class Organiser:
         request: Request,
         arguments: Mapping[str, Argument],
         grounds: Grounds,
-    ) -> None:
+    ) -> int:
         decision = self.decision(caller, request.robot, request.skill.id, arguments, grounds)
         if isinstance(decision, Denied):
             raise self._refusing.denial(decision)
@@ -217,6 +223,15 @@ class Organiser:
             raise self._refusing.needs(decision, request.text)
         if decision.preempts and self.holder(request.robot) != caller.principal:
             raise self._refusing.take_over(decision)
+        return self._until_ns(decision)
+
+    def _until_ns(self, allowed: Allowed) -> int:
+        """Return until when a decision holds if nobody changes anything, wall clock."""
+        robot, key = allowed.ask.robot, self.key_of(allowed.ask.key)
+        booked = robot in self._slots
+        slot_ns = self.calendar.answer_ends_ns(robot, self.wall_ns()) if booked else FOREVER_NS
+        ends = (allowed.until_ns, None if key is None else key.expires_ns, slot_ns)
+        return min(ns for ns in ends if ns is not None)
 
     def decision(
         self,
@@ -265,41 +280,26 @@ class Organiser:
 
         Raises:
             NotPermitted: The right is gone.
+            OutsideSlot, SlotTaken, RobotTaken, OrderVoid: The robot is not theirs any more.
+            TimeInDoubt: The clock was set back meanwhile.
         """
         decision = self.decision(caller, order.robot, order.skill.id, order.arguments, grounds)
         if isinstance(decision, Denied):
             raise self._refusing.denial(decision)
-        old = order.permit
-        return Permit(
-            old.principal, old.key, old.robot, old.skill, old.fence, False,
-            old.stop_generation, self.rights.epoch,
-        )  # fmt: skip
+        fence, until_ns = order.permit.fence, self._until_ns(decision)
+        if fence and (self.in_doubt or not self._leases[order.robot].runs(fence)):
+            raise TimeInDoubt(CLOCK_SET_BACK) if self.in_doubt else self._refusing.over(order.robot)
+        return renewed(order.permit, new_fence=False, epoch=self.rights.epoch, until_ns=until_ns)
 
-    def check_resume(self, caller: Caller, robot: RobotId, grounds: Grounds) -> None:
-        """Decide whether a person may undo a stop.
-
-        Raises:
-            NotPermitted: Not this person.
-        """
-        decision = self.decision(caller, robot, RESUME, grounds=grounds)
-        if isinstance(decision, Denied):
-            raise self._refusing.denial(decision)
-
-    def check_files(self, caller: Caller, robot: RobotId) -> None:
-        """Decide whether a person may put files into a robot's inbox, and fetch those it gives.
-
-        Raises:
-            NotPermitted: Not this person.
-        """
-        self.check_word(caller, robot, FILES)
-
-    def check_word(self, caller: Caller, robot: RobotId, word: str) -> None:
+    def check_word(
+        self, caller: Caller, robot: RobotId, word: str, grounds: Grounds = NOTHING
+    ) -> None:
         """Decide whether somebody, a person or a robot, has a right that is no skill.
 
         Raises:
             NotPermitted, Unrecognised: Not they.
         """
-        decision = self.decision(caller, robot, word)
+        decision = self.decision(caller, robot, word, grounds=grounds)
         if isinstance(decision, Denied):
             raise self._refusing.denial(decision)
 
@@ -377,6 +377,7 @@ class Organiser:
     def release(self, robot: RobotId) -> None:
         """Take a robot from whoever has it; orders still under way become void."""
         self._leases[robot].release()
+        self.released(robot)
 
     def yielded(self, robot: RobotId, principal: PrincipalId) -> None:
         """Let somebody have a robot that was given up for them, until they use it or it idles."""
@@ -391,7 +392,7 @@ class Organiser:
         """Take every robot away from somebody; return which."""
         held = self.held_by(principal)
         for robot in held:
-            self._leases[robot].release()
+            self.release(robot)
         return held
 
 

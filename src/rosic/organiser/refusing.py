@@ -12,6 +12,7 @@ from rosic.core.saying import joined, said
 from rosic.errors import (
     FirstNeeded,
     NotPermitted,
+    OrderVoid,
     OutOfBounds,
     Refusal,
     RobotStopped,
@@ -122,6 +123,15 @@ class Refusing:
                  shown=self._shown(robot), names=names),
             offers=(f"take over {robot}",), robot=robot, others=allowed.preempts,
         )  # fmt: skip
+
+    def over(self, robot: RobotId) -> OrderVoid:
+        """Return that a robot was taken from somebody before what they asked for could begin."""
+        return OrderVoid(
+            said(
+                "Your turn with {shown} was over before this could begin. Nothing was done.",
+                shown=self._shown(robot),
+            )
+        )
 
     def _shown(self, robot: RobotId) -> str:
         return self._profiles[robot].shown

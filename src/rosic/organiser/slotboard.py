@@ -7,6 +7,7 @@ from bisect import bisect_left, insort
 from itertools import islice
 from typing import TYPE_CHECKING, ClassVar, TypeVar
 
+from rosic.core.order import FOREVER_NS
 from rosic.core.slot import SERIES, SLOT, Series, SeriesId, Slot, SlotId, read_fact
 from rosic.organiser.bells import Bells, Event
 from rosic.organiser.timeline import Timeline
@@ -143,6 +144,14 @@ class SlotBoard:
         """Return the slot that is now; the one thing that is asked for every order."""
         line = self._lines.get(robot)
         return None if line is None else line.present(now_ns)
+
+    def answer_ends_ns(self, robot: RobotId, now_ns: int) -> int:
+        """Return until when `present` goes on to answer what it answers now."""
+        line = self._lines.get(robot)
+        if line is None:
+            return FOREVER_NS
+        line.present(now_ns)
+        return line.until_ns
 
     def has_slots(self, robot: RobotId) -> bool:
         """Whether a robot was ever booked; one look-up."""

@@ -5,13 +5,14 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from typing import TYPE_CHECKING
 
+from rosic.core.order import FOREVER_NS
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rosic.core.identity import PrincipalId
     from rosic.core.slot import Slot
 
-FOREVER_NS = 2**63 - 1
 MOST_REMEMBERED = 256
 
 
@@ -20,16 +21,19 @@ class Timeline:
 
     It remembers too when the robot is free next, because that is told with each refusal, and in a
     calendar without gaps many slots have to be looked at to find out.
+
+    Attributes:
+        until_ns: For how long what `present` answered last is so.
     """
 
-    __slots__ = ("_free", "_present", "_since_ns", "_slots", "_starts", "_until_ns")
+    __slots__ = ("_free", "_present", "_since_ns", "_slots", "_starts", "until_ns")
 
     def __init__(self) -> None:
         self._starts: list[int] = []
         self._slots: list[Slot] = []
         self._free: dict[tuple[int, PrincipalId | None], tuple[int, int]] = {}
         self._present: Slot | None = None
-        self._since_ns = self._until_ns = 0  # for this long the answer holds: not at all yet
+        self._since_ns = self.until_ns = 0  # for this long the answer holds: not at all yet
 
     def __len__(self) -> int:
         return len(self._slots)
@@ -52,16 +56,16 @@ class Timeline:
 
     def present(self, now_ns: int) -> Slot | None:
         """Return the slot that is now."""
-        if self._since_ns <= now_ns < self._until_ns:
+        if self._since_ns <= now_ns < self.until_ns:
             return self._present
         after = bisect_right(self._starts, now_ns)
         before = self._slots[after - 1] if after else None
         next_ns = self._starts[after] if after < len(self._starts) else FOREVER_NS
         if before is not None and now_ns < before.end_ns:
-            self._present, self._since_ns, self._until_ns = before, before.start_ns, before.end_ns
+            self._present, self._since_ns, self.until_ns = before, before.start_ns, before.end_ns
         else:
             ended_ns = before.end_ns if before is not None else -FOREVER_NS
-            self._present, self._since_ns, self._until_ns = None, ended_ns, next_ns
+            self._present, self._since_ns, self.until_ns = None, ended_ns, next_ns
         return self._present
 
     def next_after(self, now_ns: int) -> Slot | None:
@@ -110,7 +114,7 @@ class Timeline:
         return free_ns
 
     def _forget(self) -> None:
-        self._since_ns = self._until_ns = 0
+        self._since_ns = self.until_ns = 0
         self._free.clear()
 
     def _first_ending_after(self, at_ns: int) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,7 @@ from rosic.pipeline.telling import Note, Teller
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
-    from rosic.core.identity import Caller, CommandId
+    from rosic.core.identity import Address, Caller, CommandId
     from rosic.core.message import Inbound
     from rosic.pipeline.desk import Reply
     from rosic.pipeline.rooms import Rooms
@@ -31,6 +32,9 @@ CONFIRMED = "!"
 TRAIL = "\x1f"
 DO_IT, LEAVE_IT, PREVIOUS = said("Do it"), said("Leave it"), said("Previous")
 STRANGERS = RateLimit(burst=5.0, per_s=0.2)
+STRANGERS_KEPT = 1_000
+AGAIN_NS = 600_000_000_000
+"""Whoever is unknown and goes on writing is told so again after so long, and no sooner."""
 
 
 class Replies:
@@ -48,6 +52,7 @@ class Replies:
         self._clock = clock
         self.arrears = Arrears(teller, clock)
         self._strangers = Bucket(STRANGERS, clock.monotonic_ns())
+        self._turned_away: OrderedDict[Address, int] = OrderedDict()
 
     def say(self, messenger: Messenger, inbound: Inbound, text: str) -> None:
         """Answer without buttons."""
@@ -167,10 +172,17 @@ class Replies:
             self._teller.say(note)
 
     def turn_away(self, messenger: Messenger, inbound: Inbound, sentence: str) -> None:
-        """Answer a stranger in private, seldom; all strangers share one bucket."""
-        private = inbound.chat.kind is ChatKind.PRIVATE
-        if private and not self._strangers.take(self._clock.monotonic_ns()):
-            self.say(messenger, inbound, sentence)
+        """Answer a stranger in private, once and not again soon; all strangers share one bucket."""
+        who, now_ns = inbound.sender, self._clock.monotonic_ns()
+        silent = now_ns < self._turned_away.get(who, 0)
+        if inbound.chat.kind is not ChatKind.PRIVATE or silent or self._strangers.take(now_ns):
+            return
+        if self._authoriser.directory.at(who) is None:  # and not somebody whose access has ended
+            self._turned_away[who] = now_ns + AGAIN_NS
+            self._turned_away.move_to_end(who)
+            if len(self._turned_away) > STRANGERS_KEPT:
+                self._turned_away.popitem(last=False)
+        self.say(messenger, inbound, sentence)
 
     async def redeem(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> str:
         """Return what a tap says; the tap itself is answered in any case.

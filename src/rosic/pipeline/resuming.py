@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core import words
+from rosic.core.authority import RESUME
 from rosic.core.identity import Caller, CommandId, robot_command_id
 from rosic.core.saying import joined, said
 from rosic.errors import Expired, Fault, NotUnderstood, RecordUnavailable, RobotStopped
@@ -58,7 +59,7 @@ class Resuming:
         caller, inbound = asked.caller, asked.inbound
         stopped = self._stopped(caller, line)
         for robot in stopped:
-            self._organiser.check_resume(caller, robot, asked.grounds())
+            self._organiser.check_word(caller, robot, RESUME, asked.grounds())
             self._check_later(inbound, robot)
             self._check_not_barred(robot)
         # As they were when this was asked: what is stopped meanwhile stays stopped.
@@ -67,7 +68,7 @@ class Resuming:
             robot_cid = robot_command_id(cid, robot)
             await self._container.resume(robot_cid, caller, robot, generation)
             # The right may have ended meanwhile.
-            self._organiser.check_resume(caller, robot, asked.grounds())
+            self._organiser.check_word(caller, robot, RESUME, asked.grounds())
             shown = self._linker.profile(robot).shown
             try:
                 ready = await self._linker.resume(robot, generation)

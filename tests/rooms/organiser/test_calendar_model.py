@@ -238,9 +238,9 @@ class ForgetsToForget(Timeline):
     """The answer to "who has it now" outlives a change."""
 
     def add(self, slot: Slot) -> bool:
-        kept = self._since_ns, self._until_ns
+        kept = self._since_ns, self.until_ns
         added = super().add(slot)
-        self._since_ns, self._until_ns = kept
+        self._since_ns, self.until_ns = kept
         return added
 
 

@@ -289,3 +289,16 @@ async def test_what_was_counted_is_not_lost_by_ending() -> None:
         await a_person_without_the_right(place)
     async with Place(place.store, clock=place.clock).open() as again:
         assert again.gateway.access.tally.by_kind() == {"stranger": 1, "no-right": 1}
+
+
+async def test_a_stranger_is_told_once_and_not_again_soon() -> None:
+    async with Place().open() as place:
+        assert "I do not know you yet" in await stranger_says(place, "omni wave")
+        for text in ("hello", "omni wave", "/me"):
+            await place.clock.advance(60.0)
+            assert await stranger_says(place, text) == ""
+        other = await place.say("hello", account="98", chat="98")
+        assert "I do not know you yet" in other, "nobody is kept out by somebody else"
+        await place.clock.advance(600.0)
+        assert "I do not know you yet" in await stranger_says(place, "hello")
+        assert place.acted() == 0

@@ -20,7 +20,8 @@ from rosic.core.role_mistakes import rulebook_mistakes
 from rosic.core.roles import DEFAULT_ROLES, Grant, Role, Rulebook
 from rosic.testing.clock import ManualClock
 from tests.rooms.organiser.booking import NOW
-from tests.rooms.pipeline.place import BO, STRANGER, BrokenStore, Place
+from tests.rooms.pipeline.place import BO, STRANGER, VI, BrokenStore, Place
+from tests.rooms.pipeline.test_rights import who
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -82,6 +83,31 @@ async def test_a_slot_that_is_none(asked: str, told: str) -> None:
         calendar = place.gateway.rooms.organiser.calendar
         assert await place.say(f"/book {asked}") == told
         assert len(calendar) == 1, "nothing was booked"
+
+
+async def test_a_time_after_the_right_to_it() -> None:
+    async with vienna() as place:
+        roster, vi = place.gateway.authority.roster, who(place, "Vi")
+        ends_ns = place.clock.wall_ns() + 2 * 3_600 * 10**9
+        grant = Grant(id="g1", scopes=("kuka1:*",), expires_ns=ends_ns)
+        async with place.gateway.access.changes.turn() as turn:
+            await turn.write(roster.give(vi, (grant,), "test"))
+        calendar = place.gateway.rooms.organiser.calendar
+        kept = len(calendar)
+
+        told = await place.say("/book kuka1 tomorrow 14:00 1h", account=VI, chat=VI)
+        assert "Your right to kuka1 ends" in told
+        assert "before that time. Nothing was booked." in told
+        told = await place.say("/book kuka1 every day 14:00 1h 3 times", account=VI, chat=VI)
+        assert len(calendar) == kept, told
+        told = await place.say("/book kuka1 now 3h", account=VI, chat=VI)
+        assert "But your right to kuka1 ends" in told
+        await place.clock.advance(1)
+        cancel, under = place.button("Cancel it")
+        await place.tap(cancel, under, account=VI)
+        told = await place.say("/book kuka1 now 2h", account=VI, chat=VI)
+        assert "is yours" in told
+        assert "your right" not in told, "they mean the same two hours"
 
 
 async def test_a_time_zone_that_is_none() -> None:
@@ -163,8 +189,9 @@ async def test_a_container_erased_while_in_use() -> None:
         assert robot.gate.latched
         assert robot.presence().at_rest
         robot.work_s = 0.0
-        for asked in ("omni move 1 m", "/mydata", "/data plan"):
-            assert await place.say(asked, account=BO, chat=BO) == STRANGERS
+        asked = ("omni move 1 m", "/mydata", "/data plan")
+        heard = [await place.say(line, account=BO, chat=BO) for line in asked]
+        assert heard == [STRANGERS, "", ""], "they are a stranger"
         assert place.acted() == 1
         await place.say("resume omni")
         await place.say("omni wave")

@@ -54,7 +54,11 @@ def settings(kept: Preferences, language: str, robot: str, zone: str) -> str:
     )
     return joined(
         "\n",
-        [said("Your settings:"), *(joined("", ("  ", what, ": ", value)) for what, value in lines)],
+        [
+            said("Your settings:"),
+            *(joined("", ("  ", what, ": ", value)) for what, value in lines),
+            HOW_TO_SET,
+        ],
     )
 
 

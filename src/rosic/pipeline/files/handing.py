@@ -199,7 +199,7 @@ class Handing:
     def _check(self, caller: Caller, robot: RobotId, filed: Filed) -> None:
         profile = self._profiles[robot]
         takes = self._files_of(robot)
-        self._organiser.check_files(caller, robot)
+        self._organiser.check_word(caller, robot, FILES)
         if not takes.takes:
             raise NotUnderstood(words.takes_none(profile.shown))
         if filed.sort not in takes.accept:
@@ -225,7 +225,7 @@ class Handing:
         """
         said, _, name = rest.partition(" ")
         robot = self._robot(asked, said)
-        self._organiser.check_files(asked.caller, robot)
+        self._organiser.check_word(asked.caller, robot, FILES)
         if not self._files_of(robot).outbox:
             raise NotUnderstood(words.gives_none(self._profiles[robot].shown))
         try:

@@ -139,8 +139,7 @@ class Custody:
                 return Reply(words_access.LOCK_LAST, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         written = await self._end_for_now(found.id, by)
         self._notices.locked(found, by)
-        sentence = words_access.LOCKED_YOURSELF if found.id == by else words_keys.locked(found.name)
-        return Reply(words.noted(sentence, written=written))
+        return _locked(found, by, written=written)
 
     def _is_free(self, person: Principal) -> bool:
         return not self._locks.locked(person.id)
@@ -193,6 +192,14 @@ class Custody:
         self._ending.add(ending)
         ending.add_done_callback(self._ending.discard)
         return ending
+
+
+def _locked(person: Principal, by: PrincipalId, *, written: bool) -> Reply:
+    """Return that somebody is locked, with the way back for whoever meant somebody else."""
+    if person.id == by:
+        return Reply(words.noted(words_access.LOCKED_YOURSELF, written=written))
+    undo = Button(words_access.UNLOCK, f"/unlock {person.id}")
+    return Reply(words.noted(words_keys.locked(person.name), written=written), ((undo,),))
 
 
 def _all(found: Iterable[Iterable[Record]]) -> tuple[Record, ...]:

@@ -179,7 +179,8 @@ class _Reading:
         close = did_you_mean(word, (*self._roles, *fleet.skills, *fleet.groups))
         said = self._said if self._inviting else ""
         offers = tuple(f"/invite {_with(said, word, other)}" for other in close) if said else ()
-        return NotUnderstood(words.no_role_no_robot(word, close), offers=offers)
+        sentence = words.no_role_no_robot(word, close, tuple(self._roles.values()))
+        return NotUnderstood(sentence, offers=offers)
 
 
 def _with(said: str, word: str, other: str) -> str:

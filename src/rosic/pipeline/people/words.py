@@ -197,9 +197,13 @@ def no_role(roles: Sequence[str]) -> str:
     return said("As what? The roles here are {listed}. Nothing was done.", listed=listed(roles))
 
 
-def no_role_no_robot(word: str, close: Sequence[str]) -> str:
-    """Return which word means nothing."""
-    meant = said(" Did you mean {close}?", close=joined(OR, close)) if close else ""
+def no_role_no_robot(word: str, close: Sequence[str], roles: Sequence[str]) -> str:
+    """Return which word means nothing, and what may have been meant."""
+    meant = (
+        said(" Did you mean {close}?", close=joined(OR, close))
+        if close
+        else said(" The roles here are {listed}.", listed=listed(roles))
+    )
     return said(
         "I know no role and no robot called {quote}.{meant} Nothing was done.",
         quote=quote(word),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 # ---- ending access ----
 
 REVOKE: Final = said("Revoke")
+UNLOCK: Final = said("Unlock")
 LOCK_ME: Final = said("Lock me")
 HOW_TO_REVOKE: Final = said("Whose access shall end for good? Write for example: /revoke NAME")
 HOW_TO_LOCK: Final = said(

@@ -12,10 +12,11 @@ from rosic.core.language.when import When, read_when
 from rosic.core.message import Button
 from rosic.core.robot import Slots
 from rosic.core.saying import said
-from rosic.core.slot import Pattern, Slot
+from rosic.core.slot import SLOT, Pattern, Slot, read_fact
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from rosic.organiser.hindrance import SlotTaken
 from rosic.organiser.occasions import occasion, occasions
+from rosic.organiser.words_calendar import moment
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.times import words_times as words
 from rosic.pipeline.times.deciding import decided
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.office import Asked
     from rosic.pipeline.times.parts import Times
 
+TO_THE_MINUTE_NS = 60_000_000_000
+"""Whoever has a right for two hours and books two hours means the same."""
 WHERE_FREE = ("where", "free")
 """Said after a time that comes again: what is taken is left out."""
 
@@ -81,14 +84,36 @@ class Booking:
             shown = self._times.shown(robot)
             raise OutOfBounds(words.not_booked(shown), offers=(f"wait {robot}",))
 
+    def _check_right(
+        self, principal: PrincipalId, robot: RobotId, start_ns: int, length_s: int
+    ) -> str:
+        """See that a time begins while there still is a right to it.
+
+        Returns:
+            That the right ends before the time does, if so.
+
+        Raises:
+            OutOfBounds: The right ends sooner than it begins.
+        """
+        times = self._times
+        ends_ns = times.sides.right_ends_ns(principal, robot)
+        if ends_ns is None or start_ns + length_s * 10**9 <= ends_ns + TO_THE_MINUTE_NS:
+            return ""
+        zone, shown = times.sides.zone_of(principal), times.shown(robot)
+        at = moment(ends_ns, times.clock.wall_ns(), zone)
+        if start_ns >= ends_ns:
+            raise OutOfBounds(words.right_ends_before(shown, at), offers=(f"ask {robot}",))
+        return words.right_ends_within(shown, at)
+
     async def _once(self, turn: Turn, principal: PrincipalId, robot: RobotId, when: When) -> Reply:
         times = self._times
         zone = times.sides.zone_of(principal)
         found = occasion(robot, when, zone)
+        late = self._check_right(principal, robot, found.start_ns, found.length_s)
         facts = times.calendar.book(principal, robot, found.start_ns, found.length_s, principal)
         (slot,) = await self._write(turn, principal, facts)
         button = Button(said("Cancel it"), f"/cancel {slot.id}")
-        return Reply(words.booked(times.shown(robot), slot, zone, found.note), ((button,),))
+        return Reply(words.booked(times.shown(robot), slot, zone, found.note, late), ((button,),))
 
     async def _series(
         self,
@@ -104,9 +129,11 @@ class Booking:
         pattern = _pattern(when, zone)
         calendar, now_ns = times.calendar, times.clock.wall_ns()
         facts = calendar.book_series(principal, robot, pattern, principal, skip_taken=skip_taken)
+        last_ns = max(slot.start_ns for slot in map(_slot_of, facts) if slot is not None)
+        late = self._check_right(principal, robot, last_ns, pattern.length_s)
         slots = await self._write(turn, principal, facts)
         every = len(occasions(pattern, now_ns, calendar.limits))
-        notes = words.left_out(every - len(slots)), _moved(slots, when, zone)
+        notes = words.left_out(every - len(slots)), _moved(slots, when, zone), late
         given = words.booked_series(times.shown(robot), slots, zone, *notes)
         return Reply(
             given, ((Button(said("Cancel all of them"), f"/cancel all {slots[0].series}"),),)
@@ -134,6 +161,10 @@ class Booking:
             self._times.calendar.book_series(principal, robot, pattern, principal, skip_taken=True)
             return (offer, *day)
         return day
+
+
+def _slot_of(fact: Fact) -> Slot | None:
+    return read_fact(fact, Slot) if fact.kind == SLOT else None
 
 
 def _without_where_free(text: str) -> tuple[str, bool]:

@@ -30,12 +30,17 @@ def nobody_stays(_: PrincipalId, __: Slot) -> bool:
     return False
 
 
+def never_ends(_: PrincipalId, __: RobotId) -> None:
+    """Say that a right has no end."""
+
+
 class Sides(msgspec.Struct, frozen=True, kw_only=True):
     """What other rooms say, each as a question; none of them waits for anything but `handover`.
 
     Attributes:
         visible: The robots that somebody may see.
         may_book: Why somebody may not move a robot at all, whatever the time; None if they may.
+        right_ends_ns: When somebody's right to a robot ends, wall clock; None: it does not.
         may_cancel_any: Whether somebody may cancel other people's times with a robot.
         selected: The robot or group that somebody chose in a chat; empty for none.
         zone_of: Where somebody reads times.
@@ -56,6 +61,7 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
     ready: Callable[[RobotId], bool]
     handover: Handover
     may_stay: Callable[[PrincipalId, Slot], bool] = nobody_stays
+    right_ends_ns: Callable[[PrincipalId, RobotId], int | None] = never_ends
 
 
 class Times(msgspec.Struct, frozen=True, kw_only=True):

@@ -78,20 +78,35 @@ def _sentences(*several: str) -> str:
 # ---- booking ----
 
 
-def booked(shown: str, slot: Slot, zone: Zone, note: str = "") -> str:
+def right_ends_before(shown: str, at: str) -> str:
+    """Somebody books what they will have no right to."""
+    return said(
+        "Your right to {shown} ends {at}, before that time. Nothing was booked. Ask for more of it "
+        "first.",
+        shown=shown,
+        at=at,
+    )
+
+
+def right_ends_within(shown: str, at: str) -> str:
+    """Somebody books longer than they have the right."""
+    return said("But your right to {shown} ends {at}.", shown=shown, at=at)
+
+
+def booked(shown: str, slot: Slot, zone: Zone, *notes: str) -> str:
     """One time is booked."""
     return _sentences(
         said(
             "{shown} is yours {span} ({name}).", shown=shown, span=span(slot, zone), name=zone.name
         ),
-        note,
+        *notes,
     )
 
 
 def booked_series(shown: str, slots: tuple[Slot, ...], zone: Zone, *notes: str) -> str:
     """Several times are booked."""
     if len(slots) == 1:
-        return booked(shown, slots[0], zone, _sentences(*notes))
+        return booked(shown, slots[0], zone, *notes)
     first, last = span(slots[0], zone), full_day(zone.local(slots[-1].start_ns))
     given = said(
         "{shown} is yours {slots} times: first {first}, last on {last} ({name}).",

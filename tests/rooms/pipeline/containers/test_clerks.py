@@ -5,6 +5,7 @@ import re
 import pytest
 
 from rosic.core.message import ChatKind
+from rosic.pipeline.containers.words_containers import HOW_TO_SET
 from tests.rooms.pipeline.containers.ward import a_ward
 from tests.rooms.pipeline.place import ADA, BO, VI
 
@@ -19,7 +20,7 @@ async def test_settings_are_shown_set_and_kept_over_a_restart() -> None:
         assert await ward.said("settings", account=BO) == (
             "Your settings:\n  Language: English\n  Units: metric\n"
             "  Robot, when none is named: none\n  Highest speed: whatever each robot allows\n"
-            "  Time zone: UTC"
+            f"  Time zone: UTC\n{HOW_TO_SET}"
         )
         assert await ward.said("language", "deutsch", account=BO) == "Saved."
         assert await ward.said("settings", "units imperial", account=BO) == "Saved."
@@ -29,7 +30,7 @@ async def test_settings_are_shown_set_and_kept_over_a_restart() -> None:
         assert reply.text == (
             "Your settings:\n  Language: Deutsch\n  Units: imperial\n"
             "  Robot, when none is named: omni\n  Highest speed: whatever each robot allows\n"
-            "  Time zone: Europe/Vienna"
+            f"  Time zone: Europe/Vienna\n{HOW_TO_SET}"
         )
         assert [button.command for row in reply.buttons for button in row] == [
             "/settings units metric", "/language en",

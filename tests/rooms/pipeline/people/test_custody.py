@@ -218,6 +218,8 @@ async def test_a_lock_acts_at_once_in_any_chat() -> None:
         assert not hall.told(CY)  # whoever has the phone is told nothing
         assert await hall.say(CY, "/me") == "Your access is locked. Ask an admin."
         assert await hall.say(ADA, "/lock Cy Young") == LOCKED  # twice is no mistake
+        assert await hall.tap(ADA, "Unlock") == "Cy Young is unlocked."
+        assert not hall.locks.locked("p-3")
 
 
 async def test_a_lock_acts_with_the_disk_full_and_comes_back_when_it_was_written() -> None:

@@ -104,10 +104,20 @@ def test_an_admin_may_be_asked_for_a_tap() -> None:
         ),
         (
             "operator zzzzzzzzz",
-            'I know no role and no robot called "zzzzzzzzz". Nothing was done.',
+            (
+                'I know no role and no robot called "zzzzzzzzz". The roles here are viewer, '
+                "operator, senior, admin, junior, tutor and guard. Nothing was done."
+            ),
             (),
         ),
-        ("operator fleet", 'I know no role and no robot called "fleet". Nothing was done.', ()),
+        (
+            "operator fleet",
+            (
+                'I know no role and no robot called "fleet". The roles here are viewer, '
+                "operator, senior, admin, junior, tutor and guard. Nothing was done."
+            ),
+            (),
+        ),
         (
             "kuka1 for 2h",
             (
