@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from rosic.app.config_file import ConfigFile
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
+    from rosic.core.language import Do, Vocabulary
     from rosic.core.record import Fact, Memory
     from rosic.core.robot import Profile
+    from rosic.core.rule import Rule
     from rosic.pipeline import Pipeline
     from rosic.pipeline.alerts.running import Hands
     from rosic.pipeline.rooms import Rooms
@@ -56,12 +58,7 @@ class Alarms:
             book.restore(memory.facts.get(kind, ()))
             changes.keep(kind, book.apply)
         changes.keep(TOLD, _so_already)
-        rules = [
-            rule
-            for profile in rooms.profiles.values()
-            for rule in rules_of(profile, rooms.vocabulary.units)
-        ]
-        lines = {rule.key: read_run(rule, rooms.vocabulary) for rule in rules if rule.alert.run}
+        rules, lines = read_rules(rooms.profiles.values(), rooms.vocabulary)
         named = named_in_file(people, memory, rooms.authoriser)
         self.running.author_of = lambda name: named.get(name.casefold())
         self.alerting.follow(rules, lines, self.running)
@@ -92,6 +89,14 @@ class Alarms:
 
 def _so_already(_fact: Fact) -> None:
     """Which message tells of what is known before it is written."""
+
+
+def read_rules(
+    profiles: Iterable[Profile], vocabulary: Vocabulary
+) -> tuple[list[Rule], dict[str, Do | None]]:
+    """Return the rules of robots, and what those run that run something, by the rule's key."""
+    rules = [rule for profile in profiles for rule in rules_of(profile, vocabulary.units)]
+    return rules, {rule.key: read_run(rule, vocabulary) for rule in rules if rule.alert.run}
 
 
 def author_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[Finding]:

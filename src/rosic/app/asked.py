@@ -34,6 +34,7 @@ class Verb(enum.Enum):
     CONTENT = "container-content"
     LIMIT = "limit-container"
     ERASE = "erase-container"
+    ADD_ROBOT = "add-robot"
 
 
 class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):

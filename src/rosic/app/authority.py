@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import asyncio
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.asking import Key
 from rosic.core.authority import Scope
@@ -15,7 +16,7 @@ from rosic.organiser.rolebook import ROLE, Rolebook
 from rosic.organiser.roster import GRANT, Roster
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.clock import Clock
@@ -26,6 +27,18 @@ if TYPE_CHECKING:
     from rosic.core.roles import Care, Role
     from rosic.pipeline.rooms import Rooms
     from rosic.pipeline.stopping import StopLane
+
+
+class Outlook(NamedTuple):
+    """What the rights would be with other robots.
+
+    Attributes:
+        epoch: Of the rights from which it was worked out.
+    """
+
+    epoch: int
+    fleet: Fleet
+    rights: Rights
 
 
 class Authority:
@@ -86,6 +99,28 @@ class Authority:
         """A role was made, replaced or taken back: every table is drawn up anew."""
         self.rolebook.apply(fact)
         self.draw_up()
+        self._put_in_force()
+
+    async def foresee(self, profiles: Sequence[Profile]) -> Outlook:
+        """Work out the rights if these were the robots, beside the event loop; changes nothing."""
+        epoch, rules = self.rights.epoch, self.rolebook.rulebook
+        everybody, convert = self.roster.everybody(), self._convert
+
+        def work() -> Outlook:
+            fleet = fleet_of(profiles)
+            return Outlook(
+                epoch, fleet, Rights.draw_up(epoch + 1, rules, fleet, everybody, convert)
+            )
+
+        return await asyncio.to_thread(work)
+
+    def enlist(self, outlook: Outlook) -> None:
+        """Let it be so: rights by wildcard and by group reach new robots from now on."""
+        self._fleet = outlook.fleet
+        if outlook.epoch == self.rights.epoch:
+            self.rights = outlook.rights
+        else:  # somebody's rights have changed since: that must not be undone
+            self.draw_up()
         self._put_in_force()
 
     def enrolled(self, record: Enrolled) -> None:

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.skill import SkillClass
 from rosic.pipeline.benchmarks.clerk import BenchmarkClerk
-from rosic.pipeline.benchmarks.judging import Both, Judging
+from rosic.pipeline.benchmarks.judging import Judging, follow
 from rosic.pipeline.benchmarks.settings import SETTING, Settings
 
 if TYPE_CHECKING:
     from rosic.app.access import Access
     from rosic.contracts.clock import Clock
     from rosic.core.record import Memory
+    from rosic.core.robot import Profile
     from rosic.pipeline import Pipeline
     from rosic.pipeline.alerts.alerting import Alerting
     from rosic.pipeline.livecards.glimpses import Glimpses
@@ -36,21 +37,26 @@ def furnish_benchmarks(
     settings.restore(memory.facts.get(SETTING, ()))
     access.changes.keep(SETTING, settings.apply)
     judging = Judging(rooms.linker, rooms.profiles, clock, settings)
-    wanted = any(
-        skill.benchmark is not None or skill.kind is SkillClass.CONFIG
-        for profile in rooms.profiles.values()
-        for skill in profile.skills.values()
-    )
-    if wanted:
-        lives = pipeline.lives
-        lives.watch = judging if lives.watch is None else Both(lives.watch, judging)
+    for profile in rooms.profiles.values():
+        enlist_judged(judging, pipeline, profile)
     return judging
+
+
+def enlist_judged(judging: Judging, pipeline: Pipeline, profile: Profile) -> None:
+    """Follow a robot if it has benchmarks or can be set."""
+    judging.enlist(profile)
+    skills = profile.skills.values()
+    if any(s.benchmark is not None or s.kind is SkillClass.CONFIG for s in skills):
+        follow(pipeline.lives, judging)
 
 
 def show_benchmarks(judging: Judging, rooms: Rooms, pipeline: Pipeline, sides: Sides) -> None:
     """Let rules, cards and people ask how robots do."""
-    if any(profile.benchmarked for profile in rooms.profiles.values()):
+
+    def show() -> None:
         sides.alerting.judged = judging.seen
         sides.glimpses.benchmark = judging.line
+
+    judging.show_with(show)
     clerk = BenchmarkClerk(judging, rooms, sides.naming, pipeline.face)
     pipeline.reception.office.employ("benchmark", clerk.benchmark)

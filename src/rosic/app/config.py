@@ -72,6 +72,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         zone: Of the place.
         limits: Of each person.
         robot_limits: Of robots that have one.
+        robot_limit: Of robots that are added while it runs; None: they have none.
         missions: What several robots do when somebody says so.
         room: For files that people keep.
     """
@@ -91,6 +92,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     keep: Keep
     room: Room
     missions: tuple[Mission, ...] = ()
+    robot_limit: RateLimit | None = None
 
 
 class ReadConfig(NamedTuple):
@@ -171,6 +173,7 @@ def read_config(
         zone=file.gateway.zone,
         limits=RateLimit(burst=file.limits.burst, per_s=file.limits.per_s),
         robot_limits=_robot_limits(file, robots),
+        robot_limit=parse_rate(file.limits.robot) if file.limits.robot else None,
         keep=file.keep,
         missions=missions,
         room=file.files.room,

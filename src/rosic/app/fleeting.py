@@ -64,6 +64,7 @@ class Fleeting:
         watching: Looks after it.
         telling: Tells people.
         overview: Looks at all of it.
+        robots: Asked who takes part.
     """
 
     def __init__(self, rooms: Rooms, changes: Changes, clock: Clock, hands: Hands) -> None:
@@ -95,7 +96,7 @@ class Fleeting:
         tasks = TaskClerk(rooms, dispatching, self.telling, zone_named(settings.zone))
         tasks.employ(office)
         self._furnish_missions(tasks, memory, settings, pipeline)
-        robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
+        robots = self.robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
         robots.employ(office)
         pipeline.resuming.barred = robots.barred
         pipeline.resuming.begins = robots.begins

@@ -7,8 +7,13 @@ import logging
 from functools import partial
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from rosic.app.access import Access
 from rosic.app.authority import Authority, key_of
+from rosic.app.enlisted import KIND as ENLISTED
+from rosic.app.enlisted import with_enlisted
+from rosic.app.enlisting import Enlisting, Ways
 from rosic.app.fellows import fellowship_of
 from rosic.app.furnishing import Furnishing
 from rosic.app.gates import robots_of, stops_of
@@ -16,6 +21,7 @@ from rosic.app.gathering import gathering_of
 from rosic.app.holding import Holding
 from rosic.app.languages import LANGUAGES, catalogue, whose
 from rosic.app.minding import Minder
+from rosic.app.newcomers import newcomers_of
 from rosic.app.owing import owe_over_crashes
 from rosic.app.painting import furnish_seeing
 from rosic.app.parts import Parts, Settings
@@ -71,19 +77,23 @@ class Gateway:
 
     Attributes:
         pipeline, rooms, stop_lane, robots: Made by ``open``.
+        profiles: Of every robot; what the rooms look into, so that it grows for all of them.
         authority, access, furnishing, holding, languages, seeing, alarms, among: Likewise.
+        enlisting: Adds robots while it runs.
     """
 
     pipeline: Pipeline
     rooms: Rooms
     stop_lane: StopLane
     robots: dict[RobotId, Robot]
+    profiles: dict[RobotId, Profile]
     authority: Authority
     access: Access
     furnishing: Furnishing
     holding: Holding
     seeing: Seeing
     languages: Languages
+    enlisting: Enlisting
 
     def __init__(self, settings: Settings, parts: Parts) -> None:
         self._settings = settings
@@ -102,6 +112,8 @@ class Gateway:
         vocabulary = self._vocabulary()
         memory = await self._parts.store.open()
         try:
+            if self._know_enlisted(memory):
+                vocabulary = self._vocabulary()
             await self._compose(memory, vocabulary)
             for robot in self.robots.values():
                 await robot.open(partial(self._robot_says, robot.profile))
@@ -111,6 +123,19 @@ class Gateway:
             await self.close()
             raise
 
+    def _know_enlisted(self, memory: Memory) -> bool:
+        """Know the robots that earlier runs have added, too. Return whether there are any."""
+        before, facts = self._settings, memory.facts.get(ENLISTED, ())
+        robots = with_enlisted(before.profiles, facts, self._parts.units)
+        added = robots[len(before.profiles) :]
+        limits = {} if before.robot_limit is None else dict.fromkeys(
+            (profile.id for profile in added), before.robot_limit
+        )  # fmt: skip
+        self._settings = replace(
+            before, profiles=robots, robot_limits={**before.robot_limits, **limits}
+        )
+        return bool(added)
+
     def _vocabulary(self) -> Vocabulary:
         try:
             return Vocabulary.build(self._settings.profiles, self._parts.units)
@@ -119,7 +144,7 @@ class Gateway:
 
     async def _compose(self, memory: Memory, vocabulary: Vocabulary) -> None:
         parts, settings = self._parts, self._settings
-        profiles = {profile.id: profile for profile in settings.profiles}
+        profiles = self.profiles = {profile.id: profile for profile in settings.profiles}
         board = StopBoard(profiles, stops_of(parts.latch.read(), memory.generations))
         numbers = {robot: memory.numbers.get(robot, (0, 0)) for robot in profiles}
         self.robots = robots_of(parts, profiles, numbers, board)
@@ -179,11 +204,14 @@ class Gateway:
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
         self.among = fellowship_of(self, parts, self._teller, memory)
+        ways = Ways(self._opened.append, self._robot_says)
+        self.enlisting = Enlisting(self, self._settings, parts, memory, ways)
         for messenger in self._messengers:
             settle_with(messenger, self.pipeline.arrears.settled)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
+            newcomers_of(self)
 
     async def _authority(
         self, authoriser: Authoriser, memory: Memory, time: HighWater
@@ -310,6 +338,8 @@ class Gateway:
         """
         begun_ns = self._parts.clock.monotonic_ns()
         await self._fall_deaf()
+        if hasattr(self, "enlisting"):
+            await self.enlisting.close()
         if hasattr(self, "seeing"):
             await self.seeing.studio.close()
         leaving = asyncio.create_task(self._write_down())  # before what may take too long

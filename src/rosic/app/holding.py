@@ -98,6 +98,7 @@ class Holding:
         self.receiving: Receiving | None = None
         self.erasing: Erasing | None = None
         self._aside: Aside | None = None
+        self._folders = folders_of(rooms)
         self.also_ends: list[Callable[[PrincipalId], Iterable[Record]]] = []
         self.also_ended: list[Callable[[PrincipalId], Awaitable[object]]] = []
 
@@ -133,7 +134,7 @@ class Holding:
         self.receiving = Receiving(holdings, pipeline.answer, pipeline.plain)
         pipeline.reception.enclosed = self.receiving.take
         self._aside = Aside(pipeline.answer, pipeline.plain, self._clock)
-        handing = handing_of(rooms, holdings, pipeline, self._aside)
+        handing = handing_of(rooms, holdings, pipeline, self._aside, self._folders)
         filing.take_time(self._aside, pipeline.plain)
         filing.hand_over(handing)
         self.receiving.offer = handing.offer
@@ -191,6 +192,17 @@ class Holding:
             authority.renew(fact.key)
 
         self._access.changes.keep(PREFERENCE, changed)
+
+    def enlist(self, profile: Profile) -> None:
+        """Know the folders of one more robot, and let people's own speed hold for it.
+
+        After the rights reach it.
+        """
+        if profile.files is not None:
+            self._folders.enlist(profile.id, profile.files)
+        if self.holdings is not None:
+            for principal in self.preferences.enlist(profile.id, skills_of(profile)):
+                self._authority.renew(principal)
 
     def _speak_to(self, principal: PrincipalId) -> None:
         kept = self.preferences.of(principal)
@@ -263,11 +275,24 @@ class Holding:
         )
 
 
-def handing_of(rooms: Rooms, holdings: Holdings, pipeline: Pipeline, aside: Aside) -> Handing:
-    """Return the clerk who brings files to robots, and robots' files to people."""
+def folders_of(rooms: Rooms) -> RobotFolders:
+    """Return the folders that robots' profiles name."""
     robots = {p.id: p.files for p in rooms.profiles.values() if p.files is not None}
+    return RobotFolders(robots)
+
+
+def handing_of(
+    rooms: Rooms,
+    holdings: Holdings,
+    pipeline: Pipeline,
+    aside: Aside,
+    folders: RobotFolders | None = None,
+) -> Handing:
+    """Return the clerk who brings files to robots, and robots' files to people."""
     ways = Ways(
-        RobotFolders(robots), rooms.linker.deliver, lambda robot: rooms.board[robot].latched
+        folders or folders_of(rooms),
+        rooms.linker.deliver,
+        lambda robot: rooms.board[robot].latched,
     )
     return Handing(holdings, rooms.organiser, rooms.profiles, ways, pipeline.plain, aside)
 
@@ -311,7 +336,7 @@ def holdings_of(
         choices=organiser.visible,
         zone_of=lambda who: zone_named(preferences.of(who).zone or place(who)),
         may_archive=lambda who: organiser.rights.holds(who, FLEET, "archive", clock.wall_ns()),
-        robots=frozenset(profiles),
+        robots=profiles.keys(),
         find=partial(_called, around.authoriser),
         tell=around.tell,
     )

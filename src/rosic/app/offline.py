@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 from rosic.app.access import Access
 from rosic.app.authority import Authority, key_of
 from rosic.app.books import Books, zone_or_universal
+from rosic.app.enlisted import KIND as ENLISTED
+from rosic.app.enlisted import with_enlisted
 from rosic.app.holding import Around, holdings_of
 from rosic.app.naming import people_lines
 from rosic.app.operator_desk import OperatorDesk
@@ -47,7 +49,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.language import UnitTable
     from rosic.core.record import Memory
-    from rosic.core.robot import RobotId
+    from rosic.core.robot import Profile, RobotId
     from rosic.pipeline.containers.parts import Holdings
 
 LOCAL = {"terminal": Assurance.LOCAL}
@@ -127,7 +129,7 @@ class Alone:
     async def books(self, store: Store, memory: Memory, seeding: Seeding) -> Books:
         """Put together what an open record holds and the configuration says."""
         config, clock, entropy = self._config, self._clock, self._entropy
-        robots = () if config is None else config.robots
+        robots = () if config is None else self._robots(config, memory)
         rulebook = Rulebook(roles=DEFAULT_ROLES) if config is None else config.rulebook
         profiles = {profile.id: profile for profile in robots}
         time = HighWater(clock)
@@ -156,6 +158,10 @@ class Alone:
             assurances=LOCAL,
             holdings=self._holdings(around, store, memory),
         )  # fmt: skip
+
+    @staticmethod
+    def _robots(config: Config, memory: Memory) -> tuple[Profile, ...]:
+        return with_enlisted(config.robots, memory.facts.get(ENLISTED, ()), known_units())
 
     def _holdings(self, around: Around, store: Store, memory: Memory) -> Holdings | None:
         if not isinstance(store, Vault):

@@ -9,6 +9,9 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.app.asked import Verb
+from rosic.app.enlisted import Draft
+from rosic.app.operator_desk import body_of
 from rosic.core import words
 from rosic.core.identity import OPERATOR
 from rosic.core.order import Rest
@@ -101,6 +104,8 @@ class Operating:
         Raises:
             Refusal: Why not; nothing was changed.
         """
+        if ask.verb is Verb.ADD_ROBOT:
+            return (await self._gateway.enlisting.add(body_of(ask, Draft), OPERATOR),)
         if self._desk is None:
             raise NotUnderstood("Nobody answers that here.")
         return await self._desk.do(ask)

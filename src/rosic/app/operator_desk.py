@@ -94,13 +94,13 @@ class OperatorDesk:
         return _together(people_lines(self._books) or ("Nobody is known yet.",))
 
     async def _invite(self, ask: Ask) -> Iterable[str]:
-        return await self.access.invite(_body(ask, InviteAsk))
+        return await self.access.invite(body_of(ask, InviteAsk))
 
     async def _keys(self, ask: Ask) -> Iterable[str]:
         return _together(self.access.keys(ask.names))
 
     async def _rotate(self, ask: Ask) -> Iterable[str]:
-        return (await self.access.rotate(" ".join(ask.names), _body(ask, RotateAsk)),)
+        return (await self.access.rotate(" ".join(ask.names), body_of(ask, RotateAsk)),)
 
     async def _explain(self, ask: Ask) -> Iterable[str]:
         if len(ask.names) != 2:  # noqa: PLR2004 - a person and a line
@@ -122,14 +122,14 @@ class OperatorDesk:
         return (_encode(some).decode() for some in self._planning.who())
 
     async def _taken(self, ask: Ask) -> Iterable[str]:
-        found = self._planning.taken(_body(ask, Window))
+        found = self._planning.taken(body_of(ask, Window))
         return (_encode(some).decode() for some in found)
 
     async def _book(self, ask: Ask) -> Iterable[str]:
-        return (await self._planning.book(_body(ask, BookAsk)),)
+        return (await self._planning.book(body_of(ask, BookAsk)),)
 
     async def _limit(self, ask: Ask) -> Iterable[str]:
-        return await self._containers.limit(ask, _body(ask, LimitAsk))
+        return await self._containers.limit(ask, body_of(ask, LimitAsk))
 
 
 def _together(lines: Sequence[str]) -> Iterator[str]:
@@ -138,7 +138,12 @@ def _together(lines: Sequence[str]) -> Iterator[str]:
         yield "\n".join(lines[at : at + LINES_AT_ONCE])
 
 
-def _body(ask: Ask, kind: type[T]) -> T:
+def body_of(ask: Ask, kind: type[T]) -> T:
+    """Return what else a verb asks for.
+
+    Raises:
+        NotUnderstood: It is something else.
+    """
     try:
         return msgspec.json.decode(ask.body, type=kind)
     except msgspec.MsgspecError as error:

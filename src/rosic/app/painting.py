@@ -6,6 +6,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, cast
 
+from rosic.pipeline.benchmarks.judging import follow
 from rosic.pipeline.seeing.clerks import employ_clerks, sights
 from rosic.pipeline.seeing.parts import Onlookers, Seeing
 from rosic.pipeline.seeing.sampler import Sampler
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.painter import Painter
     from rosic.core.identity import PrincipalId
-    from rosic.core.robot import RobotId
+    from rosic.core.robot import Profile, RobotId
     from rosic.core.view import Drawing, Scene, Subject
     from rosic.pipeline import Pipeline
     from rosic.pipeline.rooms import Rooms
@@ -62,11 +63,18 @@ def furnish_seeing(
         sides=Onlookers(visible=organiser.visible, selected=rooms.container.selected),
         linker=rooms.linker,
         studio=studio,
-        sampler=Sampler(rooms.linker, profiles, clock),
+        sampler=Sampler(rooms.linker, clock),
         clock=clock,
     )
     employ_clerks(pipeline.reception.office, seeing)
     pipeline.reception.sights = lambda robot: sights(seeing, robot)
-    if any(profile.pose is not None for profile in profiles.values()):
-        pipeline.lives.watch = seeing.sampler
+    for profile in profiles.values():
+        enlist_seen(seeing, pipeline, profile)
     return seeing
+
+
+def enlist_seen(seeing: Seeing, pipeline: Pipeline, profile: Profile) -> None:
+    """Sample what a robot reports, and follow where it goes if it says so."""
+    seeing.sampler.enlist(profile)
+    if profile.pose is not None:
+        follow(pipeline.lives, seeing.sampler)

@@ -31,6 +31,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
         place: Name of this place, as people see it.
         zone: Of the place, an IANA name.
         limit, robot_limits: Of each person; of robots that have one, for everybody together.
+        robot_limit: Of robots that are added while it runs; None: they have none.
         lease_idle_s: How long a robot stays somebody's after their last order ended.
         keep: How long what is over is kept.
         room: For files that people keep.
@@ -44,6 +45,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     zone: str = "UTC"
     limit: RateLimit = RateLimit()
     robot_limits: Mapping[RobotId, RateLimit] = {}
+    robot_limit: RateLimit | None = None
     lease_idle_s: float = 60.0
     keep: Keep = Keep()
     missions: tuple[Mission, ...] = ()

@@ -12,14 +12,14 @@ from msgspec import inspect
 
 from rosic.app.profile_rules import advice, clash, profile_rules
 from rosic.app.shape import Finding, Walker
-from rosic.app.source import Data, Place, nearest
+from rosic.app.source import Data, Place, Source, nearest
 from rosic.app.units import compile_units
-from rosic.app.yaml_file import read_yaml
+from rosic.app.yaml_file import parse_yaml, read_yaml
 from rosic.core.robot import Profile
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from rosic.core.language import UnitTable
 
@@ -70,8 +70,26 @@ def read_profile(path: Path | str, units: UnitTable | None = None, *, link: str 
         units: The units that people may use; None takes all that ROSIC knows.
         link: Reach it by this adapter, whatever the file says.
     """
+    return _read(lambda: read_yaml(Path(path)), units, link)
+
+
+def read_profile_text(
+    text: str, name: str, units: UnitTable | None = None, *, link: str = ""
+) -> Read:
+    """Read one robot from what stands in its file; otherwise as `read_profile`.
+
+    Args:
+        text: The file.
+        name: How the file is named to people.
+        units: As there.
+        link: As there.
+    """
+    return _read(lambda: parse_yaml(text, name), units, link)
+
+
+def _read(read: Callable[[], Source], units: UnitTable | None, link: str) -> Read:
     try:
-        source = read_yaml(Path(path))
+        source = read()
     except ConfigurationError as error:
         return Read(None, [error], [])
     if link:

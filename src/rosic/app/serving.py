@@ -141,7 +141,7 @@ class Serving:
         self._bots += await check_accounts(messengers)
         heap.settle()
         took_s = (self._clock.monotonic_ns() - self._begun_ns) / 1e9
-        robots = len(self._config.robots)
+        robots = len(self._gateway.robots)
         log.info(
             "ready in %.2f s: %d %s, by %s",
             took_s,

@@ -94,6 +94,7 @@ def settings_of(config: Config) -> Settings:
         zone=config.zone,
         limit=config.limits,
         robot_limits=config.robot_limits,
+        robot_limit=config.robot_limit,
         keep=config.keep,
         room=config.room,
         lease_idle_s=config.lease_idle_s,

@@ -43,8 +43,15 @@ def read_yaml(path: Path) -> Source:
         ConfigurationError: It cannot be read, is not YAML, or uses more of YAML than is allowed
             here. ``where`` holds the line.
     """
-    text = read_text(path)
-    name = str(path)
+    return parse_yaml(read_text(path), str(path))
+
+
+def parse_yaml(text: str, name: str) -> Source:
+    """Read what stands in a file.
+
+    Raises:
+        ConfigurationError: As `read_yaml` does.
+    """
     try:
         return _Builder(name, yaml.parse(text, Loader=_FAST)).build()
     except (yaml.YAMLError, ConfigurationError):

@@ -38,6 +38,7 @@ COMMANDS: dict[str, Command] = {
     "run": Command("rosic.cli.run", "start the gateway of a configuration file"),
     "check": Command("rosic.cli.check", "say everything that is wrong with a configuration file"),
     "robot check": Command("rosic.cli.robot_check", "say everything that is wrong with a profile"),
+    "robot add": Command("rosic.cli.robot_add", "add a robot to the running gateway"),
     "robot discover": Command("rosic.cli.robot_discover", "draft a profile from the ROS 2 graph"),
     "status": Command("rosic.cli.status", "how the robots of the running gateway are"),
     "stop": Command("rosic.cli.stop", "stop robots of the running gateway; all, if none is named"),

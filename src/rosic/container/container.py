@@ -272,6 +272,10 @@ class Containers:
             container = self._people[principal] = PersonContainer(principal)
         container.select(chat, name)
 
+    def enlist(self, robot: RobotId, n: int) -> None:
+        """Have a container for one more robot, from the highest number it was given (I3)."""
+        self._robots[robot] = RobotContainer(robot, n)
+
 
 def chat_digest(chat: Chat) -> bytes:
     """Return what stands for a chat, or for a part of it, in the open part of the record.

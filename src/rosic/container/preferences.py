@@ -85,6 +85,11 @@ class Caps:
         self._skills = skills
         self._convert = convert
 
+    def enlist(self, robot: RobotId, skills: Mapping[str, Skill]) -> Caps:
+        """Let a speed mean one more robot. Return what it means for that one alone."""
+        self._skills = {**self._skills, robot: skills}
+        return Caps({robot: skills}, self._convert)
+
     def texts(self, said: str) -> tuple[str, ...]:
         """Return the limits, one for each skill that has such a speed."""
         rule = parse_limit(said)
@@ -254,6 +259,16 @@ class PreferenceBook:
         return (_fact(principal, after, self._clock.wall_ns()),)
 
     # ---- what is so ----
+
+    def enlist(self, robot: RobotId, skills: Mapping[str, Skill]) -> tuple[PrincipalId, ...]:
+        """Let the speed that people have set hold for one more robot; return for whom it does."""
+        new = self._caps.enlist(robot, skills)
+        capped = {who: new.texts(kept.speed) for who, kept in self._set.items() if kept.speed}
+        capped |= dict.fromkeys(self._damaged, new.slowest())
+        for principal, limits in capped.items():
+            if limits:
+                self._limits[principal] = (*self.limits(principal), *limits)
+        return tuple(principal for principal, limits in capped.items() if limits)
 
     def restore(self, facts: Iterable[Fact]) -> None:
         """Take over what earlier runs wrote."""

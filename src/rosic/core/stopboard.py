@@ -32,8 +32,12 @@ class StopBoard(dict["RobotId", Stopped]):
 
     def __init__(self, robots: Iterable[RobotId], found: dict[RobotId, tuple[int, bool]]) -> None:
         for robot in robots:
-            generation, latched = found.get(robot, (0, False))
-            self[robot] = Stopped(generation, latched=latched)
+            self.enlist(robot, found.get(robot, (0, False)))
+
+    def enlist(self, robot: RobotId, found: tuple[int, bool]) -> None:
+        """Know one more robot, with its last stop generation and whether it is stopped (I13)."""
+        generation, latched = found
+        self[robot] = Stopped(generation, latched=latched)
 
     def stop(self, robot: RobotId, by: PrincipalId, at_ns: int) -> int:
         """Latch and return the new generation."""
@@ -49,6 +53,11 @@ class StopBoard(dict["RobotId", Stopped]):
         entry = self[robot]
         if entry.generation == generation:
             entry.latched = False
+
+    def newest(self) -> tuple[int, PrincipalId]:
+        """Return a number that grows with every stop of any robot, and whose the last one was."""
+        last = max(self.values(), key=lambda entry: entry.at_ns, default=None)
+        return sum(entry.generation for entry in self.values()), "" if last is None else last.by
 
     def latched(self) -> tuple[RobotId, ...]:
         """Return the robots that are stopped."""

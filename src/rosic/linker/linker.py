@@ -255,3 +255,8 @@ class Linker:
     def waiting(self, robot: RobotId) -> int:
         """Return how many orders wait for a robot."""
         return len(self._mailboxes[robot])
+
+    def enlist(self, robot: Robot) -> None:
+        """Route to one more robot from now on."""
+        self._robots[robot.profile.id] = robot
+        self._mailboxes[robot.profile.id] = Mailbox(robot, self._clock)

@@ -71,8 +71,7 @@ class Organiser:
         limit: RateLimit,
         lease_idle_s: float,
     ) -> None:
-        self.rights = rights
-        self.calendar = Calendar(clock)
+        self.rights, self.calendar = rights, Calendar(clock)
         self.locked: Collection[PrincipalId] = frozenset()
         self.in_doubt = False
         self.locked_out: Callable[[PrincipalId], object] = _nothing
@@ -83,24 +82,19 @@ class Organiser:
         self.moment: Moment = lambda _who, _at_ns: said("some time ago")
         self.key_of: KeyOf = _nothing
         self.narrow: Collection[KeyId] = frozenset()
-        self._slots: dict[RobotId, SlotRule] = {
-            robot: profile.slots.value
-            for robot, profile in profiles.items()
-            if profile.slots is not Slots.NONE
-        }
-        self._stops = stops
-        self._clock = clock
+        self._slots: dict[RobotId, SlotRule] = {}
+        self._stops, self._clock = stops, clock
         self.rates = Rates(clock, limit)
         self._idle_ns = int(lease_idle_s * 1e9)
         self._warned: set[PrincipalId] = set()
-        self._leases = {robot: Lease() for robot in profiles}
+        self._leases: dict[RobotId, Lease] = {}
+        for profile in profiles.values():
+            self.enlist(profile)
         self._refusing = Refusing(self, profiles, stops)
 
     def remember_fences(self, fences: Mapping[RobotId, int]) -> None:
         """Start from the fences of the record (I13)."""
-        for robot, fence in fences.items():
-            if robot in self._leases:
-                self._leases[robot] = Lease(fence)
+        self._leases |= {r: Lease(fence) for r, fence in fences.items() if r in self._leases}
 
     def charge(self, caller: Caller) -> None:
         """Take one line's worth from a person's bucket, whatever the line says.
@@ -394,6 +388,12 @@ class Organiser:
         for robot in held:
             self.release(robot)
         return held
+
+    def enlist(self, profile: Profile, fence: int = 0) -> None:
+        """Know one more robot, from the highest fence it has seen (I13)."""
+        self._leases[profile.id] = Lease(fence)
+        if profile.slots is not Slots.NONE:
+            self._slots[profile.id] = profile.slots.value
 
 
 def _nothing(_about: str) -> None:

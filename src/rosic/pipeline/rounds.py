@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, TypeVar
 
 if TYPE_CHECKING:
+    import asyncio
     from collections.abc import Callable, Iterable, Sequence
 
     from rosic.contracts.clock import Clock
@@ -19,21 +20,37 @@ AT_ONCE: Final = 50
 
 
 async def go_round(
-    clock: Clock, every_s: float, things: Iterable[T], look: Callable[[Sequence[T]], None]
+    clock: Clock,
+    every_s: float,
+    things: Iterable[T],
+    look: Callable[[Sequence[T]], None],
+    more: asyncio.Event | None = None,
 ) -> None:
     """Look at all of them once in so long, evenly spread over that time, until cancelled.
 
-    A round that could not be made in time is not made up for. Without anything to look at it
-    ends at once.
+    A round that could not be made in time is not made up for. In a round is looked at what was
+    there at its beginning. Without anything to look at it ends.
+
+    Args:
+        clock: Waits.
+        every_s: How long a round takes.
+        things: What there is to look at; may grow.
+        look: Looks at some of them.
+        more: Instead of ending, wait until this is set: there is something to look at now.
     """
-    all_ = tuple(things)
-    parts = [all_[at : at + AT_ONCE] for at in range(0, len(all_), AT_ONCE)]
     due_ns = clock.monotonic_ns()
-    while parts:
-        for part in parts:
-            look(part)
-            due_ns += int(every_s * 1e9) // len(parts)
-            left_ns = due_ns - clock.monotonic_ns()
-            if left_ns < -int(every_s * 1e9):
-                due_ns -= left_ns
-            await clock.sleep(max(0, left_ns) / 1e9)
+    while True:
+        while all_ := tuple(things):
+            parts = [all_[at : at + AT_ONCE] for at in range(0, len(all_), AT_ONCE)]
+            for part in parts:
+                look(part)
+                due_ns += int(every_s * 1e9) // len(parts)
+                left_ns = due_ns - clock.monotonic_ns()
+                if left_ns < -int(every_s * 1e9):
+                    due_ns -= left_ns
+                await clock.sleep(max(0, left_ns) / 1e9)
+        if more is None:
+            return
+        more.clear()
+        await more.wait()
+        due_ns = clock.monotonic_ns()

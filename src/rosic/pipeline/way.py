@@ -385,6 +385,11 @@ class Pipeline:
         await self._expiring.close()
         await asyncio.sleep(0)
 
+    def enlist(self, robot: str, shown: str) -> None:
+        """Understand one more robot: what was read before it was there is read anew."""
+        self._shown[robot] = shown
+        self._reader.forget()
+
 
 def _may_bring_a_code(inbound: Inbound) -> bool:
     """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.

@@ -37,7 +37,11 @@ class RobotFolders:
     """The folders of every robot; all work on disks is done beside the event loop."""
 
     def __init__(self, files: Mapping[RobotId, Files]) -> None:
-        self._files = files
+        self._files = dict(files)
+
+    def enlist(self, robot: RobotId, files: Files) -> None:
+        """Know the folders of one more robot."""
+        self._files[robot] = files
 
     def path(self, robot: RobotId, name: str) -> str:
         """Return where a file of an inbox lies; empty where the robot has none."""

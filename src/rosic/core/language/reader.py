@@ -43,6 +43,11 @@ class Reader:
             stops[text] = heard
         return heard
 
+    def forget(self) -> None:
+        """Read everything anew from now on: the vocabulary has changed."""
+        self._stops.clear()
+        self._lines.clear()
+
     def lines(self, text: str, selected: str, visible: frozenset[RobotId]) -> tuple[Line, ...]:
         """Return what `understand` does for somebody who sees and chose this."""
         key = (text, selected, visible)

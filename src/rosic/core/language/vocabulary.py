@@ -1,4 +1,4 @@
-"""Everything that can be said, compiled once from the profiles and never changed."""
+"""Everything that can be said, compiled from the profiles; changed whole or not at all."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Callee(msgspec.Struct, frozen=True):
 
 
 class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
-    """A snapshot of robots, groups, skills and units. Replaced when profiles change.
+    """A snapshot of robots, groups, skills and units. It changes only by `become`.
 
     Attributes:
         profiles: By robot id, in the order in which they were given.
@@ -101,6 +101,15 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
             longest_skill=longest_by_first_word(iter(having)),
             known=frozenset(VERBS).union(NUMBERS, callees, having, *said),
         )
+
+    def become(self, newer: Vocabulary) -> None:
+        """Be another snapshot from now on, for everybody who holds this one.
+
+        Between two turns of the event loop: whoever reads a line reads it with one of them. What
+        was remembered of the older one must be forgotten.
+        """
+        for field in self.__struct_fields__:
+            msgspec.structs.force_setattr(self, field, getattr(newer, field))
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -77,6 +77,7 @@ class Alerting:
         self._clock = clock
         self._behind = WriteBehind(changes)
         self._tasks: set[asyncio.Task[None]] = set()
+        self._some = asyncio.Event()
 
     def follow(
         self, rules: Iterable[Rule], lines: Mapping[str, Do | None], running: Running
@@ -88,7 +89,14 @@ class Alerting:
             lines: What those run that run something, understood, by the rule's key.
             running: Gives their orders.
         """
-        self._lines, self._running = dict(lines), running
+        self._running = running
+        self.enlist(rules, lines)
+        known = self._by_key
+        self.write([self.book.cleared(key) for key in self.book.alarms if key not in known])
+
+    def enlist(self, rules: Iterable[Rule], lines: Mapping[str, Do | None]) -> None:
+        """Follow more rules, from the next round on; see `follow`."""
+        self._lines.update(lines)
         now_ns = self._clock.monotonic_ns()
         for rule in rules:
             following = Following(rule)
@@ -98,12 +106,11 @@ class Alerting:
             if alarm is not None:
                 following.alarm = alarm
                 following.watch.restore(now_ns, acknowledged=bool(alarm.by), level=alarm.level)
-        known = self._by_key
-        self.write([self.book.cleared(key) for key in self.book.alarms if key not in known])
+            self._some.set()
 
     async def run(self) -> None:
         """Look until cancelled. What fails is logged, and looked at again."""
-        await go_round(self._clock, EVERY_S, self.following, self.look)
+        await go_round(self._clock, EVERY_S, self.following, self.look, self._some)
 
     async def close(self) -> None:
         """Write down what is open, within bounds; what is being asked of a robot is given up."""

@@ -128,6 +128,15 @@ class Fellowship:
             self.circle.board.forget(decided.about)
             self.circle.desk.book.forget(decided.about)
 
+    def stand_by(self, robot: RobotId, fellow: Fellow) -> None:
+        """Let one that is opened before it takes part say nothing until it does: `join`."""
+
+        def speak(words: bytes, left_out: int) -> None:
+            if (inbox := self.inboxes.get(robot)) is not None:
+                inbox.put(words, left_out)
+
+        fellow.meet(speak)
+
     def join(self, robot: RobotId, fellow: Fellow) -> None:
         """Let a robot take part; before it is opened."""
         self.around.post.fellows[robot] = fellow

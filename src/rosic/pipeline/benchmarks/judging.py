@@ -14,14 +14,14 @@ from rosic.core.skill import SkillClass
 from rosic.pipeline.benchmarks import words_benchmarks as words
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.core.order import Outcome
     from rosic.core.robot import Presence, Profile, RobotId
     from rosic.linker.linker import Linker
     from rosic.pipeline.benchmarks.settings import Settings
-    from rosic.pipeline.lives import Watcher
+    from rosic.pipeline.lives import Lives, Watcher
 
 log = logging.getLogger("rosic.benchmarks")
 _NS = 1_000_000_000
@@ -69,9 +69,20 @@ class Judging:
         self._clock = clock
         self._attempts: dict[RobotId, Attempt] = {}
         self._last: dict[RobotId, Verdict] = {}
-        self._benched = frozenset(
-            robot for robot, profile in profiles.items() if profile.benchmarked
-        )
+        self._benched: set[RobotId] = set()
+        self._show: Callable[[], None] = _nowhere
+
+    def enlist(self, profile: Profile) -> None:
+        """Hold a robot against its benchmarks, if it has any."""
+        if profile.benchmarked:
+            self._benched.add(profile.id)
+            self._show()
+
+    def show_with(self, show: Callable[[], None]) -> None:
+        """Say what lets verdicts be seen, as soon as there can be any; it may be called again."""
+        self._show = show
+        if self._benched:
+            show()
 
     # ---- what Lives tells ----
 
@@ -168,17 +179,29 @@ class Both:
     """Lets two follow what robots do."""
 
     def __init__(self, one: Watcher, other: Watcher) -> None:
-        self._both = (one, other)
+        self.both = (one, other)
 
     def began(self, order: Order) -> None:
         """Tell both."""
-        for watcher in self._both:
+        for watcher in self.both:
             watcher.began(order)
 
     def ended(self, order: Order, outcome: Outcome) -> None:
         """Tell both."""
-        for watcher in self._both:
+        for watcher in self.both:
             watcher.ended(order, outcome)
+
+
+def _nowhere() -> None:
+    return None
+
+
+def follow(lives: Lives, watcher: Watcher) -> None:
+    """Let somebody follow what robots do; whoever does so already is not told twice."""
+    there = lives.watch
+    if there is watcher or (isinstance(there, Both) and watcher in there.both):
+        return
+    lives.watch = watcher if there is None else Both(there, watcher)
 
 
 def _number(presence: Presence, name: str) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from collections.abc import Set as AbstractSet
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import msgspec
@@ -85,7 +86,7 @@ class Holdings(msgspec.Struct, frozen=True, kw_only=True):
     choices: Callable[[PrincipalId], frozenset[str]]
     zone_of: Callable[[PrincipalId], Zone]
     may_archive: Callable[[PrincipalId], bool]
-    robots: frozenset[RobotId]
+    robots: AbstractSet[RobotId]
     find: Callable[[str], tuple[PrincipalId, ...]] = _nobody
     tell: Callable[[tuple[PrincipalId, ...], str], object] = _silence
 

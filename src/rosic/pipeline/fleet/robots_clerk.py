@@ -15,9 +15,10 @@ from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_fleet
 from rosic.pipeline.fleet import words_robots as words
 from rosic.pipeline.fleet.clerks import ASSIGN
+from rosic.pipeline.fleet.words_newcomers import SUFFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Awaitable, Callable, Collection
 
     from rosic.core.robot import RobotId
     from rosic.errors import Refusal
@@ -32,7 +33,13 @@ IN: Final = frozenset({"enable", "add"})
 
 
 class RobotClerk:
-    """The clerk of who takes part. Whoever does not is stopped, and nobody can resume it."""
+    """The clerk of who takes part. Whoever does not is stopped, and nobody can resume it.
+
+    Attributes:
+        newcomer: Adds a robot that nobody knows yet, from a file; None: nobody does.
+    """
+
+    newcomer: Callable[[Asked, str], Awaitable[Reply]] | None = None
 
     def __init__(self, rooms: Rooms, dispatching: Dispatching, stop_lane: StopLane) -> None:
         self._rooms = rooms
@@ -66,6 +73,8 @@ class RobotClerk:
             NotPermitted: Not theirs to decide.
         """
         low = asked.rest.casefold().split()
+        if self.newcomer is not None and low[:1] == ["add"] and low[1:] and _is_file(low):
+            return await self.newcomer(asked, asked.rest.strip()[len("add") :])
         verb = low[0] if low[:1] and (low[0] in OUT or low[0] in IN) else ""
         robot = self._named(asked, " ".join(low[1:] if verb else low))
         if not verb:
@@ -123,3 +132,8 @@ class RobotClerk:
         )  # fmt: skip
         out = standing is not Standing.ACTIVE  # and that, too, waits for no disk
         await self._dispatching.feed(e.Stood(robot, standing), decided, happened=out)
+
+
+def _is_file(low: list[str]) -> bool:
+    """Whether a profile is named rather than a robot."""
+    return any(word.endswith(SUFFIXES) for word in low)

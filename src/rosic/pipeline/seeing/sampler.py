@@ -10,7 +10,7 @@ from rosic.pipeline.rounds import go_round
 from rosic.pipeline.seeing.samples import EVERY_S, FOLLOW_S, Samples, Track
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
 
     from rosic.contracts.clock import Clock
     from rosic.core.order import Order, Outcome
@@ -28,19 +28,28 @@ class Sampler:
         tracks: The way of each robot's last order.
     """
 
-    def __init__(self, linker: Linker, profiles: Mapping[RobotId, Profile], clock: Clock) -> None:
+    def __init__(self, linker: Linker, clock: Clock) -> None:
         self.samples = Samples()
         self.tracks: dict[RobotId, Track] = {}
         self._linker = linker
         self._clock = clock
-        self._reporting = tuple(p.id for p in profiles.values() if p.telemetry)
-        self._placed = frozenset(p.id for p in profiles.values() if p.pose is not None)
+        self._reporting: dict[RobotId, None] = {}
+        self._some = asyncio.Event()
+        self._placed: set[RobotId] = set()
         self._open: dict[RobotId, Track] = {}
         self._following: asyncio.Task[None] | None = None
 
+    def enlist(self, profile: Profile) -> None:
+        """Sample what a robot reports, from the next round on."""
+        if profile.telemetry:
+            self._reporting[profile.id] = None
+            self._some.set()
+        if profile.pose is not None:
+            self._placed.add(profile.id)
+
     async def run(self) -> None:
-        """Sample values until cancelled; without any to sample it ends at once."""
-        await go_round(self._clock, EVERY_S, self._reporting, self._sample)
+        """Sample values until cancelled; without any to sample it only waits."""
+        await go_round(self._clock, EVERY_S, self._reporting, self._sample, self._some)
 
     def _sample(self, robots: Iterable[RobotId]) -> None:
         now_s = self._clock.monotonic_ns() / 1e9

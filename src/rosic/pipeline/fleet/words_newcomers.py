@@ -1,0 +1,120 @@
+"""What people read about a robot that is added while everything runs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.message import Button
+from rosic.core.saying import joined, said
+from rosic.pipeline.replies import LEAVE, LEAVE_IT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.core.robot import Profile
+
+SUFFIXES: Final = (".yaml", ".yml")
+MAY_NOT: Final = said(
+    "Only somebody who may assign tasks and give rights here can add a robot. An admin can."
+)
+TOO_LONG: Final = said("The profile is longer than 128 KiB. Nothing was changed.")
+NO_TEXT: Final = said("That file is no UTF-8 text. Nothing was changed.")
+CLOSING: Final = said("ROSIC is closing. Nothing was changed.")
+ADD: Final = said("Add this robot")
+LEFT_STOPPED: Final = said("It was stopped when ROSIC last knew it, and stays stopped.")
+STOPPED_MEANWHILE: Final = said("A stop came while it was being added, so it is stopped.")
+CHANGED: Final = said("The file has changed since I showed it. Nothing was changed.")
+
+
+def added(profile: Profile) -> str:
+    """Return that a robot is here."""
+    return said("{robot} is here now, as {id}.", robot=profile.shown, id=profile.id)
+
+
+def would_add(profile: Profile) -> str:
+    """Return what is asked before a robot is added."""
+    return said(
+        "Add {robot}, as {id}? Whoever may use every robot here may use it at once.",
+        robot=profile.shown, id=profile.id,
+    )  # fmt: skip
+
+
+def confirm_buttons(name: str, digest: str) -> tuple[tuple[Button, ...], ...]:
+    """Return what answers that."""
+    yes = Button(said("Add it"), f"/robot add {name} {digest}")
+    return ((yes, Button(LEAVE_IT, LEAVE)),)
+
+
+def add_button(name: str) -> Button:
+    """Return what begins to add the robot of a file that was sent."""
+    return Button(ADD, f"/robot add {name}")
+
+
+def wrong(sentences: Iterable[str]) -> str:
+    """Return what is wrong with a profile, each in a line."""
+    return joined("\n", (*sentences, said("Nothing was changed.")))
+
+
+def same_id(robot: str) -> str:
+    """Return that an id is taken."""
+    return said(
+        "A robot is called {id} here already. Give this one another id. Nothing was changed.",
+        id=robot,
+    )  # fmt: skip
+
+
+def retired_id(robot: str) -> str:
+    """Return that an id belongs to a robot that is retired or not to be used."""
+    return said(
+        "{id} is here already, and takes no part now: /robot add {id} takes it in again.",
+        id=robot,
+    )  # fmt: skip
+
+
+def same_title(title: str, robot: str) -> str:
+    """Return that a title is taken."""
+    return said(
+        "{robot} is called {title} already. Give this one another title. Nothing was changed.",
+        title=title, robot=robot,
+    )  # fmt: skip
+
+
+def same_namespace(namespace: str, robot: str) -> str:
+    """Return that another robot is reached there."""
+    return said(
+        "{robot} is reached under {namespace} already. Nothing was changed.",
+        namespace=namespace, robot=robot,
+    )  # fmt: skip
+
+
+def unspeakable(why: str) -> str:
+    """Return that people could not tell it from what is here."""
+    return said("{why} Nothing was changed.", why=why)
+
+
+def names_somebody(rule: str, author: str) -> str:
+    """Return that a rule may not run as a person."""
+    return said(
+        "The rule {rule} runs as {person}. Only a robot of the configuration file may name a "
+        "person. Nothing was changed.",
+        rule=rule, person=author,
+    )  # fmt: skip
+
+
+def names_folders(robot: str) -> str:
+    """Return that folders are the operator's business."""
+    return said(
+        "{robot} names folders of this computer. Only its operator can add it, at the computer "
+        "itself. Nothing was changed.",
+        robot=robot,
+    )  # fmt: skip
+
+
+def not_opened(robot: str, why: str) -> str:
+    """Return that the link could not be opened."""
+    return said("{robot} cannot be reached: {why} Nothing was changed.", robot=robot, why=why)
+
+
+def broken(robot: str) -> str:
+    """Return that opening the link failed in a way that nobody foresaw."""
+    return said("{robot} cannot be reached; the log says why. Nothing was changed.", robot=robot)

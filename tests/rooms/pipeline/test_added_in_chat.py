@@ -1,0 +1,152 @@
+"""An admin sends a profile into the chat, reads what the robot could do, and adds it."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.core.message import ChatKind
+from rosic.core.record import Decided
+from tests.rooms.pipeline.place import ADA, BO, VI, Place
+from tests.rooms.pipeline.rover import CAN, ROVER
+
+if TYPE_CHECKING:
+    from rosic.core.record import Record
+
+ADDED = f"Rover 3 is here now, as rover.\n{CAN}"
+
+
+class Noting(Place):
+    """Remembers what was decided."""
+
+    decided: list[Decided]
+
+    def note(self) -> None:
+        """Listen from now on."""
+        self.decided = []
+
+        def heard(record: Record) -> None:
+            assert isinstance(record, Decided)
+            self.decided.append(record)
+
+        self.gateway.access.changes.watch(Decided, heard)
+
+
+async def send(
+    place: Place, content: str = ROVER, account: str = ADA, name: str = "rover.yaml"
+) -> str:
+    """Send a file; return what was told because of it."""
+    before = len(place.chat.told)
+    place.chat.enclose(name, content.encode(), account=account, chat=account)
+    await place.quiet()
+    receiving = place.gateway.holding.receiving
+    assert receiving is not None
+    async with asyncio.timeout(60):
+        while receiving._coming:  # noqa: ASYNC110 - a task of its own
+            await asyncio.sleep(0.002)
+    await place.quiet()
+    return "\n".join(told.outbound.text for told in list(place.chat.told)[before:])
+
+
+async def heard(place: Place, before: int, words: str) -> str:
+    """Wait until something with these words was told, and return what was told since."""
+    async with asyncio.timeout(60):
+        while words not in (told := said_since(place, before)):
+            await asyncio.sleep(0.002)  # a thread of its own reads profiles
+            await place.quiet()
+    return told
+
+
+def said_since(place: Place, before: int) -> str:
+    """Return what was told since, newest last."""
+    return "\n".join(told.outbound.text for told in list(place.chat.told)[before:])
+
+
+async def tap(place: Place, label: str, words: str) -> str:
+    """Tap the newest button with a label, and wait for words."""
+    before = len(place.chat.told)
+    await place.tap(*place.button(label))
+    return await heard(place, before, words)
+
+
+async def say(place: Place, text: str, words: str) -> str:
+    """Say something, and wait for words."""
+    before = len(place.chat.told)
+    await place.say(text)
+    return await heard(place, before, words)
+
+
+async def test_two_taps_add_a_robot_that_was_sent_as_a_file() -> None:
+    async with Noting().open() as place:
+        place.note()
+        assert "is kept for you" in await send(place)
+        said = await tap(place, "Add this robot", "Add Rover 3")
+        assert said.startswith("Add Rover 3, as rover? Whoever may use every robot here")
+        assert CAN in said
+        assert "rover" not in place.gateway.robots
+        button = place.button("Add it")
+        await tap(place, "Add it", ADDED)
+        assert [(d.act, d.about) for d in place.decided][-1] == ("robot-added", "rover")
+        await place.tap(*button)  # once
+        assert "done" in await place.say("rover wiggle")
+        await say(place, "/robot add rover.yaml", "called rover here already")
+
+
+async def test_leaving_it_adds_nothing() -> None:
+    async with Place().open() as place:
+        await send(place)
+        await tap(place, "Add this robot", "Add Rover 3")
+        await place.tap(*place.button("Leave it"))
+        assert "rover" not in place.gateway.robots
+
+
+@pytest.mark.parametrize("account", [BO, VI])
+async def test_only_whoever_assigns_tasks_and_gives_rights_may(account: str) -> None:
+    async with Place().open() as place:
+        await send(place, account=account)
+        with pytest.raises(AssertionError, match="no button"):
+            place.button("Add this robot")
+        said = await place.say("/robot add rover.yaml", account=account, chat=account)
+        assert said.startswith("Only somebody who may assign tasks and give rights here")
+        assert "rover" not in place.gateway.robots
+
+
+async def test_a_file_is_ones_own_and_a_group_is_no_place_for_it() -> None:
+    async with Place().open() as place:
+        await send(place, account=BO)
+        assert "no file" in await place.say("/robot add rover.yaml")
+        await send(place)
+        said = await place.say("/robot add rover.yaml", chat="-5", kind=ChatKind.GROUP)
+        assert "private chat" in said
+
+
+async def test_what_was_shown_is_what_is_added() -> None:
+    async with Place().open() as place:
+        await send(place)
+        await tap(place, "Add this robot", "Add Rover 3")
+        button = place.button("Add it")
+        await place.say("/files delete rover.yaml")
+        await send(place, ROVER.replace("Rover 3", "Other"))
+        before = len(place.chat.told)
+        await place.tap(*button)
+        await heard(place, before, "changed since I showed it")
+        assert "rover" not in place.gateway.robots
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (ROVER + "files: { accept: [yaml], inbox: /tmp/inbox }\n", "Only its operator"),
+        (ROVER.replace("max: 9", "max: 0"), "rover.yaml:11"),
+        (ROVER.replace("id: rover", "id: omni"), "called omni here already"),
+        (ROVER + "# " + "x" * 140_000 + "\n", "128 KiB"),
+    ],
+)
+async def test_what_is_wrong_with_it_is_said_and_nothing_is_changed(content: str, why: str) -> None:
+    async with Place().open() as place:
+        await send(place, content)
+        said = await say(place, "/robot add rover.yaml", why)
+        assert "Nothing was changed." in said
+        assert "rover" not in place.gateway.robots
