@@ -37,7 +37,7 @@ settings.load_profile("rosic")
 # Where several workers share the files, the longest come first, or one would be left with them at
 # the end while the others wait. About how long each takes; what is not named takes less.
 SECONDS = {
-    "tests/planted/test_faults.py": 150,
+    "tests/planted/test_faults.py": 250,
     "tests/journeys/test_kills.py": 150,
     "tests/journeys/test_people.py": 125,
     "tests/journeys/test_backlog.py": 90,
@@ -89,6 +89,10 @@ SECONDS = {
     "tests/rooms/pipeline/test_alerts.py": 15,
     "tests/shape/test_conduct.py": 15,
     "tests/cli/test_init.py": 15,
+    "tests/journeys/test_among.py": 30,
+    "tests/cli/test_robot_add.py": 25,
+    "tests/cli/test_plays_interrupted.py": 15,
+    "tests/journeys/test_large_files.py": 15,
 }
 
 

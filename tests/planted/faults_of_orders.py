@@ -66,8 +66,8 @@ OF_ORDERS = (
     Fault(
         name="I13 fences begin anew after a restart",
         file="organiser/organiser.py",
-        guard="self._leases[robot] = Lease(fence)",
-        without="self._leases[robot] = Lease()",
+        guard="{r: Lease(fence) for r, fence",
+        without="{r: Lease() for r, fence",
         caught_by=(f"{STOPPING}::test_numbers_and_fences_go_on_after_a_restart",),
     ),
     Fault(
