@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 
+from tests.leaks import leaks
+
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator
     from types import FrameType
@@ -136,6 +138,16 @@ def _refuse_skip(report: pytest.TestReport | pytest.CollectReport) -> None:
     sentence = report.longrepr[2] if isinstance(report.longrepr, tuple) else str(report.longrepr)
     report.outcome = "failed"
     report.longrepr = f"{REQUIRE_ALL}=1, and this was skipped: {sentence}"
+
+
+# ---- no token in anything that was written ----
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _no_token_was_written(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    yield
+    found = leaks(tmp_path_factory.getbasetemp())
+    assert not found, f"a token stands in {', '.join(found)}"
 
 
 # ---- no test without end ----

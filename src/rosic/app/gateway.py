@@ -34,7 +34,7 @@ from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.container.words_container import SETTINGS_DAMAGED
 from rosic.contracts.messenger import settle_with
-from rosic.core.language import Vocabulary, clean
+from rosic.core.language import Vocabulary, inert_text
 from rosic.core.message import Outbound
 from rosic.core.stopboard import StopBoard
 from rosic.errors import ConfigurationError
@@ -325,7 +325,7 @@ class Gateway:
 
     def _robot_says(self, profile: Profile, text: str) -> None:
         """Bring a robot's own words to everybody who chose it, as inert text (Algorithm 8)."""
-        said = f"{profile.shown}: {clean(text)}"
+        said = f"{profile.shown}: {inert_text(text)}"
         for messenger, chat in self.pipeline.audience.of(profile.id):
             if self._teller is not None:
                 self._teller.say(Note(messenger, Outbound(chat=chat, text=said), about=profile.id))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.core.life import ENGLISH, Face, Life, Wording
 from rosic.core.message import Button
 from rosic.core.order import Report, Stage
+from rosic.core.words import headed
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
@@ -128,7 +129,7 @@ class Card:
         self.untold.append(cid)
         self.dirty = True
         if not self.in_place:
-            self.lines.append(f"{life.where}: {words}")
+            self.lines.append(headed(life.where, words))
 
     def text(self, *, endings: bool) -> str:
         """Return the message as it should read now, with or without how lives ended."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import msgspec
 
-from rosic.core.language import clean
+from rosic.core.language import inert_text
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Report
 from rosic.core.saying import capital, said
 from rosic.errors import OrderVoid, Refusal, RobotUnreachable
@@ -357,5 +357,5 @@ def inert(outcome: Outcome) -> Outcome:
 
 def inert_words(text: str) -> str:
     """Return words without what could act on a reader; harmless ones keep their languages."""
-    plain = clean(text)[:NOTE_AT_MOST]
+    plain = inert_text(text)[:NOTE_AT_MOST]
     return text if plain == text else plain

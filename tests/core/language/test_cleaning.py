@@ -1,7 +1,7 @@
 # ruff: noqa: RUF001 - people type what is ambiguous
 from __future__ import annotations
 
-from rosic.core.language import clean, clean_name
+from rosic.core.language import clean, clean_name, inert_text
 from rosic.core.language.cleaning import fold_word, quote
 
 
@@ -34,3 +34,13 @@ def test_a_word_is_folded_without_changing_its_number() -> None:
     assert fold_word("10²") == "10²"
     assert fold_word("1½") == "1½"
     assert fold_word("①") == "①"
+
+
+def test_no_command_is_made_of_what_a_robot_says() -> None:
+    slash = "\u2215"
+    assert inert_text("say /resume, (/stop) or\n/start x") == (
+        f"say {slash}resume, ({slash}stop) or\n{slash}start x"
+    )
+    for harmless in ("1/2", "km/h", "a / b", "and/or", "see http://x.y/z"):
+        assert inert_text(harmless) == harmless
+    assert inert_text("\u202e/stop") == f"{slash}stop"

@@ -7,7 +7,7 @@ up in a `Vocabulary`, which is compiled from the profiles once and replaced when
 from __future__ import annotations
 
 from rosic.core.language.binding import bind
-from rosic.core.language.cleaning import clean, clean_name
+from rosic.core.language.cleaning import clean, clean_name, inert_text
 from rosic.core.language.compiled import SAY, skills_of
 from rosic.core.language.grammar import LONGEST_TEXT, MOST_LINES, understand
 from rosic.core.language.lines import (
@@ -56,6 +56,7 @@ __all__ = [
     "clean",
     "clean_name",
     "hears_stop",
+    "inert_text",
     "show",
     "skills_of",
     "understand",

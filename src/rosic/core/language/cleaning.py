@@ -6,6 +6,7 @@ and lone surrogates included.
 
 from __future__ import annotations
 
+import re
 import unicodedata
 
 LONGEST_NAME = 64
@@ -14,6 +15,8 @@ LONGEST_QUOTE = 32
 # Explicit embeddings, overrides and isolates: with them a person can be shown another order of
 # words than the one that is read here.
 REORDERING = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+
+_COMMAND = re.compile(r"(?<![\w/])/(?=\w)")
 
 # What stands for a sign that people also type in ASCII.
 _SIGNS = str.maketrans(
@@ -40,6 +43,15 @@ def clean(text: str) -> str:
         return text
     lines = "\n".join(text.splitlines()).replace("\t", " ")
     return "".join([character for character in lines if _is_kept(character)])
+
+
+def inert_text(text: str) -> str:
+    """Return somebody's words, or a robot's, so that no messenger makes a command of them.
+
+    ``/resume`` in what a robot says would be a link that gives the command; with another sign for
+    the slash (U+2215) it reads the same and does nothing.
+    """
+    return _COMMAND.sub("\u2215", clean(text)) if "/" in text else clean(text)
 
 
 def clean_name(text: str) -> str:

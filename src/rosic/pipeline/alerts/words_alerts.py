@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.alert_rule import Severity
 from rosic.core.benchmark import DEVIATION, Kind
-from rosic.core.language import clean
+from rosic.core.language import clean, inert_text
 from rosic.core.message import Button
 from rosic.core.rule import PAUSE, REALLOCATE
 from rosic.core.saying import joined, said
@@ -36,7 +36,7 @@ def value(condition: Condition, found: float | str | None) -> str:
     if condition.name == DEVIATION:
         return deviation(str(found))
     if isinstance(found, str):
-        return f"{condition.name} {clean(found)[:80]}"
+        return f"{condition.name} {inert_text(found)[:80]}"
     # Rounded down: what is below a fifth is never shown as a fifth.
     number = f"{floor(found * 10) / 10:g}" if condition.unit == "%" else f"{found:.2f}"
     return f"{condition.name.replace('_', ' ')} {number} {condition.unit}".rstrip()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.language import clean
+from rosic.core.language import clean, inert_text
 from rosic.core.message import Button
 from rosic.core.saying import joined
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
@@ -124,10 +124,12 @@ class AmongClerk:
         visible, book = self._rooms.organiser.visible(who), self._circle.desk.book
         shown, name_of = self._around.rights.shown, self._rooms.organiser.name_of
         open_ = [h for h in book.open() if h.robot in visible]
-        lines = [words.open_help(h.id, shown(h.robot), clean(h.what)) for h in open_]
+        lines = [words.open_help(h.id, shown(h.robot), inert_text(h.what)) for h in open_]
         lines += [
             words.under_way(
-                shown(h.robot), clean(h.what), shown(h.helper) if h.helper else clean(name_of(h.by))
+                shown(h.robot),
+                inert_text(h.what),
+                shown(h.helper) if h.helper else clean(name_of(h.by)),
             )
             for h in book.under_way()
             if h.robot in visible

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.language import clean
+from rosic.core.language import clean, inert_text
 from rosic.core.saying import joined, said, said_n
 from rosic.organiser.words_calendar import length
 
@@ -19,7 +19,7 @@ ALL_SHOWN = 1_500
 
 def data(content: bytes, at_most: int = DATA_SHOWN) -> str:
     """Return what a robot said, inert and cut."""
-    text = " ".join(clean(bytes(content).decode(errors="replace")).split())
+    text = " ".join(inert_text(bytes(content).decode(errors="replace")).split())
     return f"{text[:at_most]}…" if len(text) > at_most else text
 
 
@@ -181,7 +181,7 @@ def asks_for_help(shown: str, what: str, until: str) -> str:
     """Return what whoever may help reads."""
     return said(
         "{robot} asks for help: {what}. It can be accepted until {time}.",
-        robot=shown, what=clean(what), time=until,
+        robot=shown, what=inert_text(what), time=until,
     )  # fmt: skip
 
 
@@ -232,9 +232,11 @@ def helped(asker: str, what: str, by: str, helper: str) -> str:
     if helper and helper != by:
         return said(
             "{helper} helps {robot} ({what}), sent by {name}.",
-            helper=helper, robot=asker, what=clean(what), name=clean(by),
+            helper=helper, robot=asker, what=inert_text(what), name=clean(by),
         )  # fmt: skip
-    return said("{name} helps {robot} ({what}).", name=clean(by), robot=asker, what=clean(what))
+    return said(
+        "{name} helps {robot} ({what}).", name=clean(by), robot=asker, what=inert_text(what)
+    )
 
 
 def no_tasks() -> str:
@@ -249,13 +251,15 @@ def tasks_failed() -> str:
 
 def help_ended(asker: str, what: str) -> str:
     """Return that help is not needed any more."""
-    return said("{robot} needs no more help ({what}).", robot=asker, what=clean(what))
+    return said("{robot} needs no more help ({what}).", robot=asker, what=inert_text(what))
 
 
 def help_expired(asker: str, what: str) -> str:
     """Return that nobody has helped."""
     return said(
-        "Nobody has accepted to help {robot} ({what}). Please look.", robot=asker, what=clean(what)
+        "Nobody has accepted to help {robot} ({what}). Please look.",
+        robot=asker,
+        what=inert_text(what),
     )
 
 
@@ -346,7 +350,7 @@ def strategy_declined(shown: str, what: str, why: str) -> str:
     """Return that the robot has not."""
     return said(
         "{robot} has not taken on {strategy}: {why}. It goes on as before.",
-        robot=shown, strategy=what, why=clean(why) or "-",
+        robot=shown, strategy=what, why=inert_text(why) or "-",
     )  # fmt: skip
 
 

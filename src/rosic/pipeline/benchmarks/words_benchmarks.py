@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.benchmark import Kind
-from rosic.core.language import clean
+from rosic.core.language import inert_text
 from rosic.core.saying import joined, said
 
 if TYPE_CHECKING:
@@ -84,5 +84,5 @@ def settings(lines: Sequence[str]) -> str:
 
 def setting(name: str, value: object, by: str, when: str) -> str:
     """Return one parameter."""
-    shown = f"{value:g}" if isinstance(value, float) else clean(str(value))[:VALUE_AT_MOST]
+    shown = f"{value:g}" if isinstance(value, float) else inert_text(str(value))[:VALUE_AT_MOST]
     return said("{name} = {value}, by {who} {time}", name=name, value=shown, who=by, time=when)
