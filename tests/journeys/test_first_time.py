@@ -95,7 +95,7 @@ async def test_from_start_to_a_first_motion_in_four_taps(
 
         await cy.start(code, "You are invited as operator on omni")
         await cy.tap("Join", "What should omni do?")
-        await cy.tap("Move in a straight line", "0.50 m forward?")
+        await cy.tap("🚗 Move in a straight line", "0.50 m forward?")
         await cy.tap("Do it", "moved 0.50 m forward")
 
         assert cy.taps <= TAPS_TO_A_MOTION
@@ -115,7 +115,7 @@ async def test_the_same_in_german(
 
         await cy.start(code, "eingeladen")
         await cy.tap("Beitreten", "Was soll omni tun?")
-        await cy.tap("Move in a straight line", "0.50 m forward?")
+        await cy.tap("🚗 Move in a straight line", "0.50 m forward?")
         await cy.tap("Mach es", "0.50 m gefahren")
 
         assert cy.taps <= TAPS_TO_A_MOTION
@@ -154,7 +154,7 @@ async def test_driving_and_stopping_with_buttons(
         bo = await said.newcomer(place, place.bo)
 
         await bo.start("", said("What should omni do?", "Was soll omni tun?"))
-        await bo.tap("Move in a straight line", "0.50 m forward?")
+        await bo.tap("🚗 Move in a straight line", "0.50 m forward?")
         await bo.tap("+", "1.00 m forward?")
         await bo.tap("+", "2.00 m forward?")
         await bo.tap(said("Do it", "Mach es"), said("driving", " %"))

@@ -52,7 +52,7 @@ async def test_buttons_alone_move_a_robot(
 
         menu = await place.ask(place.bo, "/start", "What should omni do?")
         under = menu["message_id"]
-        await press(place, under, "Move in a straight line", "0.50 m forward?")
+        await press(place, under, "🚗 Move in a straight line", "0.50 m forward?")
         await place.control.tap(place.bo, place.bo, under, "Do it")
         card = await place.reads(place.bo, "done ")
 

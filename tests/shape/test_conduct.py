@@ -54,6 +54,8 @@ def run_pytest(folder: Path, *arguments: str, require_all: bool = False) -> dict
     """Outcome of each test by its name; the whole output stands under the empty name."""
     shutil.copy(ROOT / "pyproject.toml", folder)
     shutil.copy(ROOT / "tests/conftest.py", folder)
+    (folder / "tests").mkdir()
+    shutil.copy(ROOT / "tests/leaks.py", folder / "tests")
     (folder / "test_subject.py").write_text(SUBJECT)
     (folder / "test_absent.py").write_text(ABSENT)
     own = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
@@ -108,6 +110,7 @@ def test_the_longest_files_come_first_and_are_there(tmp_path: Path) -> None:
     (tmp_path / "tests").mkdir()
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     shutil.copy(ROOT / "tests/conftest.py", tmp_path / "tests")
+    shutil.copy(ROOT / "tests/leaks.py", tmp_path / "tests")
     longest = max(SECONDS, key=SECONDS.__getitem__)
     for file in ("tests/a/test_first.py", longest):
         (tmp_path / file).parent.mkdir()

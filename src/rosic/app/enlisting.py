@@ -17,7 +17,7 @@ from rosic.app.benchmarking import enlist_judged
 from rosic.app.enlisted import KIND, check_distinct, check_draft, fact_of
 from rosic.app.gates import stops_of
 from rosic.app.painting import enlist_seen
-from rosic.app.start import Completing
+from rosic.app.parts import Completing
 from rosic.contracts.among import Fellow
 from rosic.core import words as core_words
 from rosic.core.fleet.task import Standing

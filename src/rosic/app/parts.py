@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from typing import Protocol, runtime_checkable
 
 import msgspec
 
@@ -21,6 +22,15 @@ from rosic.core.life import Face
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Profile, RobotId
 from rosic.core.roles import DEFAULT_ROLES, Rulebook
+
+
+@runtime_checkable
+class Completing(Protocol):
+    """A messenger that helps people type, and wants to know the fleet for it."""
+
+    def know(self, profiles: Iterable[Profile]) -> None:
+        """Take the robots over."""
+        ...
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):

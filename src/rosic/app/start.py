@@ -9,7 +9,7 @@ from zoneinfo import ZoneInfo
 from rosic.app.adapters import messenger_factory, robot_factory
 from rosic.app.face import face_of
 from rosic.app.painting import painter
-from rosic.app.parts import Parts, Settings
+from rosic.app.parts import Completing, Parts, Settings
 from rosic.app.profiles import known_units
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
@@ -21,18 +21,8 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
-    from rosic.core.robot import Profile
 
 STOPS = "stops"
-
-
-@runtime_checkable
-class Completing(Protocol):
-    """A messenger that helps people type, and wants to know the fleet for it."""
-
-    def know(self, profiles: Iterable[Profile]) -> None:
-        """Take the robots over."""
-        ...
 
 
 @runtime_checkable

@@ -44,3 +44,4 @@ def test_no_command_is_made_of_what_a_robot_says() -> None:
     for harmless in ("1/2", "km/h", "a / b", "and/or", "see http://x.y/z"):
         assert inert_text(harmless) == harmless
     assert inert_text("\u202e/stop") == f"{slash}stop"
+    assert inert_text("https://T.me/bot?start=c") == f"https://T.me{slash}bot?start=c"

@@ -16,7 +16,7 @@ LONGEST_QUOTE = 32
 # words than the one that is read here.
 REORDERING = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
-_COMMAND = re.compile(r"(?<![\w/])/(?=\w)")
+_COMMAND = re.compile(r"(?<![\w/])/(?=\w)|(?<=t\.me)/", re.IGNORECASE)
 
 # What stands for a sign that people also type in ASCII.
 _SIGNS = str.maketrans(
@@ -48,8 +48,9 @@ def clean(text: str) -> str:
 def inert_text(text: str) -> str:
     """Return somebody's words, or a robot's, so that no messenger makes a command of them.
 
-    ``/resume`` in what a robot says would be a link that gives the command; with another sign for
-    the slash (U+2215) it reads the same and does nothing.
+    ``/resume`` in what a robot says would be a link that gives the command, and ``t.me/x?start=``
+    one that brings a code; with another sign for the slash (U+2215) both read the same and do
+    nothing.
     """
     return _COMMAND.sub("\u2215", clean(text)) if "/" in text else clean(text)
 
