@@ -21,6 +21,7 @@ from rosic.pipeline.among.digests import EVERY_S
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
 from rosic.testing.ros2.environment import why_missing
 from rosic.testing.ros2.graph import RosGraph
+from tests.journeys.acts import side_by_side
 from tests.journeys.lab import Lab, lab
 from tests.journeys.ros import VARIABLES
 from tests.journeys.scenes import BRAINS, PROGRAM, ROVERS, profile
@@ -173,16 +174,9 @@ async def _are_heard(here: Here) -> None:
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
 async def acts(here: Here) -> AsyncIterator[dict[str, asyncio.Task[None]]]:
     """Begin all of it side by side; a test waits for the end of one."""
-    acts = {
-        act.__name__: asyncio.create_task(act(here))
-        for act in (_shared, _helped, _worked_otherwise)
-    }
-    try:
-        yield acts
-    finally:
-        for act in acts.values():
-            act.cancel()
-        await asyncio.gather(*acts.values(), return_exceptions=True)
+    stories = {act.__name__: act(here) for act in (_shared, _helped, _worked_otherwise)}
+    async with side_by_side(stories) as begun:
+        yield begun
 
 
 async def test_what_a_robot_shares_is_read_followed_and_silenced(

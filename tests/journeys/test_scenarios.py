@@ -15,6 +15,7 @@ import pytest_asyncio
 
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
 from rosic.testing.ros2.environment import why_missing
+from tests.journeys.acts import side_by_side
 from tests.journeys.scenes import CARRIERS, DRONES, STUDENTS, Scenes, scenes
 
 if TYPE_CHECKING:
@@ -42,25 +43,27 @@ async def here(
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
 async def acts(here: Scenes) -> AsyncIterator[dict[str, asyncio.Task[None]]]:
     """Begin every scenario; a test waits for the end of one."""
-    carriers = asyncio.create_task(_fleet(here))
+    carriers_free = asyncio.Event()
+
+    async def first() -> None:
+        try:
+            await _fleet(here)
+        finally:
+            carriers_free.set()
 
     async def afterwards() -> None:
-        await asyncio.wait((carriers,))
+        await carriers_free.wait()
         await _shift(here)
 
-    acts = {
-        "one-to-one": asyncio.create_task(_one_to_one(here)),
-        "class": asyncio.create_task(_class(here)),
-        "fleet": carriers,
-        "shift": asyncio.create_task(afterwards()),
-        "swarm": asyncio.create_task(_swarm(here)),
+    stories = {
+        "one-to-one": _one_to_one(here),
+        "class": _class(here),
+        "fleet": first(),
+        "shift": afterwards(),
+        "swarm": _swarm(here),
     }
-    try:
-        yield acts
-    finally:
-        for act in acts.values():
-            act.cancel()
-        await asyncio.gather(*acts.values(), return_exceptions=True)
+    async with side_by_side(stories) as begun:
+        yield begun
 
 
 async def test_one_to_one_a_ranger_and_a_robot_that_watches_for_fire(

@@ -286,14 +286,10 @@ def handing_of(
     holdings: Holdings,
     pipeline: Pipeline,
     aside: Aside,
-    folders: RobotFolders | None = None,
+    folders: RobotFolders,
 ) -> Handing:
     """Return the clerk who brings files to robots, and robots' files to people."""
-    ways = Ways(
-        folders or folders_of(rooms),
-        rooms.linker.deliver,
-        lambda robot: rooms.board[robot].latched,
-    )
+    ways = Ways(folders, rooms.linker.deliver, lambda robot: rooms.board[robot].latched)
     return Handing(holdings, rooms.organiser, rooms.profiles, ways, pipeline.plain, aside)
 
 

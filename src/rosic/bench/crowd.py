@@ -11,6 +11,7 @@ from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.people import Seed
 from rosic.app.units import compile_units
+from rosic.bench.lanes import BenchMessenger
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
 from rosic.core.rate import RateLimit
@@ -20,14 +21,12 @@ from rosic.robots.memory import MemoryRobot
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
-
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Messenger, Receive
+    from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Tell
     from rosic.contracts.store import Latch, Store
     from rosic.core.gate import Gate
-    from rosic.core.message import Enclosure, Outbound
+    from rosic.core.message import Outbound
     from rosic.core.order import Order, Outcome, Rest, Stop
     from rosic.core.robot import RobotId
 
@@ -101,26 +100,17 @@ class TimedLatch:
             self.kept_ns[robot] = perf_counter_ns()
 
 
-class Watched:
+class Watched(BenchMessenger):
     """A messenger that reads only what the watcher is told.
 
     Attributes:
         told: Done, with the time and the text, when the answer to a stop came.
     """
 
-    platform = "bench"
-    name = "bench"
-    assurance = "local"
-    edits = True
-    file_bytes = fetch_bytes = 0
-    pins = False
-
     def __init__(self) -> None:
+        super().__init__()
         self.told: asyncio.Future[tuple[int, str]] | None = None
         self._ids = count(1)
-
-    async def run(self, receive: Receive) -> None:
-        """Nothing to listen to: the load calls ``receive`` itself."""
 
     async def send(self, outbound: Outbound) -> str:
         """Take a message."""
@@ -130,16 +120,6 @@ class Watched:
     async def edit(self, message: str, outbound: Outbound) -> None:  # noqa: ARG002 - a contract
         """Take an edit."""
         self._read(outbound)
-
-    async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
-        """Nobody looks."""
-
-    async def answer_tap(self, inbound: Inbound, text: str) -> None:
-        """Nobody taps."""
-
-    def fetch(self, enclosure: Enclosure) -> AsyncIterator[bytes]:
-        """Nobody sends a file."""
-        raise NotImplementedError
 
     def _read(self, outbound: Outbound) -> None:
         if self.told is None or outbound.chat.id != WATCHER:

@@ -153,8 +153,7 @@ class Names(msgspec.Struct, frozen=True):
             raise ValueError(
                 f"{spelled!r} is no unit of {name}, which is in {own.symbol or 'none'}"
             )
-        si = number * unit.factor + unit.offset
-        return float(f"{(si - own.offset) / own.factor:.12g}")
+        return float(f"{own.from_si(unit.to_si(number)):.12g}")
 
 
 def _amount(said: str) -> tuple[float, str] | None:

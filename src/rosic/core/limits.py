@@ -124,7 +124,7 @@ def unit_converter(units: UnitTable) -> Convert:
                 if parameter.unit
                 else said("{unit!r} does not fit, it has no unit", unit=unit)
             )
-        return number * meant.factor + meant.offset
+        return meant.to_si(number)
 
     return convert
 

@@ -78,7 +78,7 @@ def _number(text: str, parameter: Parameter, units: UnitTable) -> float | None:
     unit, own = units.find(numeral.rest), units.find(parameter.unit)
     if unit is None or own is None or unit.dimension != own.dimension:
         return None
-    return (numeral.value * unit.factor + unit.offset - own.offset) / own.factor
+    return own.from_si(unit.to_si(numeral.value))
 
 
 def spoken(values: Mapping[str, float | str], strategy: Strategy | None) -> str:

@@ -175,5 +175,5 @@ def _command(robot: RobotId, compiled: CompiledSkill, arguments: Mapping[str, Ar
 def _value(parameter: CompiledParameter, value: Argument) -> str:
     if not parameter.is_number:
         return f"{parameter.name}={value}"
-    number = (float(value) - parameter.unit.offset) / parameter.unit.factor
+    number = parameter.unit.from_si(float(value))
     return f"{parameter.name}={number:.10g}"

@@ -157,7 +157,7 @@ def _value(name: str, quantity: Quantity, words: list[str], units: UnitTable) ->
     unit, own = units.find(spelled) if spelled else None, _unit(quantity, units)
     if spelled and (unit is None or unit.dimension != own.dimension):
         raise NotUnderstood(_no_value(name, quantity))
-    value = numeral.value if unit is None else _in(own, unit, numeral.value)
+    value = numeral.value if unit is None else own.from_si(unit.to_si(numeral.value))
     return _bounded(name, quantity, value), used
 
 
@@ -169,10 +169,6 @@ def _is_unit(words: list[str], units: UnitTable) -> bool:
 
 def _unit(quantity: Quantity, units: UnitTable) -> Unit:
     return (units.find(quantity.unit) if quantity.unit else None) or NONE
-
-
-def _in(own: Unit, unit: Unit, value: float) -> float:
-    return (value * unit.factor + unit.offset - own.offset) / own.factor
 
 
 def _bounded(name: str, quantity: Quantity, value: float) -> float:

@@ -143,7 +143,7 @@ def _number(parameter: CompiledParameter, number: float, unit: Unit | None) -> A
         unit = declared
     elif unit.dimension != declared.dimension:
         return None
-    si = number * unit.factor + unit.offset
+    si = unit.to_si(number)
     if not (parameter.is_number and parameter.low_edge <= si <= parameter.high_edge):
         return None
     if si < parameter.low:
@@ -155,7 +155,7 @@ def _number(parameter: CompiledParameter, number: float, unit: Unit | None) -> A
 
 def _whole(si: float, unit: Unit) -> Argument | None:
     """Return a value that is whole in the declared unit; an ``int`` where that unit is SI."""
-    value = (si - unit.offset) / unit.factor
+    value = unit.from_si(si)
     nearest = round(value)
     if abs(value - nearest) > TOLERANCE * max(1.0, abs(value)):
         return None

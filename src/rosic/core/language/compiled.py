@@ -149,15 +149,14 @@ def compile_parameter(name: str, parameter: Parameter, units: UnitTable) -> Comp
     """
     unit = _unit(name, parameter, units)
     low, high = (
-        bound * unit.factor + unit.offset if bound is not None else 0.0
-        for bound in (parameter.min, parameter.max)
+        unit.to_si(bound) if bound is not None else 0.0 for bound in (parameter.min, parameter.max)
     )
     if not (isfinite(low) and isfinite(high)):
         raise ValueError(f"parameter {name!r}: its bounds are too large")
     integer = parameter.integer and unit.factor == 1.0 and unit.offset == 0.0
     default = parameter.default
     if default is not None and not isinstance(default, str):
-        default = default * unit.factor + unit.offset
+        default = unit.to_si(default)
         default = int(default) if integer else min(max(float(default), low), high)
     return CompiledParameter(
         name=name,

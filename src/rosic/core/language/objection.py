@@ -231,7 +231,7 @@ class Objection:
             return self._unknown_unit(at, value)
         if unit.dimension != parameter.unit.dimension:
             return self._wrong_dimension(value, unit, (parameter,))
-        if not isfinite(value.number * unit.factor + unit.offset):
+        if not isfinite(unit.to_si(value.number)):
             return self._refuse(
                 said(
                     "{shown} takes a finite number. Nothing was done.",
@@ -302,7 +302,7 @@ class Objection:
     def _out_of_bounds(
         self, at: int, value: Spoken, parameter: CompiledParameter, unit: Unit
     ) -> Refusal:
-        si = (value.number or 0.0) * unit.factor + unit.offset
+        si = unit.to_si(value.number or 0.0)
         upper = si > parameter.high
         if parameter.low <= si <= parameter.high:
             return self._refuse(

@@ -38,7 +38,7 @@ def show_number(value: float) -> str:
 
 def show_value(si: float, unit: Unit) -> str:
     """Return an SI value in a unit: ``0.50 m``, ``15 N``. Metres have two decimals at least."""
-    value = (si - unit.offset) / unit.factor
+    value = unit.from_si(si)
     text = show_number(value)
     if unit.symbol == "m" and "e" not in text:
         whole, _, decimals = text.partition(".")
@@ -65,7 +65,7 @@ def show_bound(low: float, high: float, unit: Unit, *, upper: bool) -> str:
 
     What does not come out even is rounded inwards: 5 m is at most 16.4 ft.
     """
-    value = ((high if upper else low) - unit.offset) / unit.factor
+    value = unit.from_si(high if upper else low)
     if not _ROUNDED_FROM < abs(value) < _ROUNDED_TO:
         return repr(value) if value else "0"
     short = float(f"{value:.6g}")
@@ -74,7 +74,7 @@ def show_bound(low: float, high: float, unit: Unit, *, upper: bool) -> str:
     for digits in _DIGITS:
         step = 10.0 ** (floor(log10(abs(value))) + 1 - digits)
         short = float(f"{(floor if upper else ceil)(value / step) * step:.{digits + 1}g}")
-        if low <= short * unit.factor + unit.offset <= high:
+        if low <= unit.to_si(short) <= high:
             return f"{short:.{digits + 1}g}"
     return repr(value)
 
@@ -85,7 +85,7 @@ def usual_values(parameter: CompiledParameter) -> tuple[str, ...]:
     Of a large range they are the lower part: nobody is tempted to begin with the most.
     """
     unit = parameter.unit
-    low, high = ((bound - unit.offset) / unit.factor for bound in (parameter.low, parameter.high))
+    low, high = map(unit.from_si, (parameter.low, parameter.high))
     top = max(abs(low), abs(high))
     values: list[float] = []
     if _ROUNDED_FROM < top < _ROUNDED_TO:

@@ -22,9 +22,7 @@ _PREFERRED = (1.0, 2.0, 5.0, 10.0)
 def stepped(parameter: CompiledParameter, si: float) -> tuple[float, float]:
     """Return the neighbours of a number, SI. At a bound the neighbour is the bound itself."""
     unit = parameter.unit
-    low, high, value = (
-        (x - unit.offset) / unit.factor for x in (parameter.low, parameter.high, si)
-    )
+    low, high, value = map(unit.from_si, (parameter.low, parameter.high, si))
     if low > 0 and WIDE * low <= high <= TOO_WIDE * low:
         below, above = _preferred_below(value), _preferred_above(value)
     else:
@@ -38,8 +36,8 @@ def stepped(parameter: CompiledParameter, si: float) -> tuple[float, float]:
     if parameter.integer:
         below, above = floor(below), ceil(above)
     # Not by way of the declared unit: a bound is met exactly.
-    smaller = parameter.low if below <= low else below * unit.factor + unit.offset
-    larger = parameter.high if above >= high else above * unit.factor + unit.offset
+    smaller = parameter.low if below <= low else unit.to_si(below)
+    larger = parameter.high if above >= high else unit.to_si(above)
     return smaller, larger
 
 
@@ -56,7 +54,7 @@ def beginning(parameter: CompiledParameter) -> Argument | None:
     value = float(usual_values(parameter)[0])
     if parameter.integer and unit.factor == 1.0 and unit.offset == 0.0:
         return int(value)
-    return value * unit.factor + unit.offset
+    return unit.to_si(value)
 
 
 def _preferred_from(value: float) -> float:

@@ -20,6 +20,14 @@ class Unit(msgspec.Struct, frozen=True):
     factor: float
     offset: float = 0.0
 
+    def to_si(self, value: float) -> float:
+        """Return a value of this unit in SI."""
+        return value * self.factor + self.offset
+
+    def from_si(self, value: float) -> float:
+        """Return a value in SI in this unit."""
+        return (value - self.offset) / self.factor
+
 
 # A plain number: a count, the index of a joint.
 NONE = Unit("", "", 1.0)

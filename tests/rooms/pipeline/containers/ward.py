@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 from rosic.app.gateway import Gateway
-from rosic.app.holding import handing_of
+from rosic.app.holding import folders_of, handing_of
 from rosic.app.profiles import known_units
 from rosic.container.archive import NOBODY, Archive, Author
 from rosic.container.drawer import Drawer
@@ -132,7 +132,7 @@ class Ward(Place):
         gateway.pipeline.reception.enclosed = self.receiving.take
         self.aside = Aside(gateway.pipeline.answer, gateway.pipeline.plain, clock)
         filing.take_time(self.aside, gateway.pipeline.plain)
-        handing = handing_of(rooms, self.holdings, gateway.pipeline, self.aside)
+        handing = handing_of(rooms, self.holdings, gateway.pipeline, self.aside, folders_of(rooms))
         filing.hand_over(handing)
         self.receiving.offer = handing.offer
         take_over(self.kept.memory.facts, self.holdings, self.erasing)
