@@ -85,7 +85,6 @@ class Sending:
     Args:
         pipeline: Receives them.
         messenger: Hears of the end of each.
-        orders: How many have to end; those under way then end, too.
         people: How many take turns.
         wall_ns: The place's clock.
     """
@@ -94,20 +93,24 @@ class Sending:
         self,
         pipeline: Pipeline,
         messenger: BenchMessenger,
-        orders: int,
         people: int,
         wall_ns: Callable[[], int],
     ) -> None:
         self._receive = pipeline.receive
         self._messenger = messenger
-        self._orders = orders
+        self._orders = 0
         self._people = cycle([address_of(person) for person in range(people)])
         self._numbers = count(1)
         self._wall_ns = wall_ns
         self._times: list[int] = []
 
-    async def send(self, lanes: list[Lane]) -> tuple[list[int], float]:
-        """Return how long each order took, in ns, and how long all of them, in s."""
+    async def send(self, lanes: list[Lane], orders: int) -> tuple[list[int], float]:
+        """Send until so many orders have ended, and those under way then, too.
+
+        Returns:
+            How long each order took, in ns, and how long all of them, in s.
+        """
+        self._orders, self._times = orders, []
         for lane in lanes:
             self._begin(lane)
         began_ns = perf_counter_ns()

@@ -21,7 +21,7 @@ from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.people import Seed
 from rosic.app.units import compile_units
 from rosic.bench import deciding, places, weighing
-from rosic.bench.lanes import TURN_MESSAGES, BenchMessenger, Sending, lanes_of
+from rosic.bench.lanes import TURN_MESSAGES, BenchMessenger, Lane, Sending, lanes_of
 from rosic.bench.report import Case, Report, case_of, machine
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
@@ -44,8 +44,8 @@ METHOD = (
     "Orders that ended done at a robot with a distinct number, each counted once its author was "
     "told. People take turns: one sends {turn} messages on each of the slots in flight at a robot, "
     "then the lease passes to the next. {robots} robots in memory, {runs} runs, median. A skill is "
-    "asked for in the same words each time, and what was read before is remembered, but for the "
-    "case that says otherwise. "
+    "asked for in the same words each time, once before the clock starts, and what was read before "
+    "is remembered, but for the case that says otherwise. "
     "The sending side runs in the same process and thread and is part of the time. Event loop: "
     "{loop}."
 )
@@ -119,9 +119,13 @@ async def _run(load: Load) -> tuple[float, list[int]]:
         try:
             _book(gateway, load)
             heap.settle()
-            times, seconds = await _drive(gateway, messenger, load)
-            acted = [robot.acted for robot in _robots(gateway)]
-            distinct = sum(len(set(numbers)) for numbers in acted)
+            sending = Sending(gateway.pipeline, messenger, load.people, CLOCK.wall_ns)
+            lanes = _lanes(load)
+            await sending.send(lanes, load.skills)
+            for robot in _robots(gateway):
+                robot.acted.clear()
+            times, seconds = await sending.send(lanes, load.orders)
+            distinct = sum(len(set(robot.acted)) for robot in _robots(gateway))
             if distinct != len(times):
                 raise AssertionError(f"{len(times)} told done, {distinct} acted")
         finally:
@@ -144,14 +148,10 @@ def _robots(gateway: Gateway) -> Iterator[MemoryRobot]:
             yield robot
 
 
-async def _drive(
-    gateway: Gateway, messenger: BenchMessenger, load: Load
-) -> tuple[list[int], float]:
-    """Keep ``in_flight`` messages under way; return every latency and the whole time."""
+def _lanes(load: Load) -> list[Lane]:
+    """Share what is in flight out among the robots."""
     robots = min(ROBOTS, load.skills, load.in_flight)
-    lanes = lanes_of(load.in_flight, [_texts(robot, load) for robot in range(robots)])
-    sending = Sending(gateway.pipeline, messenger, load.orders, load.people, CLOCK.wall_ns)
-    return await sending.send(lanes)
+    return lanes_of(load.in_flight, [_texts(robot, load) for robot in range(robots)])
 
 
 def _texts(robot: int, load: Load) -> Iterator[str]:
