@@ -6,10 +6,10 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from rosic.app.authority import fleet_of
 from rosic.app.config import load_config, read_config
 from rosic.app.config_file import LogLevel
 from rosic.app.profiles import known_units
+from rosic.app.rulebook import fleet_of
 from rosic.app.start import settings_of
 from rosic.container.drawer import Room
 from rosic.core.identity import Address

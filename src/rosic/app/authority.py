@@ -5,13 +5,11 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, NamedTuple
 
+from rosic.app.rulebook import fleet_of
 from rosic.core.asking import Key
 from rosic.core.authority import Scope
-from rosic.core.language import skills_of
 from rosic.core.limits import unit_converter
-from rosic.core.reach import Fleet
 from rosic.core.rights import Rights
-from rosic.core.roles import DEFAULT_ROLES, Rulebook
 from rosic.organiser.rolebook import ROLE, Rolebook
 from rosic.organiser.roster import GRANT, Roster
 
@@ -22,9 +20,10 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.identity import KeyId, PrincipalId
     from rosic.core.language import UnitTable
+    from rosic.core.reach import Fleet
     from rosic.core.record import Enrolled, Fact, Memory
     from rosic.core.robot import Profile, RobotId
-    from rosic.core.roles import Care, Role
+    from rosic.core.roles import Rulebook
     from rosic.pipeline.rooms import Rooms
     from rosic.pipeline.stopping import StopLane
 
@@ -179,24 +178,6 @@ class Authority:
 
 def _nothing() -> None:
     return None
-
-
-def fleet_of(profiles: Iterable[Profile]) -> Fleet:
-    """Return the robots there are, as rights see them."""
-    groups: dict[str, list[str]] = {}
-    skills = {}
-    for profile in profiles:
-        skills[profile.id] = skills_of(profile)
-        for group in profile.groups:
-            groups.setdefault(group, []).append(profile.id)
-    return Fleet(skills=skills, groups={name: tuple(some) for name, some in groups.items()})
-
-
-def rulebook_of(
-    roles: dict[str, Role], care: tuple[Care, ...] = (), preempt: tuple[str, ...] = ()
-) -> Rulebook:
-    """Return the rules of a place: its own roles beside the default ones, or instead of them."""
-    return Rulebook(roles={**DEFAULT_ROLES, **roles}, care=care, preempt=preempt)
 
 
 def key_of(authoriser: Authoriser, key_id: KeyId) -> Key | None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.adapters import robot_factory
-from rosic.app.authority import fleet_of
 from rosic.app.config import Config, read_config
 from rosic.app.control import socket_path
 from rosic.app.profiles import known_units
+from rosic.app.rulebook import fleet_of
 from rosic.app.start import messenger_of
 from rosic.core.language import Vocabulary
 from rosic.core.limits import unit_converter

@@ -13,9 +13,9 @@ import msgspec
 from msgspec import inspect
 
 from rosic.app.alarming import author_findings
-from rosic.app.authority import rulebook_of
 from rosic.app.config_file import (
     ConfigFile,
+    Keep,
     LogLevel,
     PrincipalTable,
     config_rules,
@@ -27,7 +27,7 @@ from rosic.app.fellows import robot_findings
 from rosic.app.missions import Missions
 from rosic.app.people import Seed
 from rosic.app.profiles import find_profile, fleet_findings, known_units, read_profile
-from rosic.app.retention import Keep
+from rosic.app.rulebook import rulebook_of
 from rosic.app.secret_settings import SecretSettings
 from rosic.app.shape import Finding, Walker
 from rosic.app.toml_file import read_toml

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from rosic.app.authority import fleet_of, rulebook_of
 from rosic.app.profile_forms import NAMED
-from rosic.app.retention import Keep
+from rosic.app.rulebook import fleet_of, rulebook_of
 from rosic.app.shape import Bounds, Field, Finding, Form, Rules
 from rosic.app.source import Place, nearest
 from rosic.container.drawer import FILES_MOST, PERSON_BYTES, PLACE_BYTES, Room
@@ -113,6 +112,18 @@ class FilesTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     def room(self) -> Room:
         """The same in bytes."""
         return Room(self.person_files, int(self.person_mb * MB), int(self.place_mb * MB))
+
+
+class Keep(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How long something is kept.
+
+    Attributes:
+        slots_days: A time with a robot, after it has ended.
+        decisions_days: Who was let in, locked, given a right, and by whom.
+    """
+
+    slots_days: float = 90
+    decisions_days: float = 1095
 
 
 class PrincipalTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

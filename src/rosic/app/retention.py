@@ -5,29 +5,16 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-import msgspec
-
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rosic.app.config_file import Keep
     from rosic.organiser.calendar import Calendar
     from rosic.pipeline.changes import Changes
 
 DAY_NS = 86_400_000_000_000
 
 log = logging.getLogger("rosic.gateway")
-
-
-class Keep(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How long something is kept.
-
-    Attributes:
-        slots_days: A time with a robot, after it has ended.
-        decisions_days: Who was let in, locked, given a right, and by whom.
-    """
-
-    slots_days: float = 90
-    decisions_days: float = 1095
 
 
 @runtime_checkable
