@@ -61,20 +61,20 @@ class HighWater:
         self.sleep = clock.sleep
         self.behind = False
         self.when_behind: Callable[[bool], object] = bool
-        self._clock = clock
+        self._machine_ns = clock.wall_ns
         self._highest_ns = clock.wall_ns()
         self._seen_ns = clock.monotonic_ns()
         self._written_ns = 0
 
     def wall_ns(self) -> int:
         """Return Unix time in nanoseconds; never less than before."""
-        now_ns, wall_ns = self.monotonic_ns(), self._clock.wall_ns()
-        highest_ns = self._highest_ns
-        if now_ns > self._seen_ns:
-            highest_ns += now_ns - self._seen_ns
-        if wall_ns > highest_ns:  # noqa: PLR1730 - asked a dozen times for each order
+        now_ns, wall_ns = self.monotonic_ns(), self._machine_ns()
+        passed_ns = now_ns - self._seen_ns
+        self._seen_ns = now_ns
+        highest_ns = self._highest_ns + passed_ns if passed_ns > 0 else self._highest_ns
+        if wall_ns > highest_ns:  # noqa: PLR1730 - asked twice for each order
             highest_ns = wall_ns
-        self._highest_ns, self._seen_ns = highest_ns, now_ns
+        self._highest_ns = highest_ns
         if (highest_ns - wall_ns > BEHIND_NS) is not self.behind:
             self.behind = not self.behind
             self.when_behind(self.behind)
@@ -82,7 +82,7 @@ class HighWater:
 
     def behind_s(self) -> float:
         """Return by how many seconds the machine's clock is behind the highest time seen."""
-        return (self.wall_ns() - self._clock.wall_ns()) / 1e9
+        return (self.wall_ns() - self._machine_ns()) / 1e9
 
     def due(self) -> tuple[Fact, ...]:
         """Return the fact to write, at most one a minute: to be asked for every now and then."""
@@ -98,7 +98,7 @@ class HighWater:
 
         What ended between that time and the highest one may be good again.
         """
-        return Fact(kind=KIND, key=KEY, body=_encode(Mark(self._clock.wall_ns(), accepted=True)))
+        return Fact(kind=KIND, key=KEY, body=_encode(Mark(self._machine_ns(), accepted=True)))
 
     def apply(self, fact: Fact) -> None:
         """Take over what was written, now or in an earlier run."""

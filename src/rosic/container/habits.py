@@ -59,6 +59,8 @@ class Habits:
             if len(self._people) > PEOPLE_AT_MOST:
                 self._kept.pop(self._people.popitem(last=False)[0], None)
         habits[said] = times = habits.get(said, 0) + 1
+        if times > OFTEN:
+            return
         if times == OFTEN:
             self._changed[principal] = None
         if len(habits) > COMMANDS_AT_MOST:

@@ -202,9 +202,9 @@ class Pipeline:
     async def _lines(self, said: Said, text: str) -> None:
         caller, inbound = said.caller, said.inbound
         visible = self._rooms.organiser.visible(caller.principal)
-        container, members = self._rooms.container, self._desk.members
+        container = self._rooms.container
         selected = (
-            meant(said, self._teller.subjects, container, visible, members)
+            meant(said, self._teller.subjects, container, visible, self._desk.members)
             if inbound.answers
             else container.selected(caller.principal, inbound.chat)
         )
