@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from rosic.bench.batches import Batch
+from rosic.bench.command import main
+from rosic.bench.report import Case, Report
+from rosic.bench.telegram import Asked, measured
 from tests.cli.running import rosic
 from tests.pace import patience
 
@@ -67,6 +71,37 @@ def test_the_bench_of_telegram_keeps_to_the_limits_and_uses_them() -> None:
     ):
         assert name in case["name"]
         assert 0 < case["p50_us"] <= case["p99_us"]
+
+
+@pytest.mark.limit(410)
+def test_a_bench_whose_bound_fails_has_measured_all_the_same() -> None:
+    batch = Batch(name="few", commands=10, chats=5, faster=20.0, stops=1)
+
+    report = measured(Asked((batch,), orders=0, at_least=1_000.0))
+
+    names = [case.name for case in report.cases]
+    assert names == ["few", "few: stops meanwhile", "few: naive, 0 times 429"]
+    [failure] = report.failures
+    assert failure.startswith("few: ")
+    assert failure.endswith("% of what is permitted, and 100000% is promised.")
+
+
+@pytest.mark.parametrize("asked", [("walk",), ("walk", "--json")])
+def test_what_did_not_hold_is_said_behind_all_that_was_seen(
+    asked: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = [Case(name=name, rate_per_s=2.0, p50_us=3.0, p99_us=4.0) for name in ("slow", "fast")]
+    seen = Report(machine="here", method="by foot", cases=tuple(rows), failures=("slow: fell.",))
+
+    status = main(asked, {"walk": lambda _quick: seen})
+
+    printed = capsys.readouterr()
+    assert status == 1
+    assert printed.err == "failed: slow: fell.\n"
+    assert "slow" in printed.out
+    assert "fast" in printed.out
+    if "--json" in asked:
+        assert json.loads(printed.out)["failures"] == ["slow: fell."]
 
 
 @pytest.mark.limit(410)

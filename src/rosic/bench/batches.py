@@ -21,10 +21,8 @@ from rosic.core.rate import RateLimit
 from rosic.core.robot import Busy, Link, Profile
 from rosic.core.skill import Parameter, Skill
 from rosic.messengers.telegram.limiter import CHAT, OVERALL, PUBLISHED
-from rosic.messengers.telegram.line import Line
 from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.settings import read_settings
-from rosic.messengers.telegram.trouble import Kind, Trouble
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import FileLatch
@@ -76,6 +74,7 @@ class Found(NamedTuple):
         stop_ns: From each stop to its first answer.
         too_many: How often Telegram said 429.
         overtaken: Outcomes that came before the answer to a stop said earlier in their chat.
+        wrong: What was lost or doubled; each a sentence.
     """
 
     rate_per_s: float
@@ -84,6 +83,7 @@ class Found(NamedTuple):
     stop_ns: list[int]
     too_many: int
     overtaken: int
+    wrong: tuple[str, ...] = ()
 
 
 class Place:
@@ -118,17 +118,17 @@ class Place:
         for number, person in enumerate(self.people):
             await self.control.backlog(person, person, f"robot{number} go 0.5 m", share)
 
-    async def over(self) -> None:
-        """Wait until every command was answered with how it ended.
-
-        Raises:
-            TimeoutError: They were not.
-        """
-        async with asyncio.timeout(OVER_WITHIN_S):
-            seen = -1
-            while seen < self.batch.commands:
-                await asyncio.sleep(LOOK_EVERY_S)
-                seen = sum([await self._ended(person) for person in self.people])
+    async def over(self) -> bool:
+        """Wait until every command was answered with how it ended; return whether they were."""
+        try:
+            async with asyncio.timeout(OVER_WITHIN_S):
+                seen = -1
+                while seen < self.batch.commands:
+                    await asyncio.sleep(LOOK_EVERY_S)
+                    seen = sum([await self._ended(person) for person in self.people])
+        except TimeoutError:
+            return False
+        return True
 
     async def _ended(self, person: int) -> int:
         found = await self.control.messages(person, by_bot=True)
@@ -141,14 +141,19 @@ class Place:
             stops: Chat and message of each.
             burst: How many calls come at once in a chat; 0 counts them as all others.
             whole: Likewise in all chats together.
+
+        Raises:
+            AssertionError: No outcome was read, or a stop was not answered.
         """
         chats = {person: await self.control.messages(person) for person in self.people}
         calls = await self.control.calls()
         answers = [_answer_to_stop(chats[chat], message) for chat, message in stops]
         outcomes = {person: _outcomes(chats[person]) for person in self.people}
         waited = [after - said for one in outcomes.values() for said, after in one]
-        if len(waited) != self.batch.commands:
-            raise AssertionError(f"{len(waited)} of {self.batch.commands} outcomes were read once")
+        if not waited:
+            raise AssertionError("no outcome was read")
+        asked = self.batch.commands
+        lost = f"{len(waited)} of {asked} outcomes were read once."
         spoken = {person: _spoken(chats[person]) for person in self.people}
         permitted = self.batch.permitted_per_s
         together = permitted < self.batch.chats * CHAT_PER_S * self.batch.faster
@@ -168,6 +173,7 @@ class Place:
             [int((answered - said) * 1e9) for said, answered in answers],
             sum(call["code"] == TOO_MANY for call in calls),
             overtaken,
+            () if len(waited) == asked else (lost,),
         )
 
 
@@ -195,7 +201,10 @@ def _answer_to_stop(messages: Sequence[dict[str, Any]], stop: int) -> tuple[floa
     """Return when a stop was said and when its first answer came."""
     said = next(_first_s(one) for one in messages if one["message_id"] == stop)
     answers = [_first_s(one) for one in messages if one["by_bot"] and "STOP" in one["text"]]
-    return said, min(at for at in answers if at >= said)
+    later = [at for at in answers if at >= said]
+    if not later:
+        raise AssertionError("a stop was not answered")
+    return said, min(later)
 
 
 def _first_s(message: dict[str, Any]) -> float:
@@ -227,6 +236,8 @@ def _after_burst(
     has sent n after n - 3 s. What fits into the burst as a whole is counted over its own time, and
     so is everything where no burst is asked for.
     """
+    if not outcomes:
+        return 0.0, 0.0
     said_s = min(said for said, _ in outcomes)
     times = [at for at in times if at >= said_s]
     last_s = times[-1]
@@ -244,8 +255,11 @@ def _after_burst(
 async def through_rosic(control: Control, batch: Batch) -> Found:
     """Have a gateway with its record on disk follow a batch.
 
+    What came to nothing, and what came twice, is said in what is returned.
+
     Raises:
-        AssertionError: A command did not act exactly once, or was not answered exactly once.
+        AssertionError: There is nothing to measure: no outcome, or a stop without an answer.
+        TimeoutError: The gateway did not take in what was said.
     """
     place = Place(control, batch)
     await place.prepare()
@@ -260,7 +274,7 @@ async def through_rosic(control: Control, batch: Batch) -> Found:
                 await _listening(place)
                 await place.command()
                 stops = await _say_stops(place)
-                await place.over()
+                over = await place.over()
                 found = await place.found(stops, CHAT.at_once[-2], OVERALL.at_once[-2])
             finally:
                 running.cancel()
@@ -269,9 +283,12 @@ async def through_rosic(control: Control, batch: Batch) -> Found:
         finally:
             await latch.close()
     acted = sum(len(set(r.acted)) for r in gateway.robots.values() if isinstance(r, MemoryRobot))
+    wrong = list(found.wrong)
+    if not over:
+        wrong.append(f"Some commands were not answered in {OVER_WITHIN_S:.0f} s.")
     if acted != batch.commands:
-        raise AssertionError(f"{batch.commands} commands, {acted} acts")
-    return found
+        wrong.append(f"{batch.commands} commands, {acted} acts.")
+    return found._replace(wrong=tuple(wrong))
 
 
 async def _listening(place: Place) -> None:
@@ -348,44 +365,3 @@ def _profile(name: str, commands: int) -> Profile:
             )
         },
     )
-
-
-# ---- the naive sender ----
-
-
-async def through_a_loop(control: Control, batch: Batch) -> Found:
-    """Have a plain loop answer the same commands: it sends at once, and waits when it is told to.
-
-    It has no commands to follow and nothing to write down; each outcome is one message.
-    """
-    place = Place(control, batch)
-    await place.prepare()
-    await place.command()
-    settings = read_settings("bench", {"token": TOKEN, "api_base": control.api_base})
-    line = Line(settings)
-    said = {person: await control.messages(person) for person in place.people}
-    waiting = [
-        (person, said[person][number]["message_id"])
-        for number in range(batch.commands // batch.chats)
-        for person in place.people
-    ]
-    async with line.held():
-        for person, message in waiting:
-            await _send_at_once(line, person, message)
-    return await place.found((), 0, 0)
-
-
-async def _send_at_once(line: Line, person: int, message: int) -> None:
-    while True:
-        try:
-            await line.ask(
-                lambda bot: bot.send_message(
-                    person, f"robot: go\n{ENDED}now", reply_to_message_id=message
-                )
-            )
-        except Trouble as trouble:
-            if trouble.kind is not Kind.TOO_FAST:
-                raise
-            await asyncio.sleep(trouble.wait_s)
-        else:
-            return

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rosic.bench.report import Report, as_json, as_text
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
 
 def _pipeline(quick: bool) -> Report:
@@ -58,13 +58,18 @@ BENCHES: dict[str, Callable[[bool], Report]] = {
 }
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Run one bench and print its report. Return the exit status."""
+def main(
+    arguments: Sequence[str], benches: Mapping[str, Callable[[bool], Report]] = BENCHES
+) -> int:
+    """Run one bench and print its report, then what did not hold. Return the exit status."""
     parser = argparse.ArgumentParser(prog="rosic bench", description="Measure ROSIC here.")
-    parser.add_argument("name", choices=sorted(BENCHES))
+    parser.add_argument("name", choices=sorted(benches))
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--quick", action="store_true", help="one short run of each case")
     chosen = parser.parse_args(arguments)
-    report = BENCHES[chosen.name](chosen.quick)
+    report = benches[chosen.name](chosen.quick)
     sys.stdout.write((as_json(report) if chosen.json else as_text(report)) + "\n")
-    return 0
+    sys.stdout.flush()  # before what did not hold, wherever both go
+    for failure in report.failures:
+        sys.stderr.write(f"failed: {failure}\n")
+    return 1 if report.failures else 0

@@ -49,12 +49,14 @@ class Report(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     Attributes:
         findings: What follows from the cases, beside what was promised; each a sentence.
+        failures: What must hold and did not; each a sentence. The cases are shown all the same.
     """
 
     machine: str
     method: str
     cases: tuple[Case, ...]
     findings: tuple[str, ...] = ()
+    failures: tuple[str, ...] = ()
 
 
 def machine() -> str:
@@ -93,8 +95,8 @@ def as_json(report: Report) -> str:
 
 
 def as_text(report: Report) -> str:
-    """Return a table for people."""
-    width = max(len(case.name) for case in report.cases)
+    """Return a table for people; failures are no part of it."""
+    width = max((len(case.name) for case in report.cases), default=0)
     lines = [report.machine, report.method, ""]
     lines += [
         "   ".join(
