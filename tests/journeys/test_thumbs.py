@@ -73,3 +73,29 @@ async def test_a_thumb_counts_beside_what_was_said_before_a_kill(
         await place.start()
         await place.reads(place.ada, "It runs on its battery: Bo has seen it.")
         assert await place.control.violations() == []
+
+
+async def test_an_alarm_that_a_kill_cut_off_is_said_with_its_button_and_takes_a_thumb(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    write_profile(tmp_path)
+    async with lab(tmp_path, launcher, robots=OMNI) as place:
+        bo, ada = place.bo, place.ada
+        await place.control.fail("bad_gateway", "sendMessage", times=1_000, chat_id=bo)
+        gateway = await place.start()
+        await place.reads(ada, ALARM)
+        await place.ask(ada, "/alerts", "It runs on its battery")
+        gateway.kill()
+        assert await place.control.messages(bo, by_bot=True) == []
+        await place.control.call("calm")
+        await place.start()
+        told = await place.reads(bo, ALARM)
+        assert told["text"].endswith("(Said again: ROSIC was restarted.)")
+        labels = [button["text"] for row in told["buttons"] for button in row]
+        assert labels == ["Seen", "Mute 1 h", "Status"]
+        thumb = {"chat": bo, "user": bo, "message": told["message_id"]}
+        await place.control.call("react", **thumb, emoji=["👍"])
+        await place.reads(ada, "It runs on its battery: Bo has seen it.")
+        await place.control.tap(bo, bo, told["message_id"], "Seen")
+        await place.reads(bo, "omni: It runs on its battery: Bo has seen it already")
+        assert await place.control.violations() == []

@@ -48,6 +48,7 @@ class Alarms:
         book = Book()
         circles = Circles(rooms.authoriser, rooms.organiser)
         self.alerting = Alerting(rooms, access.changes, hands.reach, clock, book, circles)
+        hands.reach.again = self.alerting.again
         self.reacting = Reacting(self.alerting, rooms.authoriser.directory, hands.reach)
         self.running = Running(rooms, hands, access.changes, clock, book)
 

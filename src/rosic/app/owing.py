@@ -32,6 +32,7 @@ def owe_over_crashes(
     outbox = Outbox(parts.store, parts.clock, parts.entropy, teller)
     furnishing.retracting.begin(parts.store.note, parts.messengers, memory.facts)
     furnishing.reach.outbox = stop_lane.outbox = outbox
+    outbox.dress = furnishing.reach.dress
     elsewhere = Elsewhere(furnishing.reach, furnishing.admins, name)
     teller.gone = elsewhere.gone
 

@@ -16,10 +16,11 @@ import msgspec
 from rosic.core import words
 from rosic.core.message import Chat, Outbound, Weight
 from rosic.core.record import Fact, Letter
+from rosic.pipeline.languages import translated
 from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
@@ -43,12 +44,17 @@ class _Owed(msgspec.Struct, frozen=True, array_like=True):
 
 
 class _Words(msgspec.Struct, frozen=True, array_like=True):
-    """Sealed: what to say, and where. Buttons die with the process that offered them."""
+    """Sealed: what to say, and where. Buttons die with the process that offered them.
+
+    Attributes:
+        matter: What it is about, for whoever offers anew what can be done about it; often empty.
+    """
 
     messenger: str
     chat: Chat
     text: str
     reply_to: str = ""
+    matter: bytes = b""
 
 
 _encode = msgspec.msgpack.Encoder().encode
@@ -57,7 +63,11 @@ _read_words = msgspec.msgpack.Decoder(_Words).decode
 
 
 class Outbox:
-    """Remembers what is still to be said, over a crash."""
+    """Remembers what is still to be said, over a crash.
+
+    Attributes:
+        dress: Puts under what is said again what can still be done about its matter.
+    """
 
     def __init__(self, store: Store, clock: Clock, entropy: Entropy, teller: Teller) -> None:
         self._store = store
@@ -65,14 +75,15 @@ class Outbox:
         self._entropy = entropy
         self._teller = teller
         self._owed: dict[str, PrincipalId] = {}
+        self.dress: Callable[[Note, bytes], None] = _plainly
 
-    def say(self, to: PrincipalId, note: Note) -> None:
+    def say(self, to: PrincipalId, note: Note, matter: bytes = b"") -> None:
         """Write down, in somebody's container, what they are to be told; then tell it.
 
         A disk that does not work holds up nothing.
         """
         if len(self._owed) < OWED_AT_MOST:
-            key, fact = self._fact(to, note.messenger, note.outbound)
+            key, fact = self._fact(to, note.messenger, note.outbound, matter)
             note.then, note.to = partial(self.said, key), to
             self._store.keep(fact, partial(self._teller.say, note))
         else:
@@ -94,8 +105,11 @@ class Outbox:
 
     def insist(self, key: str, messenger: Messenger, outbound: Outbound) -> None:
         """Say what could not be said at once, for as long as it takes."""
+        self._teller.say(self._note(key, messenger, outbound))
+
+    def _note(self, key: str, messenger: Messenger, outbound: Outbound) -> Note:
         to = self._owed.get(key, "")
-        self._teller.say(Note(messenger, outbound, then=partial(self.said, key), to=to))
+        return Note(messenger, outbound, then=partial(self.said, key), to=to)
 
     def restore(
         self, facts: Mapping[str, Iterable[Fact]], messengers: Mapping[str, Messenger]
@@ -124,12 +138,22 @@ class Outbox:
             chat=found.chat, text=words.said_again(found.text), reply_to=found.reply_to,
             weight=Weight(owed.weight),
         )  # fmt: skip
-        self.insist(fact.key, messenger, outbound)
+        catalogue = self._teller.languages.of(self._owed[fact.key])
+        note = self._note(fact.key, messenger, translated(outbound, catalogue))
+        if found.matter:
+            self.dress(note, found.matter)
+        self._teller.say(note)
         return True
 
-    def _fact(self, to: PrincipalId, messenger: Messenger, outbound: Outbound) -> tuple[str, Fact]:
+    def _fact(
+        self, to: PrincipalId, messenger: Messenger, outbound: Outbound, matter: bytes = b""
+    ) -> tuple[str, Fact]:
         key = self._entropy.token(KEY_BYTES).hex()
         self._owed[key] = to
-        held = _Words(messenger.name, outbound.chat, str(outbound.text), outbound.reply_to)
+        held = _Words(messenger.name, outbound.chat, str(outbound.text), outbound.reply_to, matter)
         body = _encode(_Owed(self._clock.wall_ns(), int(outbound.weight)))
         return key, Fact(kind=KIND, key=key, body=body, letter=Letter(to, _encode(held)))
+
+
+def _plainly(_note: Note, _matter: bytes) -> None:
+    """Nobody offers anything anew."""

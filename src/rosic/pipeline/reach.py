@@ -30,6 +30,8 @@ class Notice(msgspec.Struct, frozen=True, kw_only=True):
         lifetime_s: How long the buttons are good.
         still: Nothing moves by any of them, so a gap in listening does not void them.
         landed: Hears through which messenger, in which chat, which message says it.
+        matter: What it is about, so that a later run that says it again can offer the same anew;
+            ids and numbers only. Without one, what offers a button is lost in a crash.
     """
 
     text: str
@@ -38,6 +40,7 @@ class Notice(msgspec.Struct, frozen=True, kw_only=True):
     lifetime_s: float = 60.0
     still: bool = False
     landed: Callable[[Messenger, Chat, str], None] | None = None
+    matter: bytes = b""
 
 
 class Reach:
@@ -49,6 +52,7 @@ class Reach:
     Attributes:
         messengers: Through which people are reached.
         outbox: Keeps what is said over a crash; without one it is only said.
+        again: Returns what somebody is offered anew under what a later run says of a matter.
     """
 
     def __init__(
@@ -58,6 +62,7 @@ class Reach:
         self._teller = teller
         self.messengers = tuple(messengers)
         self.outbox: Outbox | None = None
+        self.again: Callable[[PrincipalId, bytes], Notice | None] = _nothing
 
     def tell(
         self,
@@ -90,24 +95,38 @@ class Reach:
     def give(self, people: Iterable[PrincipalId], notice: Notice) -> int:
         """Tell each of them a notice in private. Return how many places that were."""
         places = 0
-        buttons, landed = notice.buttons, notice.landed
         weight = Weight.ALARM if notice.urgent else Weight.QUESTION
-        lifetime_ns = int(notice.lifetime_s * 1e9)
-        issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns, still=notice.still)
+        lasts = notice.urgent or not notice.buttons or bool(notice.matter)
         for principal in dict.fromkeys(people):
-            catalogue = self._teller.languages.of(principal)
             for messenger, chat in self._chats(principal):
-                bound = tuple(tuple(issue(b, principal, chat.id) for b in row) for row in buttons)
-                outbound = Outbound(chat=chat, text=notice.text, buttons=bound, weight=weight)
-                plain = translated(outbound, catalogue)
-                note = Note(messenger, plain, good_for_ns=lifetime_ns)
-                note.landed = None if landed is None else partial(landed, messenger, chat)
-                if self.outbox is not None and (notice.urgent or not buttons):
-                    self.outbox.say(principal, note)
+                outbound = Outbound(chat=chat, text=notice.text, weight=weight)
+                note = Note(messenger, outbound)
+                self._offer(principal, note, notice)
+                if self.outbox is not None and lasts:
+                    self.outbox.say(principal, note, notice.matter)
                 else:
                     self._teller.say(note)
                 places += 1
         return places
+
+    def dress(self, note: Note, matter: bytes) -> None:
+        """Put under what is said again what can still be done about its matter."""
+        notice = self.again(note.to, matter)
+        if notice is not None:
+            self._offer(note.to, note, notice)
+
+    def _offer(self, who: PrincipalId, note: Note, notice: Notice) -> None:
+        """Put the buttons of a notice under a note, bound to its reader and chat."""
+        messenger, chat = note.messenger_and_chat
+        note.good_for_ns = int(notice.lifetime_s * 1e9)
+        issue = partial(
+            self._authoriser.buttons.issue, lifetime_ns=note.good_for_ns, still=notice.still
+        )
+        bound = tuple(tuple(issue(b, who, chat.id) for b in row) for row in notice.buttons)
+        offering = msgspec.structs.replace(note.outbound, buttons=bound)
+        note.outbound = translated(offering, self._teller.languages.of(who))
+        if notice.landed is not None:
+            note.landed = partial(notice.landed, messenger, chat)
 
     def pass_on(
         self, people: Iterable[PrincipalId], text: str, besides: tuple[str, str], *, hops: int
@@ -145,3 +164,7 @@ class Reach:
             for messenger in self.messengers:
                 if messenger.platform == address.platform:
                     yield messenger, Chat(address.platform, address.account)
+
+
+def _nothing(_who: PrincipalId, _matter: bytes) -> None:
+    """Nobody offers anything anew."""

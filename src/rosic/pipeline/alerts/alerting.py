@@ -6,6 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
+import msgspec
 from msgspec.structs import replace
 
 from rosic.core.alert import Event
@@ -17,7 +18,7 @@ from rosic.pipeline.alerts import words_gathered
 from rosic.pipeline.alerts.book import Alarm
 from rosic.pipeline.alerts.following import Following
 from rosic.pipeline.alerts.gathering import News, Sort
-from rosic.pipeline.alerts.placed import Occurrence
+from rosic.pipeline.alerts.placed import Occurrence, unpacked
 from rosic.pipeline.alerts.telling import AlarmTelling
 from rosic.pipeline.rounds import go_round
 from rosic.pipeline.writing import WriteBehind
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.alerts.circles import Circles
     from rosic.pipeline.alerts.running import Running
     from rosic.pipeline.changes import Changes
-    from rosic.pipeline.reach import Reach
+    from rosic.pipeline.reach import Notice, Reach
     from rosic.pipeline.rooms import Rooms
 
 # Robots report some times a second; a rule counts in seconds.
@@ -206,6 +207,16 @@ class Alerting:
             if following is not None and alarm is not None and alarm.at_ns == at_ns:
                 found.append(following)
         return found
+
+    def again(self, who: PrincipalId, matter: bytes) -> Notice | None:
+        """Return what goes under alarms that a later run says again; None if all are over."""
+        try:
+            told = unpacked(matter)
+        except msgspec.MsgspecError:
+            log.warning("of which alarms a message told cannot be read; it offers nothing")
+            return None
+        meant = [(following.rule, of) for of in told for following in self.meant((of,))]
+        return self.telling.again(who, meant) if meant else None
 
     # ---- seen ----
 

@@ -35,6 +35,20 @@ _encode = msgspec.msgpack.Encoder().encode
 _decode = msgspec.msgpack.Decoder(tuple[tuple[str, int], ...]).decode
 
 
+def packed(told: Iterable[Occurrence]) -> bytes:
+    """Return occurrences as the record keeps them: ids and numbers."""
+    return _encode(tuple(map(tuple, told)))
+
+
+def unpacked(content: bytes) -> tuple[Occurrence, ...]:
+    """Return what was packed.
+
+    Raises:
+        msgspec.MsgspecError: It was not.
+    """
+    return tuple(Occurrence(*of) for of in _decode(content))
+
+
 class Placed:
     """Bounded. What changes is so at once, and returned to be written behind it.
 
@@ -54,7 +68,7 @@ class Placed:
             if not fact.body:
                 continue
             try:
-                told = tuple(Occurrence(*of) for of in _decode(fact.body))
+                told = unpacked(fact.body)
             except msgspec.MsgspecError:
                 log.warning("of which alarms a message tells cannot be read; it is forgotten")
                 ended.append(_no_fact(fact.key))
@@ -70,7 +84,7 @@ class Placed:
     ) -> tuple[Fact, ...]:
         """A message tells of one alarm, or of many."""
         key = _key(messenger, chat, message)
-        fact = Fact(kind=TOLD, key=key, body=_encode(tuple(map(tuple, told))))
+        fact = Fact(kind=TOLD, key=key, body=packed(told))
         return (fact, *self._put(key, told))
 
     def _put(self, key: str, told: tuple[Occurrence, ...]) -> list[Fact]:

@@ -11,7 +11,7 @@ from rosic.core.message import Button
 from rosic.pipeline.alerts import words_alerts as words
 from rosic.pipeline.alerts import words_gathered
 from rosic.pipeline.alerts.gathering import Gathering, News, Sort
-from rosic.pipeline.alerts.placed import Placed
+from rosic.pipeline.alerts.placed import Placed, packed
 from rosic.pipeline.reach import Notice
 
 if TYPE_CHECKING:
@@ -96,18 +96,37 @@ class AlarmTelling:
     def _alarm(self, people: Sequence[PrincipalId], news: News, occurrence: Occurrence) -> None:
         """Tell them of an alarm, and remember which messages say so: a reaction answers them."""
         robot = news.rule.robot
-        status = Button(words.STATUS, f"/status {robot}")
         for acts in (True, False):
             some = [w for w in people if self._circles.may_acknowledge(w, robot) is acts]
-            notice = Notice(
-                text=news.text,
-                buttons=((*self.buttons(news.rule), status) if acts else (status,),),
-                urgent=is_urgent(news.rule),
-                lifetime_s=BUTTONS_LIVE_S,
-                still=True,
-                landed=partial(self._landed, (occurrence,)),
-            )
-            self._reach.give(some, notice)
+            buttons = self._row(news.rule, acts=acts)
+            self._reach.give(some, self._notice(news.text, [news.rule], (occurrence,), buttons))
+
+    def _row(self, rule: Rule, *, acts: bool) -> tuple[Button, ...]:
+        """Return what is under an alarm for somebody who may act on it, or not."""
+        status = Button(words.STATUS, f"/status {rule.robot}")
+        return (*self.buttons(rule), status) if acts else (status,)
+
+    def _notice(
+        self, text: str, rules: Iterable[Rule], told: tuple[Occurrence, ...],
+        buttons: tuple[Button, ...],
+    ) -> Notice:  # fmt: skip
+        return Notice(
+            text=text,
+            buttons=(buttons,),
+            urgent=any(map(is_urgent, rules)),
+            lifetime_s=BUTTONS_LIVE_S,
+            still=True,
+            landed=partial(self._landed, told),
+            matter=packed(told),
+        )
+
+    def again(self, who: PrincipalId, meant: Sequence[tuple[Rule, Occurrence]]) -> Notice:
+        """Return what goes under alarms that a later run says again: those that are open still."""
+        rules, told = [rule for rule, _ in meant], tuple(of for _, of in meant)
+        if len(rules) > 1:
+            return self._notice("", rules, told, self._row_of_many(who, rules, told))
+        acts = self._circles.may_acknowledge(who, rules[0].robot)
+        return self._notice("", rules, told, self._row(rules[0], acts=acts))
 
     # ---- many ----
 
@@ -129,18 +148,16 @@ class AlarmTelling:
             return
         rules = [news.rule for news in some]
         told = tuple(news.occurrence for news in some if news.occurrence is not None)
-        buttons = [Button(words_gathered.SHOW_ALL, "/alerts all")]
+        text, row = words_gathered.alarms(rules, self.shown), self._row_of_many(who, rules, told)
+        self._reach.give((who,), self._notice(text, rules, told, row))
+
+    def _row_of_many(
+        self, who: PrincipalId, rules: Sequence[Rule], told: tuple[Occurrence, ...]
+    ) -> tuple[Button, ...]:
+        show = Button(words_gathered.SHOW_ALL, "/alerts all")
         if any(self._circles.may_acknowledge(who, rule.robot) for rule in rules):
-            buttons.insert(0, Button(words_gathered.SEEN_ALL, f"/seen {self._listed(told)}"))
-        notice = Notice(
-            text=words_gathered.alarms(rules, self.shown),
-            buttons=(tuple(buttons),),
-            urgent=any(map(is_urgent, rules)),
-            lifetime_s=BUTTONS_LIVE_S,
-            still=True,
-            landed=partial(self._landed, told),
-        )
-        self._reach.give((who,), notice)
+            return Button(words_gathered.SEEN_ALL, f"/seen {self._listed(told)}"), show
+        return (show,)
 
     def _landed(
         self, told: tuple[Occurrence, ...], messenger: Messenger, chat: Chat, message: str
