@@ -1,39 +1,98 @@
 """What Telegram would make a link of by itself, marked so that it makes none.
 
-Telegram looks for links, mentions and addresses in every text, whoever wrote it
-(https://core.telegram.org/bots/api#messageentity). Robots and people are quoted in what ROSIC says,
-so these stand as ``code``, within which Telegram finds nothing. Commands stay: ROSIC offers them.
+Telegram looks for links, mentions, addresses, numbers to call and more in every text, whoever wrote
+it (https://core.telegram.org/bots/api#messageentity). Robots and people are quoted in what ROSIC
+says, so these stand as ``code``, within which Telegram finds nothing. Commands stay: ROSIC offers
+them. What looks like a number to call is not published; here it is seven digits in a row, or in
+groups as people write them. Dates, times, lengths and places are none.
 """
 
 from __future__ import annotations
 
 import re
-from typing import Final
+from bisect import bisect
+from typing import TYPE_CHECKING, Final
 
 from telegram import MessageEntity
 
 from rosic.messengers.telegram.text import units
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import TypeAlias
+
+    Span: TypeAlias = tuple[int, int]
+
 _FOUND: Final = re.compile(
     r"""
-    (?: https? | tg | ton ) : // [^\s<>]{1,2000}       # anything with a scheme
+    (?: https? | ftp | tg | ton (?:site)? ) : // [^\s<>]{1,2000}     # anything with a scheme
     | (?<! [\w@.+-] ) [\w.+-]{1,64} @ (?: [\w-]{1,63} \. ){1,8} [^\W\d_]{2,24}   # an address
     | (?<! [\w@] ) @ [A-Za-z] \w{1,64}                 # somebody's account
-    | (?<! [\w@.-] ) (?: [\w-]{1,63} \. ){1,8} [^\W\d_]{2,24} (?! \w )          # a host, and
+    | (?<! [\w@.-] ) (?: (?: [\w-]{1,63} \. ){1,8} [^\W\d_]{2,24}    # a host by its name,
+                       | (?: [0-9]{1,3} \. ){3} [0-9]{1,3} ) (?! \w )   # or by its number, and
       (?: [/?:\#] [^\s<>]{0,2000} )?                    # what may follow it
+    | (?<! [\w\#] ) \# (?= [\d_]{0,255} [^\W\d_] ) \w{1,256}         # a hashtag: it has a letter
+    | (?<! [\w$] ) \$ (?-i: 1INCH | [A-Z]{1,8} ) (?! [\w$] )         # a cashtag
     """,
     re.VERBOSE | re.IGNORECASE,
 )
+_DIGITS: Final = re.compile(r"[0-9](?:[ ()-]{0,2}[0-9]){6}")
+"""Without these a text holds no number to call."""
+_NUMBERS: Final = re.compile(
+    r"""
+    (?<! [\w+] ) \+ [0-9] (?: [ ()-]{0,2} [0-9] ){6,14}              # abroad
+    | (?<! [\w.,:+-] ) (?: [0-9]{7,}                                 # in a row
+        | \( [0-9]{2,5} \) [ -]? [0-9] (?: [ -]? [0-9] ){4,11}       # with an area code
+        | 0 [0-9]{1,4} (?= (?: [ ]? [0-9] ){5} ) (?: [ ] [0-9]{2,8} ){1,4}       # in groups
+        | [2-9] [0-9]{2} [ ] [0-9]{3} [ ] [0-9]{4}
+        | (?! [0-9]{4} - [0-9]{2} - [0-9]{2} (?! [0-9] ) ) (?= (?: [0-9] -? ){7} )   # no date
+          [0-9]{1,5} (?: - [0-9]{2,7} ){1,4} (?! - )
+      ) (?! \w | [.,:] [0-9] )
+    | (?P<card> (?<! [\w.,+-] ) [0-9] (?: [ -]{0,2} [0-9] ){12,18} (?! [\w-] ) )  # of a bank card
+    """,
+    re.VERBOSE,
+)
 _INVITATION: Final = re.compile(r"https://t\.me/\w{5,32}\?start=[\w-]{1,64}", re.ASCII)
 """What ROSIC says to be tapped; it opens a bot of Telegram and nothing else."""
+MARKS_AT_MOST: Final = 100
+"""Telegram forgets what is marked beyond so much."""
 
 
 def inert(text: str) -> tuple[MessageEntity, ...] | None:
     """Return the marks of a text that make it lead nowhere; None where there is nothing to mark."""
-    if "." not in text and "@" not in text and "://" not in text:
-        return None
+    spans: list[Span] = []
+    if "." in text or "@" in text or "://" in text or "#" in text or "$" in text:
+        spans = [found.span() for found in _FOUND.finditer(text)]
+    if _DIGITS.search(text) is not None:
+        spans = sorted([*spans, *_numbers(text, spans)])
+    spans = [span for span in spans if not _is_invitation(text[slice(*span)])]
+    if len(spans) > MARKS_AT_MOST:
+        spans = [(spans[0][0], spans[-1][1])]
     return tuple(
-        MessageEntity(MessageEntity.CODE, units(text[: found.start()]), units(found[0]))
-        for found in _FOUND.finditer(text)
-        if not _INVITATION.fullmatch(found[0].rstrip(".,;:!?)"))
+        MessageEntity(MessageEntity.CODE, units(text[:begin]), units(text[begin:end]))
+        for begin, end in spans
     ) or None  # fmt: skip
+
+
+def _is_invitation(text: str) -> bool:
+    return _INVITATION.fullmatch(text.rstrip(".,;:!?)")) is not None
+
+
+def _numbers(text: str, taken: list[Span]) -> Iterator[Span]:
+    """Find numbers that lie outside what was found already."""
+    begins = [begin for begin, _ in taken]
+    for found in _NUMBERS.finditer(text):
+        if found.lastgroup == "card" and not _adds_up(found[0]):
+            continue
+        after = bisect(begins, found.start())
+        before_end = taken[after - 1][1] if after else 0
+        next_begin = begins[after] if after < len(begins) else len(text)
+        if before_end <= found.start() and found.end() <= next_begin:
+            yield found.span()
+
+
+def _adds_up(number: str) -> bool:
+    """Whether a number ends in the digit that a bank card's would (ISO/IEC 7812)."""
+    digits = [int(sign) for sign in reversed(number) if sign.isdecimal()]
+    doubled = (sum(divmod(2 * digit, 10)) for digit in digits[1::2])
+    return (sum(digits[::2]) + sum(doubled)) % 10 == 0
