@@ -102,7 +102,9 @@ class Lab:
 
         async def look() -> dict[str, Any] | None:
             for message in await self.control.messages(chat, by_bot=True):
-                if (to is None or message["reply_to"] == to) and expected in message["text"]:
+                if (to is None or message["reply_to"] == to) and expected in (
+                    message["text"] or ""
+                ):
                     return message
             return None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tests.journeys.lab import lab
 
@@ -76,6 +76,38 @@ async def test_put_out_of_the_group_it_ends_quietly_and_goes_on_elsewhere(
         await place.control.call("set_member", chat=group, user=BOT, status="member")
         await place.say(place.bo, "ant hop", chat=group)
         await place.reads(group, "Ant: hop")
+
+
+async def test_a_live_card_goes_on_where_its_group_has_moved(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    async with lab(tmp_path, launcher) as place:
+        gateway = await place.start()
+        group = await place.control.create_chat(
+            "group", "Lab", members=[place.ada], bot="administrator"
+        )
+        await place.say(place.ada, "/card pin ant", chat=group)
+        old = await place.reads(group, "updated ")
+
+        async def pinned(chat: int) -> dict[str, Any] | None:
+            shown = await place.control.messages(chat, by_bot=True)
+            found = [one for one in shown if one["pinned"] and "updated " in (one["text"] or "")]
+            return found[0] if found else None
+
+        assert await place.until(lambda: pinned(group))
+        await place.ask(place.ada, "ant hop", "done ", chat=group)  # written behind the pin
+        gateway.kill()  # it hears of the move when it is back
+        new = await place.control.call("migrate", group=group)
+        await place.start()
+        card = await place.until(lambda: pinned(new))
+        assert card is not None, "the card is there and pinned"
+        await place.ask(place.ada, "ant hop", "done ", chat=new)
+        await place.reads(new, "now: done")
+        left = await place.control.message(group, old["message_id"])
+        assert "This card has ended" not in left["text"], "nobody can write there any more"
+        await place.ask(place.ada, "/card off", "The card has ended.", chat=new)
+        await place.reads(new, "This card has ended.")
+        assert await place.control.violations() == []
 
 
 async def test_a_topic_is_about_a_robot_and_is_answered_where_it_was_asked(

@@ -85,7 +85,7 @@ def gathering_of(gateway: Gateway, teller: Teller, clock: Clock, place: str) -> 
     around = Surroundings(
         rooms=gateway.rooms, audience=pipeline.audience, teller=teller, reach=furnishing.reach,
         changes=gateway.access.changes, archive=gateway.holding.archive, clock=clock, place=place,
-        admins=furnishing.admins,
+        admins=furnishing.admins, cards=furnishing.live_cards,
     )  # fmt: skip
     gathering = Gathering(pipeline, gateway.authority, around)
     gathering.windows = Windows(

@@ -21,6 +21,7 @@ from rosic.errors import Refusal
 from rosic.pipeline.audience import Audience
 from rosic.pipeline.changes import Changes
 from rosic.pipeline.languages import translated
+from rosic.pipeline.livecards.livecards import LiveCards
 from rosic.pipeline.reach import Reach
 from rosic.pipeline.rooms import Rooms
 from rosic.pipeline.telling import Note, Teller
@@ -46,6 +47,7 @@ class Surroundings(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         place: Its name, as people see it.
         admins: Returns who looks after people here.
+        cards: The live cards.
     """
 
     rooms: Rooms
@@ -57,6 +59,7 @@ class Surroundings(msgspec.Struct, frozen=True, kw_only=True):
     clock: Clock
     place: str
     admins: Callable[[], Sequence[PrincipalId]]
+    cards: LiveCards
 
 
 class Groups:
@@ -158,6 +161,7 @@ class Groups:
         self._around.rooms.container.moved(old, new)
         self._around.audience.leave(messenger.name, old.id)
         self._spawn(self._move_archive(messenger, old, new))
+        self._spawn(self._move_card(messenger, old, new))
 
     async def _move_archive(self, messenger: Messenger, old: Chat, new: Chat) -> None:
         archive = self._around.archive
@@ -169,6 +173,15 @@ class Groups:
             if not archive.keeps(new):
                 days = keeping.switch.days
                 await turn.write(archive.begin(messenger.name, new, RULE, days=days))
+
+    async def _move_card(self, messenger: Messenger, old: Chat, new: Chat) -> None:
+        """Go on with a live card in a new message: what was said in the old group stays there."""
+        cards = self._around.cards
+        card = cards.of(messenger, old)
+        if card is not None:
+            await cards.end(card)
+            pinned = card.pinned or card.wanted_pinned
+            cards.begin(messenger, new, card.owner, card.robots, pinned=pinned)
 
     # ---- inside ----
 

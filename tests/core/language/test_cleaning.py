@@ -20,6 +20,14 @@ def test_a_name_is_one_short_line_of_plain_forms() -> None:
     assert len(clean_name("n" * 1000)) == 64
 
 
+def test_a_name_gives_no_command() -> None:
+    for name in ("/unlock Eve", "\uff0funlock Eve", "/\u200bunlock Eve"):
+        assert clean_name(name) == "\u2215unlock Eve"
+    assert clean_name("Ada/Bo 1/2") == "Ada/Bo 1/2"
+    assert clean_name(clean_name("/a")) == clean_name("/a")
+    assert quote("/stop") == '"\u2215stop"'
+
+
 def test_a_quotation_is_short() -> None:
     assert quote("mv\x00oe\n") == '"mvoe"'
     assert len(quote("x" * 10_000)) == 35

@@ -6,13 +6,15 @@ import asyncio
 import time
 from typing import TYPE_CHECKING
 
+import pytest
+from msgspec.structs import replace
+
 from rosic.core.message import Button, ChatKind, Inbound, Standing
+from rosic.errors import MessageGone, MessengerFault
 from tests.pace import patience
 from tests.real.telegram.gateway import Gateway, is_backlog, to
 
 if TYPE_CHECKING:
-    import pytest
-
     from rosic.testing.telegram import FakeTelegram
 
 MOVE = Button("Move", "omni move 1 m", "n-move")
@@ -172,6 +174,40 @@ async def test_a_group_that_moved_unseen_is_found_by_sending(
     await gateway.messenger.send(to(group, "omni: done again"))
     assert len(server.messages(new, by_bot=True)) == 2
     assert [call["code"] for call in gateway.calls("sendMessage")] == [400, 200, 200]
+
+
+@pytest.mark.parametrize("seen", [True, False], ids=["seen", "unseen"])
+async def test_what_stayed_behind_when_a_group_moved_changes_nothing_where_it_is_now(
+    server: FakeTelegram, gateway: Gateway, ada: int, seen: bool
+) -> None:
+    group = server.create_chat("group", "Lab", members=[ada])
+    await gateway.messenger.send(to(group, "hello"))
+    behind = await gateway.messenger.send(to(group, "omni: 20 %"))
+    new = server.migrate(group)
+    async with gateway.listening():
+        if seen:
+            server.say(new, ada, "hello")
+            await gateway.hear(1)
+        while int(await gateway.messenger.send(to(new, "done"))) < int(behind):
+            pass
+        edited = to(group, "omni: 40 %")
+        for change in (
+            gateway.messenger.edit(behind, edited),
+            gateway.messenger.pin(edited.chat, behind, pinned=True),
+            gateway.messenger.retract(edited.chat, behind),
+        ):
+            with pytest.raises(MessengerFault):
+                await change
+        with pytest.raises(MessageGone):
+            await gateway.messenger.edit(behind, edited)
+        later = await gateway.messenger.send(replace(edited, reply_to=behind))
+        await gateway.messenger.edit(later, to(group, "omni: done"))
+    texts = [one["text"] for one in server.messages(new, by_bot=True)]
+    assert set(texts[:-1]) == {"done"}
+    assert texts[-1] == "omni: done"
+    last = server.messages(new, by_bot=True)[-1]
+    assert last["reply_to"] is None
+    assert not any(one["pinned"] or one["deleted"] for one in server.messages(new, by_bot=True))
 
 
 async def test_a_slow_chat_holds_up_no_other(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatKind, Passage, Passing
 from rosic.pipeline.groups import GREETINGS
@@ -32,6 +34,13 @@ async def test_a_new_group_is_greeted_once_and_the_admins_know_what_is_heard() -
         assert "say /stop" in texts["-5"]
         assert texts[ADA].startswith("Bo put me into Lab.")
         assert "/setprivacy" in texts[ADA]
+
+
+async def test_what_a_group_is_called_gives_the_admins_no_command() -> None:
+    async with Place().open() as place:
+        called = replace(_passing(Passage.ADDED, who="99"), title="/unlock Eve, or ／stop")  # noqa: RUF001
+        texts = dict(await _pass(place, called))
+        assert "put me into \u2215unlock Eve, or \u2215stop." in texts[ADA]
 
 
 async def test_a_group_where_everything_is_heard_is_told_so() -> None:

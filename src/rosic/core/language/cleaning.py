@@ -56,13 +56,16 @@ def inert_text(text: str) -> str:
 
 
 def clean_name(text: str) -> str:
-    """Return a name as it is shown: NFKC, one line, single spaces, at most 64 characters."""
-    return " ".join(unicodedata.normalize("NFKC", clean(text)).split())[:LONGEST_NAME]
+    """Return a name as it is shown: NFKC, one line, single spaces, at most 64 characters.
+
+    A name is its owner's to choose: whoever is called ``/unlock Eve`` gives others no command.
+    """
+    return inert_text(" ".join(unicodedata.normalize("NFKC", clean(text)).split())[:LONGEST_NAME])
 
 
 def quote(text: str) -> str:
-    """Return somebody's words inside a sentence: cleaned, in one line, cut at 32 characters."""
-    words = " ".join(clean(text).split())
+    """Return somebody's words inside a sentence: inert, in one line, cut at 32 characters."""
+    words = " ".join(inert_text(text).split())
     return f'"{words[:LONGEST_QUOTE]}…"' if len(words) > LONGEST_QUOTE else f'"{words}"'
 
 

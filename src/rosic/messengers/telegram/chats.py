@@ -21,11 +21,13 @@ class Chats:
 
     Without the new id of a group Telegram tells it once more; without the parts of a long message
     it cannot be edited any more; without its nonce a tap on stop keeps to the order of its chat;
-    of a chat that we were put out of Telegram says so once more.
+    of a chat that we were put out of Telegram says so once more; what was said since a group moved
+    is taken for lost with the old group, and said again.
     """
 
     def __init__(self) -> None:
         self._moved: OrderedDict[str, str] = OrderedDict()
+        self._since: OrderedDict[tuple[str, str], None] = OrderedDict()
         self._parts: OrderedDict[tuple[str, str], tuple[str, ...]] = OrderedDict()
         self._stops: OrderedDict[str, None] = OrderedDict()
         self._gone: OrderedDict[str, None] = OrderedDict()
@@ -42,6 +44,19 @@ class Chats:
                 break
             chat = self._moved[chat]
         return chat
+
+    def sent(self, chat: str, message: str) -> str:
+        """Remember what was said to a group by its old id since it moved; return the message."""
+        if chat in self._moved:
+            _remember(self._since, (chat, message), None)
+        return message
+
+    def lost(self, chat: str, message: str) -> bool:
+        """Whether a message stayed behind in a group that has moved since.
+
+        A supergroup counts its messages anew: there its number is another's, now or later.
+        """
+        return chat in self._moved and (chat, message) not in self._since
 
     def left(self, chat: str) -> None:
         """Remember that we were put out of a chat, or blocked."""

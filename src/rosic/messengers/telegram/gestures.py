@@ -59,6 +59,8 @@ class Gestures:
                 raise
 
     def _numbers(self, chat: str, message: str) -> tuple[int, int]:
+        if self._chats.lost(chat, message):
+            raise MessageGone("That message stayed behind when the group moved.")
         where = self._chats.where(chat)
         try:
             return int(where), int(message)

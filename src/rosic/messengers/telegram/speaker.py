@@ -5,12 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from telegram import (
-    InlineKeyboardButton,
-    InlineKeyboardMarkup,
-    LinkPreviewOptions,
-    ReplyParameters,
-)
+from telegram import LinkPreviewOptions, ReplyParameters
 
 from rosic.core.message import Weight
 from rosic.core.saying import said
@@ -18,13 +13,14 @@ from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.messengers.telegram import text as texts
 from rosic.messengers.telegram.entities import inert
 from rosic.messengers.telegram.files import FILE_BYTES, FILE_S, picture_of, prepared
+from rosic.messengers.telegram.keyboards import keyboard_of
 from rosic.messengers.telegram.line import CALL_S
 from rosic.messengers.telegram.trouble import Kind, Trouble
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
-    from telegram import Bot
+    from telegram import Bot, InlineKeyboardMarkup
 
     from rosic.contracts.clock import Clock
     from rosic.core.message import Chat, Inbound, Outbound
@@ -35,7 +31,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-NONCE_BYTES = 64
 GIVE_UP_S = 60.0
 """After so long a message or an edit is reported as not sent; whoever sends decides what then."""
 WAITS_S = (0.5, 1.0, 2.0, 4.0)
@@ -60,12 +55,14 @@ class Call(NamedTuple):
     Attributes:
         chat: As it was given; the group may have moved since.
         repeatable: Twice is the same as once, so it is tried again even if it may have arrived.
+        message: Which one it changes; empty for a new one.
     """
 
     chat: str
     weight: Weight
     repeatable: bool = False
     topic: int | None = None
+    message: str = ""
 
 
 class Speaker:
@@ -96,10 +93,11 @@ class Speaker:
         Raises:
             MessengerFault: Not sent, or it cannot be known. Of a long text a part may be there.
         """
-        keyboard = _keyboard(outbound)
+        keyboard = keyboard_of(outbound)
         self._chats.offered(outbound)
         call = Call(outbound.chat.id, outbound.weight, topic=_topic(outbound))
-        reply = _reply(outbound.reply_to)
+        behind = self._chats.lost(call.chat, outbound.reply_to)
+        reply = None if behind else _reply(outbound.reply_to)
         parts = texts.split(outbound.text)
         sent: list[str] = []
         if outbound.attachment is not None:
@@ -121,10 +119,10 @@ class Speaker:
             MessengerFault: Not changed, or it cannot be known; or the text now needs more
                 messages than it took when it was sent.
         """
-        keyboard = _keyboard(outbound)
+        keyboard = keyboard_of(outbound)
         self._chats.offered(outbound)
         chat = outbound.chat.id
-        call = Call(chat, outbound.weight, repeatable=True)
+        call = Call(chat, outbound.weight, repeatable=True, message=message)
         parts, shown = texts.split(outbound.text), self._chats.parts(chat, message)
         if len(parts) > len(shown):
             raise MessengerFault("The message has become too long to be changed in place.")
@@ -143,7 +141,7 @@ class Speaker:
         Raises:
             MessengerFault: Not changed, or it cannot be known; or it is no picture for Telegram.
         """
-        keyboard, number = _keyboard(outbound), _number(message)
+        keyboard, number = keyboard_of(outbound), _number(message)
         self._chats.offered(outbound)
         media = picture_of(outbound)
 
@@ -153,7 +151,7 @@ class Speaker:
                 write_timeout=FILE_S, read_timeout=FILE_S,
             )  # fmt: skip
 
-        call = Call(outbound.chat.id, outbound.weight, repeatable=True)
+        call = Call(outbound.chat.id, outbound.weight, repeatable=True, message=message)
         await self._change(call, act, within_s=FILE_S)
 
     async def answer(self, inbound: Inbound, text: str) -> None:
@@ -184,7 +182,8 @@ class Speaker:
                 await bot.unpin_chat_message(where, message_id=number)
 
         try:
-            await self._call(Call(chat, Weight.QUESTION, repeatable=True), act)
+            call = Call(chat, Weight.QUESTION, repeatable=True, message=message)
+            await self._call(call, act)
         except Trouble as trouble:
             reason = trouble.reason.lower()
             if trouble.kind is not Kind.REFUSED:
@@ -285,11 +284,13 @@ class Speaker:
         thread = call.topic
         if thread is not None:
             try:
-                return await self._call(call, lambda b, c: act(b, c, thread), within_s=within_s)
+                said = await self._call(call, lambda b, c: act(b, c, thread), within_s=within_s)
+                return self._chats.sent(call.chat, said)
             except Trouble as trouble:
                 if not any(words in trouble.reason.lower() for words in NO_TOPIC):
                     raise
-        return await self._call(call, lambda b, c: act(b, c, None), within_s=within_s)
+        said = await self._call(call, lambda b, c: act(b, c, None), within_s=within_s)
+        return self._chats.sent(call.chat, said)
 
     async def _call(
         self, call: Call, act: Callable[[ApiBot, int], Awaitable[T]], *, within_s: float = CALL_S
@@ -297,6 +298,7 @@ class Speaker:
         """Make one call in its turn, again where that cannot do it twice.
 
         Raises:
+            MessageGone: What it would change is in a group that has moved since.
             MessengerFault: It did not succeed in time.
         """
         give_up_ns = self._clock.monotonic_ns() + int(GIVE_UP_S * 1e9)
@@ -305,6 +307,8 @@ class Speaker:
             left_s = (give_up_ns - self._clock.monotonic_ns()) / 1e9
             chat = self._chats.where(call.chat)
             number = _number(chat)
+            if call.message and self._chats.lost(call.chat, call.message):
+                raise MessageGone("That message stayed behind when the group moved.")
             if self._chats.gone(chat):
                 self._granted.discard(chat)
                 raise ChatGone("Nobody can be spoken to in that chat any more.")
@@ -333,6 +337,8 @@ class Speaker:
             self._limiter.hold(chat, trouble.wait_s)
         elif trouble.kind is Kind.MOVED and failures <= len(WAITS_S):
             self._chats.moved(chat, trouble.new_chat)
+            if call.message:
+                raise trouble  # next time it is known to be gone; who has moved is told meanwhile
         elif trouble.kind is Kind.GONE:
             log.info("nobody can be spoken to in one chat any more: %s", trouble.reason)
             self._chats.left(chat)
@@ -367,24 +373,6 @@ def _reply(message: str) -> ReplyParameters | None:
     if number >= 2**31:
         return None
     return ReplyParameters(number, allow_sending_without_reply=True)
-
-
-def _keyboard(outbound: Outbound) -> InlineKeyboardMarkup | None:
-    if not outbound.buttons:
-        return None
-    for button in (button for row in outbound.buttons for button in row):
-        if not 1 <= len(button.nonce.encode()) <= NONCE_BYTES or not button.label.strip():
-            raise MessengerFault("A button without a label or a usable nonce. Nothing was sent.")
-    rows = [
-        [
-            InlineKeyboardButton(
-                texts.shorten(button.label, texts.LABEL_UNITS), callback_data=button.nonce
-            )
-            for button in row
-        ]
-        for row in outbound.buttons
-    ]
-    return InlineKeyboardMarkup(rows)
 
 
 def may_not_pin() -> str:
