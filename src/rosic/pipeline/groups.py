@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.message import Chat, Passing
+    from rosic.pipeline.livecards.livecard import LiveCard
 
 KIND: Final = "deaf"
 RULE: Final = "rule"
@@ -161,7 +162,9 @@ class Groups:
         self._around.rooms.container.moved(old, new)
         self._around.audience.leave(messenger.name, old.id)
         self._spawn(self._move_archive(messenger, old, new))
-        self._spawn(self._move_card(messenger, old, new))
+        # Whoever shows it may find the old message lost before this comes to its turn.
+        if (card := self._around.cards.of(messenger, old)) is not None:
+            self._spawn(self._move_card(card, new))
 
     async def _move_archive(self, messenger: Messenger, old: Chat, new: Chat) -> None:
         archive = self._around.archive
@@ -174,14 +177,11 @@ class Groups:
                 days = keeping.switch.days
                 await turn.write(archive.begin(messenger.name, new, RULE, days=days))
 
-    async def _move_card(self, messenger: Messenger, old: Chat, new: Chat) -> None:
+    async def _move_card(self, card: LiveCard, new: Chat) -> None:
         """Go on with a live card in a new message: what was said in the old group stays there."""
-        cards = self._around.cards
-        card = cards.of(messenger, old)
-        if card is not None:
-            await cards.end(card)
-            pinned = card.pinned or card.wanted_pinned
-            cards.begin(messenger, new, card.owner, card.robots, pinned=pinned)
+        cards, pinned = self._around.cards, card.pinned or card.wanted_pinned
+        await cards.end(card)
+        cards.begin(card.messenger, new, card.owner, card.robots, pinned=pinned)
 
     # ---- inside ----
 

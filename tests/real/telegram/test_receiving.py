@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import Button, ChatKind, Inbound, Standing
-from rosic.errors import MessageGone, MessengerFault
+from rosic.core.message import Button, ChatKind, Inbound, Passage, Standing
+from rosic.errors import MessageGone
 from tests.pace import patience
 from tests.real.telegram.gateway import Gateway, is_backlog, to
 
@@ -196,12 +196,12 @@ async def test_what_stayed_behind_when_a_group_moved_changes_nothing_where_it_is
             gateway.messenger.pin(edited.chat, behind, pinned=True),
             gateway.messenger.retract(edited.chat, behind),
         ):
-            with pytest.raises(MessengerFault):
+            with pytest.raises(MessageGone):
                 await change
-        with pytest.raises(MessageGone):
-            await gateway.messenger.edit(behind, edited)
         later = await gateway.messenger.send(replace(edited, reply_to=behind))
         await gateway.messenger.edit(later, to(group, "omni: done"))
+    moves = [(one.chat.id, one.new_id) for one in gateway.passings if one.what is Passage.MOVED]
+    assert moves == [(str(group), str(new))], "told once, whichever way it was found"
     texts = [one["text"] for one in server.messages(new, by_bot=True)]
     assert set(texts[:-1]) == {"done"}
     assert texts[-1] == "omni: done"

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, TypeVar
 from rosic.core.language import hears_stop
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.core.message import Outbound
 
 K = TypeVar("K")
@@ -23,9 +25,13 @@ class Chats:
     it cannot be edited any more; without its nonce a tap on stop keeps to the order of its chat;
     of a chat that we were put out of Telegram says so once more; what was said since a group moved
     is taken for lost with the old group, and said again.
+
+    Attributes:
+        on_moved: Hears the old and the new id of a group, before anything is said to be lost.
     """
 
     def __init__(self) -> None:
+        self.on_moved: Callable[[str, str], None] = _nobody_follows
         self._moved: OrderedDict[str, str] = OrderedDict()
         self._since: OrderedDict[tuple[str, str], None] = OrderedDict()
         self._parts: OrderedDict[tuple[str, str], tuple[str, ...]] = OrderedDict()
@@ -34,8 +40,9 @@ class Chats:
 
     def moved(self, old: str, new: str) -> None:
         """Remember where a group is now."""
-        if old != new:
+        if old != new and self._moved.get(old) != new:
             _remember(self._moved, old, new)
+            self.on_moved(old, new)
 
     def where(self, chat: str) -> str:
         """Return the id under which a chat is reached now."""
@@ -91,6 +98,10 @@ class Chats:
     def stops(self, nonce: str) -> bool:
         """Whether the button with this nonce says stop."""
         return nonce in self._stops
+
+
+def _nobody_follows(_old: str, _new: str) -> None:
+    """Nobody goes where a group goes."""
 
 
 def _remember(table: OrderedDict[K, V], key: K, value: V) -> None:

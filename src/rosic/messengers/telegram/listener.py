@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 import msgspec
 
 from rosic.core.language import hears_stop
-from rosic.core.message import Chat, Passage, Passing
+from rosic.core.message import Chat, ChatKind, Passage, Passing
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import mapping, wire
@@ -79,6 +79,7 @@ class Listener:
         self._name = name
         self._line = line
         self._chats = chats
+        chats.on_moved = self._moved
         self._clock = clock
         self._poll_timeout_s = poll_timeout_s
         self._alarm = alarm
@@ -215,6 +216,11 @@ class Listener:
         self._chats.back(inbound.chat.id)
         self._check_clock(inbound, update)
         return News(number, inbound, self._is_stop(inbound))
+
+    def _moved(self, old: str, new: str) -> None:
+        """A group has moved: seen, or found by speaking, before it could be seen."""
+        group = Chat(mapping.PLATFORM, old, ChatKind.GROUP)
+        self._pass(Passing(chat=group, what=Passage.MOVED, new_id=new))
 
     def _pass(self, passing: Passing) -> None:
         """Take in what happened to a chat, and pass it on; nothing that comes of it stops us."""

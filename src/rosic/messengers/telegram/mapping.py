@@ -112,9 +112,6 @@ def reaction(update: wire.Update) -> Reaction | None:
 
 def _noted(message: wire.Message) -> Passing | None:
     """Return what a service message says; these arrive in privacy mode, too."""
-    if message.migrate_to_chat_id is not None:
-        new_id = str(message.migrate_to_chat_id)
-        return Passing(chat=_chat(message.chat), what=Passage.MOVED, new_id=new_id)
     gone = message.left_chat_member
     if isinstance(gone, dict) and type(gone.get("id")) is int and not gone.get("is_bot"):
         return _left(message.chat, gone["id"])

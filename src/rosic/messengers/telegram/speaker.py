@@ -337,8 +337,6 @@ class Speaker:
             self._limiter.hold(chat, trouble.wait_s)
         elif trouble.kind is Kind.MOVED and failures <= len(WAITS_S):
             self._chats.moved(chat, trouble.new_chat)
-            if call.message:
-                raise trouble  # next time it is known to be gone; who has moved is told meanwhile
         elif trouble.kind is Kind.GONE:
             log.info("nobody can be spoken to in one chat any more: %s", trouble.reason)
             self._chats.left(chat)
