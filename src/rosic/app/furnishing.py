@@ -133,9 +133,9 @@ class Furnishing:
         self.consent = Consent(rooms.organiser, self.reach, clock, entropy)
         self._say_times_in(zone)
         reception.consent = self.consent
-        going = Going(rooms)
+        going = Going(rooms, self._teller.subjects)
         answer = self._pipeline.answer
-        reception.placed = lambda m, inbound, who: answer(m, inbound, who, going.ask(inbound, who))
+        reception.placed = lambda m, sent, who: answer(m, sent, who, going.ask(m, sent, who))
         reception.stepped_up = self._access.stepup.fresh
         reception.proof_used = self._proof_used
         reception.refused = self._refused

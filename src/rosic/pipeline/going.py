@@ -17,11 +17,13 @@ from rosic.pipeline.desk import Reply
 from rosic.pipeline.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 
 if TYPE_CHECKING:
+    from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Caller
     from rosic.core.message import Inbound
     from rosic.core.robot import Profile, RobotId
     from rosic.core.skill import Skill
     from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.subjects import Subjects
 
 NOBODY = said("No robot that you may send anywhere knows where on Earth it is.")
 TOO_FAR = said("That is more than 10 km away. Nothing was done.")
@@ -40,17 +42,20 @@ class Way(NamedTuple):
 class Going:
     """Makes questions of places."""
 
-    def __init__(self, rooms: Rooms) -> None:
+    def __init__(self, rooms: Rooms, subjects: Subjects) -> None:
         self._rooms = rooms
+        self._subjects = subjects
 
-    def ask(self, inbound: Inbound, caller: Caller) -> Reply:
+    def ask(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> Reply:
         """Return the question whether a robot is meant to go there.
+
+        Meant is the robot whose message it answers; else the chosen one; else the only one.
 
         Raises:
             NotUnderstood: No robot can, or several, and none is chosen.
             OutOfBounds: The robot does not go so far.
         """
-        robot, way = self._who(inbound, caller)
+        robot, way = self._who(messenger, inbound, caller)
         assert inbound.place is not None  # noqa: S101 - asked for a place alone
         shown = self._rooms.profiles[robot].shown
         try:
@@ -81,7 +86,7 @@ class Going:
             far=far,
         )
 
-    def _who(self, inbound: Inbound, caller: Caller) -> tuple[RobotId, Way]:
+    def _who(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> tuple[RobotId, Way]:
         rooms = self._rooms
         visible = rooms.organiser.visible(caller.principal)
         ways = {robot: way_of(rooms.profiles[robot]) for robot in sorted(visible)}
@@ -90,7 +95,9 @@ class Going:
             for robot, way in ways.items()
             if way is not None and rooms.organiser.allows(caller.principal, robot, way.skill.id)
         }
-        chosen = rooms.container.selected(caller.principal, inbound.chat)
+        chosen = self._subjects.answered(messenger.name, inbound)
+        if chosen not in visible:
+            chosen = rooms.container.selected(caller.principal, inbound.chat)
         if chosen in able:
             return chosen, able[chosen]
         if chosen in visible:

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.container.container import Containers
-    from rosic.core.message import Chat
+    from rosic.core.message import Chat, Inbound
     from rosic.core.robot import RobotId
     from rosic.pipeline.said import Said
 
@@ -34,8 +34,11 @@ class Subjects:
 
     def of(self, said: Said) -> str:
         """Return whom the message speaks of that somebody replies to; empty: nobody known."""
-        inbound = said.inbound
-        where = (said.messenger.name, inbound.chat.id, inbound.answers)
+        return self.answered(said.messenger.name, said.inbound)
+
+    def answered(self, messenger: str, inbound: Inbound) -> str:
+        """Return the same of what is no command, such as a place that is sent in reply."""
+        where = (messenger, inbound.chat.id, inbound.answers)
         return self._about.get(where) or self._older.get(where, "")
 
 

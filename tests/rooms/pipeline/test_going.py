@@ -31,12 +31,12 @@ TWO = (located(FLEET[0]), located(FLEET[1]), *FLEET[2:])
 
 async def send(
     place: Place, spot: Spot = NORTH, *, account: str = ADA, kind: ChatKind = ChatKind.PRIVATE,
-    standing: Standing = Standing.FRESH,
+    standing: Standing = Standing.FRESH, answers: str = "",
 ) -> str:  # fmt: skip
     before = len(place.chat.told)
     chat = Chat("memory", account if kind is ChatKind.PRIVATE else "g", kind)
     inbound = place.chat._inbound(account, chat, None, None)
-    place.chat.deliver(replace(inbound, place=spot, standing=standing))
+    place.chat.deliver(replace(inbound, place=spot, standing=standing, answers=answers))
     await place.quiet()
     return "\n".join(told.outbound.text for told in list(place.chat.told)[before:])
 
@@ -84,3 +84,13 @@ async def test_of_several_the_chosen_one_goes() -> None:
         assert "kuka1: go to" in await send(place, account=BO)
         await place.say("use cf1", account=BO, chat=BO)
         assert "cf1 cannot be sent" in await send(place, account=BO)
+
+
+async def test_in_reply_to_what_a_robot_did_that_one_goes() -> None:
+    async with Place(fleet=TWO).open() as place:
+        await place.say("kuka1 wave", account=BO, chat=BO)
+        told, _ = place.last()
+        await place.say("use omni", account=BO, chat=BO)
+        assert "omni: go to" in await send(place, account=BO)
+        assert "kuka1: go to" in await send(place, account=BO, answers=told)
+        assert "omni: go to" in await send(place, account=BO, answers="m-of-nobody")
