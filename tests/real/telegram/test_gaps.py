@@ -196,6 +196,36 @@ async def test_it_goes_through_a_proxy(server: FakeTelegram, ada: int) -> None:
     assert gateway.calls("sendMessage") == []
 
 
+async def test_a_proxy_carries_everything_both_ways(server: FakeTelegram, ada: int) -> None:
+    carried: list[bytes] = []
+
+    async def pass_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        while chunk := await reader.read(65_536):
+            carried.append(chunk)
+            writer.write(chunk)
+            await writer.drain()
+        writer.close()
+
+    async def relay(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        there, here = await asyncio.open_connection(server.host, server.port)
+        await asyncio.gather(pass_on(reader, here), pass_on(there, writer), return_exceptions=True)
+
+    proxy = await asyncio.start_server(relay, "127.0.0.1", 0)
+    async with proxy:
+        port = proxy.sockets[0].getsockname()[1]
+        gateway = Gateway(server, proxy=f"http://127.0.0.1:{port}")
+        async with gateway.listening():
+            server.say(ada, ada, "omni move 1 m")
+            [heard] = await gateway.hear(1)
+            assert heard.text == "omni move 1 m"
+            message = await gateway.messenger.send(to(ada, "omni: running"))
+            await gateway.messenger.edit(message, to(ada, "omni: done"))
+    assert [one["text"] for one in server.messages(ada, by_bot=True)] == ["omni: done"]
+    asked = b"".join(carried)
+    for method in (b"getUpdates", b"sendMessage", b"editMessageText"):
+        assert method in asked, "nothing goes round it"
+
+
 async def test_a_token_that_is_revoked_ends_it_too(
     server: FakeTelegram, gateway: Gateway, ada: int
 ) -> None:

@@ -42,6 +42,23 @@ async def test_an_answer_lands_in_the_topic_of_the_question(
         assert server.message(lab, int(sent))["thread"] == omni
 
 
+@pytest.mark.parametrize("ours", [True, False], ids=["ours", "another's"])
+async def test_in_a_topic_that_a_bot_created_people_are_heard_as_anywhere(
+    server: FakeTelegram, gateway: Gateway, ada: int, ours: bool
+) -> None:
+    other = server.create_user("Keeper", username="keeper_bot", is_bot=True)
+    by = server.world.bot.id if ours else other
+    lab = _group(server, ada, bot="administrator")
+    omni = server.create_topic(lab, "Omni", by)
+    async with gateway.listening():
+        server.say(lab, ada, "omni move 1 m", thread=omni)
+        sent = await gateway.messenger.send(_in_topic(lab, omni, "omni: done"))
+        server.say(lab, ada, "again", thread=omni, reply_to=int(sent))
+        first, second = await gateway.hear(2)
+    assert (first.text, first.answers, first.addressed) == ("omni move 1 m", "", False)
+    assert (second.text, second.answers, second.addressed) == ("again", sent, True)
+
+
 async def test_a_topic_that_is_gone_is_answered_in_the_group(
     server: FakeTelegram, gateway: Gateway, ada: int
 ) -> None:

@@ -236,9 +236,21 @@ def _tap(query: wire.CallbackQuery, received: Received) -> Inbound | None:
     )
 
 
+def _replied(message: wire.Message) -> wire.Shown | None:
+    """Return the message that somebody replied to.
+
+    In a topic Telegram shows every other message as a reply to the one that created the topic,
+    which another bot may have done: nobody answers that.
+    """
+    first = message.reply_to_message
+    if first is not None and message.is_topic_message:
+        return None if first.message_id == message.message_thread_id else first
+    return first
+
+
 def _answered(message: wire.Message) -> str:
     """Return the message that it replies to, if that is in the same chat."""
-    first = message.reply_to_message
+    first = _replied(message)
     return str(first.message_id) if first and first.chat.id == message.chat.id else ""
 
 
@@ -253,7 +265,7 @@ def _replied_bot(message: wire.Message) -> str:
 
     Whatever has another form than documented is none: a stop must not be lost over it.
     """
-    first = message.reply_to_message
+    first = _replied(message)
     author = first.sender if first is not None else None
     if not isinstance(author, dict) or author.get("is_bot") is not True:
         return ""

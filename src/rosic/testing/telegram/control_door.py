@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 VERBS = (
     "create_user", "set_language", "say", "edit", "tap", "react", "delete", "backlog",
-    "create_chat",
+    "create_chat", "create_topic",
     "topics", "set_member", "block", "link", "migrate", "fail", "calm", "set_latency",
     "set_limits", "advance", "shift_dates", "duplicate", "reorder", "jump", "put_update",
     "foreign_webhook", "message", "messages", "press", "presses", "pending", "changes", "wait",

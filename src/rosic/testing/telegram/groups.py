@@ -45,12 +45,21 @@ class Groups:
         chat.members = dict.fromkeys(members, "member")
         if members:
             chat.members[members[0]] = "creator"
-        chat.is_forum = bool(topics)
         for name in topics:
-            chat.topics[self.world.new_message_id(chat)] = name
+            self.create_topic(chat.id, name, members[0] if members else None)
         if bot is not None:
             self.set_member(chat.id, self.world.bot.id, bot)
         return chat.id
+
+    def create_topic(self, chat: int, name: str, user: int | None) -> int:
+        """Add a topic, created by a person or a bot, and return its thread id. Nobody is told."""
+        where = self.world.state.chats[chat]
+        where.is_forum = True
+        thread = self.world.new_message_id(where)
+        where.topics[thread] = name
+        if user is not None:
+            where.topics_by[thread] = user
+        return thread
 
     def topics(self, chat: int) -> dict[str, int]:
         """Return the thread ids of a forum's topics by name."""

@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from rosic.testing.telegram.state import Chat, Content, JsonObject, Message, Query, State, User
 
 
+ICON_COLOUR = 7_322_096
+"""Of a topic; the first of the six that Telegram has."""
+
+
 def user(who: User) -> JsonObject:
     """https://core.telegram.org/bots/api#user."""
     shown: JsonObject = {"id": who.id, "is_bot": who.is_bot, "first_name": who.first_name}
@@ -52,11 +56,34 @@ def message(what: Message, state: State, *, with_reply: bool = True) -> JsonObje
         shown["edit_date"] = what.edit_date
     if what.thread_id is not None:
         shown |= {"message_thread_id": what.thread_id, "is_topic_message": True}
+        if with_reply and what.reply_to is None:
+            shown |= _beginning(what, state)
     if with_reply and what.reply_to is not None:
         replied = state.messages[what.chat_id].get(what.reply_to)
         if replied is not None and not replied.deleted:
             shown["reply_to_message"] = message(replied, state, with_reply=False)
     return {**shown, **content(what.content), **what.extra}
+
+
+def _beginning(what: Message, state: State) -> JsonObject:
+    """Return what a message in a topic replies to where it replies to nothing: the topic's start.
+
+    A topic is the thread of the service message that created it
+    (https://core.telegram.org/api/forum), so every message in it answers at least that one.
+    """
+    where, thread = state.chats[what.chat_id], what.thread_id
+    if thread is None or thread not in where.topics_by:
+        return {}
+    began = {
+        "message_id": thread,
+        "from": user(state.users[where.topics_by[thread]]),
+        "chat": chat(where, state),
+        "date": what.date,
+        "message_thread_id": thread,
+        "is_topic_message": True,
+        "forum_topic_created": {"name": where.topics[thread], "icon_color": ICON_COLOUR},
+    }
+    return {"reply_to_message": began}
 
 
 def content(what: Content) -> JsonObject:

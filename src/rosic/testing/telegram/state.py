@@ -47,6 +47,7 @@ class Chat(msgspec.Struct, kw_only=True, omit_defaults=True):
         members: Status by user id: "creator", "administrator", "member", "restricted", "left",
         "kicked".
         topics: Names of forum topics by thread id.
+        topics_by: Who created each.
         instance: The `chat_instance` of button presses here.
         withheld: Rights that an administrator was not given, by user id.
         last_bot_id: The bot that wrote last; in privacy mode a bare `/command` goes to that one.
@@ -58,6 +59,7 @@ class Chat(msgspec.Struct, kw_only=True, omit_defaults=True):
     username: str | None = None
     members: dict[int, str] = {}
     topics: dict[int, str] = {}
+    topics_by: dict[int, int] = {}
     is_forum: bool = False
     linked_chat_id: int | None = None
     migrated_to: int | None = None
