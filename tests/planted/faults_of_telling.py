@@ -11,9 +11,23 @@ OF_TELLING = (
     Fault(
         name="L1 an alarm is not written down before it is said",
         file="pipeline/reach.py",
-        guard="if self.outbox is not None and (notice.urgent or not buttons):",
+        guard="if self.outbox is not None and lasts:",
         without="if False:",
         caught_by=(f"{OUTBOX}::test_an_alarm_that_was_not_said_is_said_by_the_next_run_once",),
+    ),
+    Fault(
+        name="L1 an alarm that is said again cannot be acknowledged",
+        file="pipeline/outbox.py",
+        guard="if found.matter:",
+        without="if False:",
+        caught_by=("tests/rooms/pipeline/test_alert_said_again.py",),
+    ),
+    Fault(
+        name="a name gives others a command",
+        file="core/language/cleaning.py",
+        guard='return inert_text(" ".join(',
+        without='return (" ".join(',
+        caught_by=("tests/core/language/test_cleaning.py",),
     ),
     Fault(
         name="L1 the answer to a stop is owed by nobody",

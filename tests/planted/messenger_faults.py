@@ -33,4 +33,25 @@ MESSENGER_FAULTS = (
         without="if False:",
         caught_by=("tests/rooms/pipeline/test_spoken_of.py",),
     ),
+    Fault(
+        name="what stayed behind in a group is sought where the group is now",
+        file="messengers/telegram/chats.py",
+        guard="return chat in self._moved and (chat, message) not in self._since",
+        without="return False",
+        caught_by=("tests/real/telegram/test_receiving.py",),
+    ),
+    Fault(
+        name="everything in a topic is an answer to whoever created it",
+        file="messengers/telegram/mapping.py",
+        guard="if first is not None and message.is_topic_message:",
+        without="if False:",
+        caught_by=("tests/real/telegram/test_groups.py",),
+    ),
+    Fault(
+        name="a bank card's number can be tapped",
+        file="messengers/telegram/entities.py",
+        guard="if _DIGITS.search(text) is not None:",
+        without="if False:",
+        caught_by=("tests/real/telegram/test_inert_text.py",),
+    ),
 )
