@@ -41,6 +41,8 @@ class BenchMessenger:
 
     async def send(self, outbound: Outbound) -> str:
         """Take the first message of a life; its id is that of the message it answers."""
+        if "\n" not in outbound.text:
+            self._fail(outbound.reply_to, outbound)
         return outbound.reply_to
 
     async def edit(self, message: str, outbound: Outbound) -> None:
@@ -49,6 +51,14 @@ class BenchMessenger:
             ended = self.ended.pop(message, None)
             if ended is not None:
                 ended.set_result(None)
+        elif not outbound.buttons:
+            self._fail(message, outbound)
+
+    def _fail(self, message: str, outbound: Outbound) -> None:
+        """Let whoever waits for an order know that it was refused, or ended otherwise."""
+        ended = self.ended.pop(message, None)
+        if ended is not None:
+            ended.set_exception(AssertionError(f"no result, as one was not done: {outbound.text}"))
 
     async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
         """Nobody looks."""

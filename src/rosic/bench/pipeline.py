@@ -98,7 +98,7 @@ def measure(*, quick: bool = False) -> Report:
         for load in CASES:
             if quick:
                 load = msgspec.structs.replace(load, orders=max(500, load.orders // 10))  # noqa: PLW2901
-            seen[load.name].append(loop.run(_run(load)))
+            seen[load.name].append(loop.run(run(load)))
     orders: tuple[Case, ...] = tuple(case_of(name, found) for name, found in seen.items())
     method = METHOD.format(turn=TURN_MESSAGES, robots=ROBOTS, runs=runs, loop=loop.name())
     how, asked = deciding.measure(quick=quick)
@@ -108,7 +108,15 @@ def measure(*, quick: bool = False) -> Report:
     )
 
 
-async def _run(load: Load) -> tuple[float, list[int]]:
+async def run(load: Load) -> tuple[float, list[int]]:
+    """Run one case once.
+
+    Returns:
+        Orders a second, and how long each took, in ns.
+
+    Raises:
+        AssertionError: An order was not done, or not by one act: there is no result.
+    """
     with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
         messenger = BenchMessenger()
         store: Store = (
