@@ -27,7 +27,9 @@ CHANGED: Final = said("The file has changed since I showed it. Nothing was chang
 
 
 def added(profile: Profile) -> str:
-    """Return that a robot is here."""
+    """Return that a robot is here, and what to call it where its name does not say so."""
+    if profile.shown.casefold() == profile.id:
+        return said("{robot} is here now.", robot=profile.shown)
     return said("{robot} is here now, as {id}.", robot=profile.shown, id=profile.id)
 
 
