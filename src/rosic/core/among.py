@@ -6,6 +6,7 @@ Who speaks is never read from the words: it is the robot on whose link they came
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Final, TypeAlias
 
 import msgspec
@@ -141,7 +142,15 @@ Utterance: TypeAlias = (
     Share | Get | Follow | Unfollow | Ask | Accept | Over | Tell | Adjust | Acknowledge
 )
 
+
+class _Marked(msgspec.Struct, frozen=True):
+    ref: Mark = ""
+
+
 _decode = msgspec.json.Decoder(Utterance).decode
+_decode_mark = msgspec.json.Decoder(_Marked).decode
+# Of what is too long nothing but its beginning is looked at.
+_BEGINS = re.compile(rb'\{\s?"kind"\s?:\s?"[a-z]{1,16}"\s?,\s?"ref"\s?:\s?"([ -!#-[\]-~]{1,64})"')
 _value = msgspec.json.Decoder().decode
 
 
@@ -165,6 +174,20 @@ def read_utterance(words: bytes, at_most: int) -> Utterance:
     if isinstance(found, Share | Tell) and len(bytes(found.data)) > DATA_BYTES:
         raise OutOfBounds(too_long(DATA_BYTES))
     return found
+
+
+def mark_of(words: bytes) -> str:
+    """Return the speaker's mark of what could not be read, so that the answer can be told.
+
+    Of what is no JSON, or too long to be read, it is found if it stands at the beginning: ``kind``,
+    then ``ref``. Empty: there is none.
+    """
+    if (begins := _BEGINS.match(words)) is not None:
+        return begins[1].decode()
+    try:
+        return _decode_mark(words).ref if len(words) <= DATA_BYTES else ""
+    except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError):
+        return ""
 
 
 def too_long(at_most: int) -> str:

@@ -2,10 +2,13 @@
 
 Usage: fellow_peer.py ROBOT... Commands come as lines on standard input: ``say omni {...}``,
 ``flood omni SECONDS``, ``large omni BYTES``. What a robot hears is printed: ``heard omni {...}``.
+By services that another node of the robot offers: ``get omni cf1.road ...``, ``help omni -`` and
+``share omni {"road": true}``, answered by ``got [...]``, ``helped [...]`` and ``shared [...]``.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 import threading
 import time
@@ -17,7 +20,10 @@ RosObject: TypeAlias = Any
 
 rclpy: Any = import_module("rclpy")
 executors: Any = import_module("rclpy.executors")
+Parameter: Any = import_module("rclpy.parameter").Parameter
 String: Any = import_module("std_msgs.msg").String
+Trigger: Any = import_module("std_srvs.srv").Trigger
+services: Any = import_module("rcl_interfaces.srv")
 
 A_SECOND = 10_000
 IN_ONE_GO = 100
@@ -37,6 +43,14 @@ class Nodes:
             robot: node.create_publisher(String, "among/say", 50)
             for robot, node in self.nodes.items()
         }
+        self.gets, self.shares, self.helps = (
+            {robot: node.create_client(kind, name) for robot, node in self.nodes.items()}
+            for kind, name in (
+                (services.GetParameters, "among/get"),
+                (services.SetParameters, "among/share"),
+                (Trigger, "among/help"),
+            )
+        )
         for robot, node in self.nodes.items():
             node.create_subscription(String, "among/hear", partial(self.heard, robot), 50)
 
@@ -64,6 +78,30 @@ class Nodes:
     def large(self, robot: str, rest: str) -> None:
         filler = "x" * int(rest)
         self.say(robot, f'{{"kind":"share","ref":"large","topic":"map","data":"{filler}"}}')
+
+    def get(self, robot: str, rest: str) -> None:
+        answer = self._call(self.gets[robot], services.GetParameters.Request(names=rest.split()))
+        values = [rclpy.parameter.parameter_value_to_python(value) for value in answer.values]
+        out(f"got {json.dumps(values)}")
+
+    def share(self, robot: str, rest: str) -> None:
+        parameters = [Parameter(n, value=v).to_parameter_msg() for n, v in json.loads(rest).items()]
+        request = services.SetParameters.Request(parameters=parameters)
+        answer = self._call(self.shares[robot], request)
+        out(f"shared {json.dumps([[one.successful, one.reason] for one in answer.results])}")
+
+    def help(self, robot: str, _rest: str) -> None:
+        answer = self._call(self.helps[robot], Trigger.Request())
+        out(f"helped {json.dumps([answer.success, answer.message])}")
+
+    def _call(self, client: RosObject, request: RosObject) -> RosObject:
+        """Ask, and wait here, in the main thread: the executor has its own."""
+        client.wait_for_service(20)
+        answered = threading.Event()
+        future = client.call_async(request)
+        future.add_done_callback(lambda _: answered.set())
+        answered.wait(20)
+        return future.result()
 
     def flood(self, robot: str, rest: str) -> None:
         """Share numbers, 10,000 a second as far as this machine comes to it."""

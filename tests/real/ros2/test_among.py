@@ -48,12 +48,12 @@ class Brain:
     """One robot's own node."""
 
     def __init__(self, process: RosProcess, robot: str) -> None:
-        self._process = process
-        self._robot = robot
+        self.process = process
+        self.robot = robot
 
     async def do(self, verb: str, rest: str = "-") -> None:
-        self._process.say(f"{verb} {self._robot} {rest}")
-        await asyncio.to_thread(self._process.expect, f"ok {verb}", timeout_s=PATIENCE_S)
+        self.process.say(f"{verb} {self.robot} {rest}")
+        await asyncio.to_thread(self.process.expect, f"ok {verb}", timeout_s=PATIENCE_S)
 
     async def say(self, kind: str, **said: object) -> None:
         await self.do("say", json.dumps({"kind": kind, **said}))
@@ -62,7 +62,7 @@ class Brain:
         """Wait for the next of a kind."""
         while True:
             line = await asyncio.to_thread(
-                self._process.expect, f"heard {self._robot} ", timeout_s=PATIENCE_S
+                self.process.expect, f"heard {self.robot} ", timeout_s=PATIENCE_S
             )
             found: dict[str, Any] = json.loads(line)
             if found["kind"] == kind:

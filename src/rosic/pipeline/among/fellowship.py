@@ -14,7 +14,7 @@ import msgspec
 
 from rosic.contracts.among import UTTERANCE_BYTES
 from rosic.core import among as said_by
-from rosic.core.among import Shared, Utterance, read_utterance
+from rosic.core.among import Shared, Utterance, mark_of, read_utterance
 from rosic.core.authority import ASK, READ, SHARE
 from rosic.core.identity import PrincipalId
 from rosic.core.message import Button
@@ -193,6 +193,7 @@ class Fellowship:
             ref = utterance.ref
             answer = await self._heed(robot, utterance)
         except Refusal as refusal:
+            ref = ref or mark_of(words_)
             self._answer(robot, ref, {"ok": False, "code": refusal.code, "why": refusal.sentence})
             return
         if ref or answer:

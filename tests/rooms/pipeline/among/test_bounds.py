@@ -6,11 +6,12 @@ import json
 from collections import Counter
 
 import msgspec
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosic.contracts.among import UTTERANCE_BYTES
-from rosic.core.among import Share, Tell, read_utterance
+from rosic.core.among import Share, Tell, mark_of, read_utterance
 from rosic.errors import Refusal
 from rosic.pipeline.among.guard import CONVERSATION, CUT_NS, HOPS_AT_MOST, REMEMBERED, Guard
 from rosic.pipeline.among.helping import KEPT_NS, KEPT_OVER, HelpBook
@@ -116,3 +117,23 @@ def test_whatever_a_robot_says_is_read_or_refused_and_can_be_passed_on(words: by
     if isinstance(read, Share | Tell):
         passed_on = msgspec.json.encode({"data": read.data})
         assert isinstance(json.loads(passed_on), dict)
+
+
+@pytest.mark.parametrize(
+    ("words", "mark"),
+    [
+        ('{"kind": "share", "ref": "7", "topic": "No Topic", "data": 1}', "7"),
+        ('{"ref": "7", "kind": "dance"}', "7"),
+        ('{"kind":"share","ref":"7","topic":"map","data":NaN}', "7"),
+        ('{"kind":"share","ref":"7","topic":"map","data":"' + "x" * 100_000, "7"),
+        ('{"kind":"share","data":"' + "x" * 100_000, ""),
+        ('{"kind":"share","data":{"kind":"share","ref":"7"}', ""),
+        ('{"kind":"share","ref":' + "7" * 100_000, ""),
+        ("[" * 100_000, ""),
+        ("", ""),
+    ],
+)
+def test_the_answer_to_what_cannot_be_read_finds_whoever_waits_for_it(
+    words: str, mark: str
+) -> None:
+    assert mark_of(words.encode()) == mark
