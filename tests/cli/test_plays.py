@@ -97,6 +97,7 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     assert fleet.count("The task goes to another robot. 1 of 2 steps are done and stay so.") == 1
     assert "Restock the shelves is begun as restock-5 · 3 tasks" in fleet
     assert re.search(r"1: restock begins by itself, next .*08:00", fleet)
+    assert re.search(r"of 3 robots are free\.\n(.*\n){3,4} +as of .*\n +\[ Look again \]", fleet)
     last = fleet.index(": goto, x 0.00 m, y 0.00 m · task 7: accepted")
     assert max(fleet.index(f"Task {n} (goto x=0.6") for n in (5, 6)) < last, "when both are there"
     assert fleet.partition(SUMMARY)[2].count("done, 1 of 1 steps done") == 4

@@ -113,7 +113,7 @@ class Fleeting:
         cards = FleetCards(self.overview, self._changes, messengers, self._clock, sides)
         cards.restore(memory.facts.get(FLEET_CARD, ()))
         robots.others = cards
-        clerk = CardClerk(cards, cards.glimpses, self._rooms.vocabulary, sides)
+        clerk = CardClerk(cards, cards.glimpses, self._rooms.vocabulary, sides, verb="fleet")
         pipeline.reception.office.employ("fleet", clerk.card)
 
     def _furnish_missions(

@@ -261,10 +261,19 @@ async def test_who_may_not_pin_says_who_can_help_and_asks_once() -> None:
         assert shown.place.chat.pinned == {}
 
 
-async def test_where_messages_cannot_be_changed_it_is_said_once() -> None:
+async def test_where_messages_cannot_be_changed_it_is_said_once_and_again_by_a_tap() -> None:
     async with showing(chat=line_by_line) as shown:
-        told = await shown.place.say("/card omni")
-        assert told.startswith("A message cannot be changed here, so this is how it is now:\nomni:")
+        told = await shown.place.say("/card the omni")
+        first, *_, last = told.split("\n")
+        assert first.startswith("omni: free")
+        assert last.startswith("as of ")
+        await shown.pass_s(20)
+        again = shown.place.chat.told[-1]
+        [[button]] = again.outbound.buttons
+        assert button.label == "Look again"
+        told_again = await shown.place.tap(button, again.message)
+        assert told_again.startswith("omni: ")
+        assert told_again.split("\n")[-1] != last, "it is later now"
         before = len(shown.place.chat.told)
         await shown.pass_s(100)
         assert len(shown.place.chat.told) == before

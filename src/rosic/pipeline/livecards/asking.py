@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.language.compiled import fold
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.words import FILLERS
-from rosic.core.saying import joined
+from rosic.core.message import Button
 from rosic.core.words import NOTHING_VISIBLE
 from rosic.errors import NotUnderstood
 from rosic.pipeline.desk import Reply
@@ -26,15 +26,25 @@ _BETWEEN = str.maketrans(",;", "  ")
 
 
 class CardClerk:
-    """The clerk of live cards."""
+    """The clerk of live cards.
+
+    Args:
+        live: The cards.
+        glimpses: Looks at what they show.
+        vocabulary: Knows robots by name.
+        sides: What the rooms know.
+        verb: What asks for such a card.
+    """
 
     def __init__(
-        self, live: LiveCards, glimpses: Glimpses, vocabulary: Vocabulary, sides: Sides
-    ) -> None:
+        self, live: LiveCards, glimpses: Glimpses, vocabulary: Vocabulary, sides: Sides,
+        verb: str = "card",
+    ) -> None:  # fmt: skip
         self._live = live
         self._glimpses = glimpses
         self._vocabulary = vocabulary
         self._sides = sides
+        self._verb = verb
 
     async def card(self, asked: Asked) -> Reply:
         """Do what was said about this chat's card. The card itself is the answer.
@@ -79,12 +89,16 @@ class CardClerk:
             return Reply(NOTHING_VISIBLE)
         robots = self._robots(said, visible)
         if not asked.messenger.edits:
-            shown = robots or tuple(sorted(visible))
-            self._glimpses.look(shown)
-            now = self._live.drawing.text(chat, owner, shown)
-            return Reply(joined("\n", (words.AS_IT_IS, now)))
+            return self._once(asked, robots or tuple(sorted(visible)), " ".join(said))
         self._live.begin(asked.messenger, chat, owner, robots, pinned=pinned)
         return Reply("")
+
+    def _once(self, asked: Asked, robots: tuple[RobotId, ...], named: str) -> Reply:
+        """Show how it is now, where nothing that was shown can be changed: a terminal scrolls."""
+        self._glimpses.look(robots)
+        text = self._live.drawing.now(asked.inbound.chat, asked.caller.principal, robots)
+        again = Button(words.LOOK_AGAIN, f"/{self._verb} {named}".rstrip())
+        return Reply(text, ((again,),))
 
     def _robots(self, said: list[str], visible: frozenset[RobotId]) -> tuple[RobotId, ...]:
         """Return the robots that were named; what one may not see, there is not."""

@@ -105,6 +105,11 @@ class Drawing:
             lines.append(words.and_more(len(robots) - most))
         return joined("\n", lines)
 
+    def now(self, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...]) -> str:
+        """Return how these robots are at this moment, for a message that stays as it is."""
+        stamp = words.as_of(self._sides.face(self._clock.wall_ns()))
+        return joined("\n", (self.text(chat, owner, robots), stamp))
+
     def outbound(self, card: LiveCard, robots: tuple[RobotId, ...], weight: Weight) -> Outbound:
         """Return the message, stamped with the time at which it is so.
 

@@ -19,7 +19,7 @@ ENDED: Final = said("This card has ended. /card begins a new one.")
 SEES_NOTHING: Final = said("This card has ended: whoever asked for it may see no robot any more.")
 OFF: Final = said("The card has ended.")
 NO_PICTURE: Final = said("There is no camera that this card could show.")
-AS_IT_IS: Final = said("A message cannot be changed here, so this is how it is now:")
+LOOK_AGAIN: Final = said("Look again")
 TOO_MANY: Final = said("There are too many cards already. End one with /card off.")
 
 
@@ -137,6 +137,11 @@ def pictured(shown: str, time_of_day: str, until: str) -> str:
 def and_more(count: int) -> str:
     """More robots than one message shows."""
     return said("and {count} more: /card and their names shows them", count=count)
+
+
+def as_of(now_shown: str) -> str:
+    """When it was so, where it is not renewed."""
+    return said("as of {time}", time=now_shown)
 
 
 def updated(now_shown: str, next_shown: str, lag_s: int) -> str:
