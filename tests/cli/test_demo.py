@@ -64,6 +64,21 @@ def test_every_life_of_the_demonstration_is_printed() -> None:
     assert "x 1.50 m · y 0.00 m" in last.partition("At the end:")[2]
 
 
+@pytest.mark.limit(300)
+def test_tasks_that_lines_gave_are_done_before_it_leaves_and_stopped_ones_are_not_waited_for() -> (
+    None
+):
+    lines = "/task omni move 20 cm then move 10 cm\n/tasks\n/task cf1 takeoff 1 m\nstop cf1\n"
+    ran = rosic("demo", "--plain", stdin=lines, within_s=150)
+    assert (ran.status, ran.err) == (0, "")
+    assert "Task 1 (move 20 cm; move 10 cm): done by omni." in ran.out
+    at_the_end = ran.out.partition("At the end:")[2]
+    assert "omni: at rest" in at_the_end
+    assert "x 0.30 m" in at_the_end
+    assert "Crazyflie 1: stopped by you" in at_the_end
+    assert "Still under way" not in ran.out
+
+
 def test_without_any_line_it_ends_by_itself() -> None:
     ran = rosic("demo", "--plain", within_s=240)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import signal
 import subprocess
 from typing import TYPE_CHECKING
 
@@ -102,7 +103,8 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     assert max(fleet.index(f"Task {n} (goto x=0.6") for n in (5, 6)) < last, "when both are there"
     assert fleet.partition(SUMMARY)[2].count("done, 1 of 1 steps done") == 4
 
-    assert "had by    Carrier 1: North manager (1), Night manager (2)" in shift
+    # Of three steps; how many were begun before the hand-over depends on the machine's pace.
+    assert re.search(r"had by    Carrier 1: North manager \([12]\), Night manager \([12]\)", shift)
 
     helped = re.search(r"(Rover \d) helps (Rover \d) \(stuck in the mud\)\.", swarm)
     assert helped
@@ -171,6 +173,35 @@ def test_a_newcomer_acts_as_somebody_with_their_rights() -> None:
     assert 'I do not know "carrier1".' in done.out
     assert "orders    1 on the record: 1 done" in done.out
     assert "had by    Carrier 3: South manager (1)" in done.out
+
+
+@pytest.mark.limit(300)
+def test_tasks_and_missions_of_piped_lines_are_done_before_it_sums_up() -> None:
+    lines = "/task carriers goto x=0.4 y=0.4 then goto x=0 y=0.4\n/mission start restock\n/fleet\n"
+    done = rosic("demo", "fleet", "--interactive", "--plain", "--fast", stdin=lines)
+    assert (done.status, done.err) == (0, "")
+    told, _, summary = done.out.partition(SUMMARY)
+    assert "] Look again" in told
+    assert summary.count("task ") == summary.count("done, ") == 4
+    assert "orders    5 on the record: 5 done" in summary
+
+
+@pytest.mark.limit(300)
+def test_ctrl_c_does_not_wait_for_the_tasks_of_piped_lines() -> None:
+    asked = [*ROSIC, "demo", "fleet", "--interactive", "--plain"]
+    with subprocess.Popen(  # noqa: S603 - our own command
+        asked, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment()
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        process.stdin.write("/task carrier1 goto x=5 y=0\n")
+        process.stdin.close()
+        for line in process.stdout:
+            if "driving" in line:
+                break
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 130
+        assert "Every robot is at rest." in process.stdout.read()
 
 
 def test_who_and_what_is_unknown_is_said() -> None:

@@ -16,7 +16,7 @@ from rosic.app.operating import Operating
 from rosic.app.painting import painter
 from rosic.app.people import Seed
 from rosic.app.profiles import known_units, read_profile, shipped_profiles
-from rosic.app.quiet import until_quiet
+from rosic.app.quiet import until_done, until_quiet
 from rosic.core.identity import Address
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.messenger import is_terminal
@@ -42,28 +42,47 @@ Try, for example:
 Also: status, help, help omni. Tab completes; Ctrl-D leaves."""
 
 
+class Script:
+    """Waits for what the lines of a script ask for.
+
+    Attributes:
+        late: Whether something did not end in time.
+    """
+
+    def __init__(self, gateway: Gateway, messenger: TerminalMessenger, clock: Clock) -> None:
+        self.late = False
+        self._gateway = gateway
+        self._messenger = messenger
+        self._clock = clock
+
+    async def line(self) -> None:
+        """Wait for the orders of a line."""
+        self._note(await until_quiet(self._gateway, self._clock, seconds=LINE_WITHIN_S))
+
+    async def end(self, left: asyncio.Event) -> None:
+        """Wait for the tasks of all of them, unless somebody leaves."""
+        self._note(await until_done(self._gateway, self._clock, seconds=LINE_WITHIN_S, unless=left))
+
+    def _note(self, in_time: bool) -> None:
+        if not in_time:
+            self.late = True
+            self._messenger.show(f"Still under way after {LINE_WITHIN_S:.0f} s; going on.")
+
+
 async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: int) -> int:
     """Run the demonstration until input ends or somebody leaves. Return the exit status.
 
-    With a script instead of a person, each line's orders end before the next line is read; 1 is
-    returned if one of them did not end in time.
+    With a script instead of a person, each line's orders end before the next line is read, and
+    tasks that go on by themselves before it leaves; 1 is returned if one did not end in time.
     """
     profiles = fleet()
     messenger = TerminalMessenger(clock=clock, plain=plain)
     messenger.know(profiles)
     gateway = gateway_of(profiles, messenger, clock, entropy)
     await gateway.open()
-    late = 0
-    script = not is_terminal(sys.stdin)
-
-    async def wait_for_line() -> None:
-        nonlocal late
-        if not await until_quiet(gateway, clock, seconds=LINE_WITHIN_S):
-            late += 1
-            messenger.show(f"Still under way after {LINE_WITHIN_S:.0f} s; going on.")
-
-    if script:
-        messenger.pace = wait_for_line
+    script = None if is_terminal(sys.stdin) else Script(gateway, messenger, clock)
+    if script is not None:
+        messenger.pace = script.line
     # Whoever closes the pipe knows that nothing reaches them any more.
     telling = logging.getLogger("rosic.telling")
     unread = lambda _record: not messenger.gone  # noqa: E731 - removed by its identity
@@ -71,12 +90,12 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
     try:
         took_s = (clock.monotonic_ns() - begun_ns) / 1e9
         messenger.show(GREETING.format(took_s=took_s, fleet=", ".join(FLEET)))
-        await _until_over(gateway, messenger)
-        _say_farewell(gateway, messenger, script=script)
+        await _until_over(gateway, messenger, script)
+        _say_farewell(gateway, messenger, script=script is not None)
     finally:
         await close_in_time(gateway, CLOSE_WITHIN_S)
         telling.removeFilter(unread)
-    return 1 if late else 0
+    return 1 if script is not None and script.late else 0
 
 
 def fleet() -> list[Profile]:
@@ -118,17 +137,26 @@ def _say_farewell(gateway: Gateway, messenger: TerminalMessenger, *, script: boo
         messenger.show("Left. Nothing was kept. For real robots: rosic run")
 
 
-async def _until_over(gateway: Gateway, messenger: TerminalMessenger) -> None:
+async def _until_over(
+    gateway: Gateway, messenger: TerminalMessenger, script: Script | None
+) -> None:
     """Listen until the input ends, somebody leaves, or a signal comes."""
-    loop = asyncio.get_running_loop()
+    loop, left = asyncio.get_running_loop(), asyncio.Event()
+
+    def leave() -> None:
+        left.set()
+        messenger.ended.set()
+
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        loop.add_signal_handler(number, messenger.ended.set)
+        loop.add_signal_handler(number, leave)
     listening = asyncio.create_task(gateway.run())
     ended = asyncio.create_task(messenger.ended.wait())
     await asyncio.wait((listening, ended), return_when=asyncio.FIRST_COMPLETED)
     try:
         if listening.done():
             listening.result()
+        elif script is not None and not messenger.gone:
+            await script.end(left)
     finally:
         for task in (listening, ended):
             task.cancel()

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.fleet.planning import fits
+from rosic.core.fleet.task import Standing
+
 if TYPE_CHECKING:
+    import asyncio
+
     from rosic.app.gateway import Gateway
     from rosic.contracts.clock import Clock
+    from rosic.core.fleet.task import Task
 
 EVERY_S = 0.02
 
@@ -19,3 +25,41 @@ async def until_quiet(gateway: Gateway, clock: Clock, *, seconds: float) -> bool
             return False
         await clock.sleep(EVERY_S)
     return True
+
+
+async def until_done(
+    gateway: Gateway, clock: Clock, *, seconds: float, unless: asyncio.Event
+) -> bool:
+    """Wait likewise, and for every task that goes on by itself. Return whether all is done.
+
+    Args:
+        gateway: Running.
+        clock: Of the seconds.
+        seconds: At most.
+        unless: Set it, and nothing is waited for any more.
+    """
+    deadline_ns = clock.monotonic_ns() + int(seconds * 1e9)
+    while not unless.is_set() and not (gateway.quiet and not tasks_go_on(gateway)):
+        if clock.monotonic_ns() > deadline_ns:
+            return False
+        await clock.sleep(EVERY_S)
+    return True
+
+
+def tasks_go_on(gateway: Gateway) -> bool:
+    """Whether a task is carried out, or could be without anybody saying anything more."""
+    fleet = gateway.furnishing.fleet.dispatching.fleet
+    return bool(fleet.holds) or any(_begins(gateway, fleet.tasks[key]) for key in fleet.waiting)
+
+
+def _begins(gateway: Gateway, task: Task) -> bool:
+    """Whether some robot will begin a task once it is free; one that is stopped never is."""
+    rooms, fleet = gateway.rooms, gateway.furnishing.fleet
+    state, glance = fleet.dispatching.fleet, fleet.watching.glance
+    return state.ready(task) and any(
+        not rooms.board[robot].latched
+        and state.standing(robot) is Standing.ACTIVE
+        and rooms.linker.presence(robot).online is not False
+        and fits(task, glance(robot))
+        for robot in task.left
+    )

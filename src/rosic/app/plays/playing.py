@@ -9,7 +9,7 @@ import signal
 import sys
 from contextlib import asynccontextmanager
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
@@ -27,7 +27,7 @@ from rosic.app.plays.seat import Seat
 from rosic.app.plays.stage import Chats, Stage
 from rosic.app.plays.voices import SpeakingRobot
 from rosic.app.profiles import known_units
-from rosic.app.quiet import until_quiet
+from rosic.app.quiet import until_done, until_quiet
 from rosic.core.identity import ROBOT, Address
 from rosic.messengers.terminal.messenger import is_terminal
 from rosic.robots.simulated.theatre import theatre_of
@@ -82,11 +82,10 @@ async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
     status = 0
     try:
         curtain.title(f"rosic demo {told.name}: {told.about}")
-        async with _listening(gateway, seat) as over:
-            status = await _act(stage, wish, over)
-            if seat is not None and not over.done():
-                stage.muted.add(wish.role or told.people[0].name)  # they read it at their seat
-                await _sit_down(seat, told, wish, curtain, over)
+        async with _listening(gateway, seat) as ending:
+            status = await _act(stage, wish, ending.over)
+            if seat is not None and not ending.over.done():
+                status = await _sit_down(stage, wish, seat, ending) or status
         if status != INTERRUPTED:
             curtain.title("What happened, by the record and by the robots")
             curtain.plain("\n".join(stage.summary(store, curtain.now_s())))
@@ -146,29 +145,57 @@ async def _act(stage: Stage, wish: Wish, over: asyncio.Task[None]) -> int:
     return 0
 
 
-async def _sit_down(
-    seat: Seat, told: Play, wish: Wish, curtain: Curtain, over: asyncio.Task[None]
-) -> None:
-    """Let the newcomer type until they leave."""
-    who = wish.role or told.people[0].name
+async def _sit_down(stage: Stage, wish: Wish, seat: Seat, ending: Ending) -> int:
+    """Let the newcomer type until they leave. Return the exit status."""
+    who, curtain = wish.role or stage.play.people[0].name, stage.curtain
+    stage.muted.add(who)  # they read it at their seat
     curtain.title(f"You are: {who}. Try, for example:")
-    curtain.plain("\n".join(f"  {hint}" for hint in told.hints))
+    curtain.plain("\n".join(f"  {hint}" for hint in stage.play.hints))
     curtain.plain("Also: status, help. Ctrl-D leaves.")
     seat.taken.set()
-    await over
+    await ending.over
+    alone = is_terminal(sys.stdin) or seat.gone
+    return 0 if alone else await _finish(stage, ending.signalled)
+
+
+async def _finish(stage: Stage, signalled: asyncio.Event) -> int:
+    """Wait for the tasks that piped lines gave. Return the exit status."""
+    done = await until_done(stage.gateway, stage.clock, seconds=LINE_WITHIN_S, unless=signalled)
+    if signalled.is_set():
+        return INTERRUPTED
+    if not done:
+        stage.curtain.aside(f"Something is still under way after {LINE_WITHIN_S:.0f} s.")
+    return 0 if done else 1
+
+
+class Ending(NamedTuple):
+    """How it may end while it is played.
+
+    Attributes:
+        over: Ends when somebody leaves or a signal comes.
+        signalled: Set by a signal.
+    """
+
+    over: asyncio.Task[None]
+    signalled: asyncio.Event
 
 
 @asynccontextmanager
-async def _listening(gateway: Gateway, seat: Seat | None) -> AsyncIterator[asyncio.Task[None]]:
-    """Let the gateway listen while inside; the task ends when somebody leaves or a signal comes."""
+async def _listening(gateway: Gateway, seat: Seat | None) -> AsyncIterator[Ending]:
+    """Let the gateway listen while inside."""
     ended = asyncio.Event() if seat is None else seat.ended
-    loop = asyncio.get_running_loop()
+    signalled, loop = asyncio.Event(), asyncio.get_running_loop()
+
+    def leave() -> None:
+        signalled.set()
+        ended.set()
+
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        loop.add_signal_handler(number, ended.set)
+        loop.add_signal_handler(number, leave)
     listening = asyncio.create_task(gateway.run())
     over = asyncio.create_task(_first(listening, ended))
     try:
-        yield over
+        yield Ending(over, signalled)
     finally:
         for task in (over, listening):
             task.cancel()

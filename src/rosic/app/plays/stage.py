@@ -57,6 +57,8 @@ class Stage:
 
     Attributes:
         gateway: Open and running.
+        clock: Of the play.
+        curtain: What is shown.
         muted: Who is not shown: the rest of a class.
     """
 
@@ -67,8 +69,8 @@ class Stage:
         self.gateway = gateway
         self.muted: set[str] = set()
         self._chats = chats
-        self._curtain = curtain
-        self._clock = clock
+        self.curtain = curtain
+        self.clock = clock
         self._told: list[tuple[str, str, Outbound]] = []
         self._since: dict[str, int] = {}
         self._unread = 0
@@ -78,7 +80,7 @@ class Stage:
         who = outbound.chat.id
         self._told.append((who, message, outbound))
         if who not in self.muted and STEP.fullmatch(outbound.text) is None:
-            self._curtain.told(who, outbound)
+            self.curtain.told(who, outbound)
 
     # ---- people ----
 
@@ -90,7 +92,7 @@ class Stage:
         """
         if who not in self.muted:
             await self.beat()
-            self._curtain.says(who, text)
+            self.curtain.says(who, text)
         self._since[who] = len(self._told)
         self._chats.say(text, account=who, chat=who)
         return await self.hears(who, hears) if hears else ""
@@ -103,7 +105,7 @@ class Stage:
         """
         button, under = await self._button(who, label)
         await self.beat()
-        self._curtain.says(who, f"[ {label} ]")
+        self.curtain.says(who, f"[ {label} ]")
         self._since[who] = len(self._told)
         self._chats.tap(button, under=under, account=who)
         return await self.hears(who, hears) if hears else ""
@@ -140,13 +142,13 @@ class Stage:
 
     def aside(self, text: str) -> None:
         """Say what an onlooker sees."""
-        self._curtain.aside(text)
+        self.curtain.aside(text)
         self._unread = len(text)
 
     async def beat(self, seconds: float = BEAT_S) -> None:
         """Let people read."""
         unread, self._unread = self._unread, 0
-        await self._clock.sleep(max(seconds, unread * READ_S))
+        await self.clock.sleep(max(seconds, unread * READ_S))
 
     async def quiet(self) -> None:
         """Wait until nothing is under way.
@@ -154,7 +156,7 @@ class Stage:
         Raises:
             OffScript: Something is, after very long.
         """
-        if not await until_quiet(self.gateway, self._clock, seconds=WITHIN_S):
+        if not await until_quiet(self.gateway, self.clock, seconds=WITHIN_S):
             raise OffScript("Something is still under way.")
 
     async def until(
@@ -165,17 +167,17 @@ class Stage:
         Raises:
             OffScript: With the sentence: it was not.
         """
-        end_ns = self._clock.monotonic_ns() + int(within_s * 1e9)
+        end_ns = self.clock.monotonic_ns() + int(within_s * 1e9)
         while not (found := look()):
-            if self._clock.monotonic_ns() > end_ns:
+            if self.clock.monotonic_ns() > end_ns:
                 raise OffScript(f"{sentence}.")
-            await self._clock.sleep(LOOK_S)
+            await self.clock.sleep(LOOK_S)
         return found
 
     @property
     def world(self) -> World:
         """Where the machines are, for breaking them."""
-        return theatre_of(self._clock).world
+        return theatre_of(self.clock).world
 
     def robot(self, name: str) -> SpeakingRobot:
         """Return a robot that speaks."""
