@@ -16,8 +16,9 @@ from rosic.app.operating import Operating
 from rosic.app.painting import painter
 from rosic.app.people import Seed
 from rosic.app.profiles import known_units, read_profile, shipped_profiles
-from rosic.app.quiet import until_done, until_quiet
+from rosic.app.quiet import PIPED, until_done, until_quiet
 from rosic.core.identity import Address
+from rosic.core.rate import RateLimit
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.messenger import is_terminal
 from rosic.stores.latch import MemoryLatch
@@ -127,7 +128,8 @@ def gateway_of(
         face=face_of(),
         painter=painter(),
     )
-    return Gateway(Settings(profiles=tuple(profiles), people=(you,)), parts)
+    limit = RateLimit() if is_terminal(sys.stdin) else PIPED
+    return Gateway(Settings(profiles=tuple(profiles), people=(you,), limit=limit), parts)
 
 
 def _say_farewell(gateway: Gateway, messenger: TerminalMessenger, *, script: bool) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.fleet.planning import fits
 from rosic.core.fleet.task import Standing
+from rosic.core.rate import RateLimit
 
 if TYPE_CHECKING:
     import asyncio
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
     from rosic.core.fleet.task import Task
 
 EVERY_S = 0.02
+PIPED = RateLimit(burst=100_000.0, per_s=1_000.0)
+"""Of whoever wrote a script: it waits for each line anyway, and an answer that is left out because
+it came too fast would be missed by nobody until it matters."""
 
 
 async def until_quiet(gateway: Gateway, clock: Clock, *, seconds: float) -> bool:

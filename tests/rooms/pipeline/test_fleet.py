@@ -63,7 +63,7 @@ async def test_the_view_shows_every_robot_every_task_and_what_is_not_as_it_shoul
         told = await here.say("/fleet warehouse")
         assert "one robot at work, 0 free, 2 not ready" in told
         assert "one task running, one waits, the longest for 1 min" in told
-        assert "In use 17 % of the time" in told
+        assert "At tasks 17 % of the time" in told
         assert "w1: one task waits; 0 of 1 robots are free." in told
         lines = told.splitlines()
         assert lines.pop().startswith("updated 12:00:00")
@@ -168,6 +168,14 @@ async def test_together_all_begin_at_one_moment_or_none() -> None:
         starts = {here.gateway.rooms.linker.current(name).start_ns for name in ("w1", "w3")}  # type: ignore[union-attr]
         assert len(starts) == 1
         assert None not in starts
+
+
+async def test_what_nobody_can_do_makes_nobody_ready() -> None:
+    async with warehouse().open() as here:
+        await here.say("stop w1")
+        told = await here.say("/together warehouse dance")
+        assert "ready" not in told
+        assert "dance" in told
 
 
 async def test_a_broadcast_asks_each_for_itself_and_shows_who_received_it() -> None:

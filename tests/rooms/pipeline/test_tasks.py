@@ -212,6 +212,7 @@ async def test_what_makes_no_sense_is_refused_with_what_would() -> None:
         assert "no robot and no group called nowhere" in await here.say("/task nowhere wave")
         assert "Nobody of warehouse can do that" in await here.say("/task warehouse dance")
         assert "That time is over" in await here.say("/task warehouse wave by 2020-01-01 10:00")
+        assert "takes longer than that" in await here.say("/task w1 wave within 0 s")
         assert "from 0 to 9" in await here.say("/task warehouse wave priority 12")
         assert "at most 5 m" in await here.say("/task w1 move 40 m")
         assert "I know no task 9" in await here.say("/task cancel 9")
@@ -236,7 +237,10 @@ async def test_a_deadline_that_passes_fails_what_waits() -> None:
     busy = tuple(replace(robot, busy=Busy.REFUSE) for robot in WAREHOUSE[:1])
     async with warehouse(fleet=busy).open() as here:
         await here.say("/task w1 wave")
-        await here.say("/task w1 wave by in 2 min")
+        echo = await here.say("/task w1 wave within 90 s by in 2 min")
+        assert "begun by " in echo
+        assert ", or not at all" in echo
+        assert "a step takes 90 s at most" in echo
         told = await heard(here, 200)
         assert "Task 2 (wave): failed. Why: it was not begun in time." in told
 

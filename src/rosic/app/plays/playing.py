@@ -27,8 +27,9 @@ from rosic.app.plays.seat import Seat
 from rosic.app.plays.stage import Chats, Stage
 from rosic.app.plays.voices import SpeakingRobot
 from rosic.app.profiles import known_units
-from rosic.app.quiet import until_done, until_quiet
+from rosic.app.quiet import PIPED, until_done, until_quiet
 from rosic.core.identity import ROBOT, Address
+from rosic.core.rate import RateLimit
 from rosic.messengers.terminal.messenger import is_terminal
 from rosic.robots.simulated.theatre import theatre_of
 from rosic.stores.latch import MemoryLatch
@@ -238,6 +239,7 @@ def gateway_of(
         people=tuple(people),
         rulebook=told.rules,
         place="play",
+        limit=RateLimit() if is_terminal(sys.stdin) else PIPED,
         lease_idle_s=told.lease_idle_s,
         missions=told.missions,
     )

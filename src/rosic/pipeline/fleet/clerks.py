@@ -114,7 +114,9 @@ class TaskClerk:
         check_errand_fresh(asked.inbound, f"/task {asked.rest}")
         [(task, said)] = await self.dispatching.give(asked.cid, lambda: self._made(asked))
         names = [self._telling.shown(robot) for robot in task.among]
-        return Reply(words.given(task, said.shown, words.one_of(names)))
+        until_ns, who = task.until_ns, asked.caller.principal
+        by = self._rooms.organiser.moment(who, until_ns) if until_ns else ""
+        return Reply(words.given(task, said.shown, words.one_of(names), by))
 
     def _made(self, asked: Asked) -> Given:
         """Return the task that somebody asks for.

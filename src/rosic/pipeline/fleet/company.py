@@ -79,11 +79,11 @@ class CompanyClerk:
             Refusal: Why one of them may not; none has moved.
         """
         meant = self._meant(asked)
+        steps = [step_for(self._rooms, robot, meant.line) for robot in meant.robots]
         states = {robot: self.why_not_ready(asked, robot) for robot in meant.robots}
         if any(states.values()):
             return self._none(meant, states)
         said = self._said(asked)
-        steps = [step_for(self._rooms, robot, meant.line) for robot in meant.robots]
         requests = self._requests(said, asked, meant, steps)
         permits = self._rooms.organiser.admit(
             asked.caller, requests, self._arguments_of, said.grounds

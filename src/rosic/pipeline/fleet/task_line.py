@@ -118,6 +118,8 @@ def _within(wish: Wish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
     seconds, used = length_said(said)
     if not used or used != len(said):
         return False
+    if seconds <= 0:
+        raise OutOfBounds(words.no_time())
     wish.expected_s = seconds
     return True
 

@@ -8,6 +8,7 @@ from rosic.core.fleet.task import State, Why
 from rosic.core.message import Button
 from rosic.core.saying import filled, joined, said, said_n
 from rosic.errors import NotPermitted
+from rosic.organiser.words_calendar import length
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,15 +66,27 @@ ERASED: Final = said("what was said for it is erased")
 # ---- giving ----
 
 
-def given(task: Task, what: str, who: str) -> str:
-    """Return that a task is taken in."""
-    return joined(
-        BETWEEN, [said("Task {task}: {what}", task=task.id, what=what), who, *_conditions(task)]
-    )
+def given(task: Task, what: str, who: str, by: str) -> str:
+    """Return that a task is taken in, and all that was understood of it.
+
+    Args:
+        task: The task.
+        what: What is to be done.
+        who: Who could.
+        by: When it is too late to begin; empty: never.
+    """
+    conditions = _conditions(task, by)
+    return joined(BETWEEN, [said("Task {task}: {what}", task=task.id, what=what), who, *conditions])
 
 
-def _conditions(task: Task) -> list[str]:
+def _conditions(task: Task, by: str) -> list[str]:
     found: list[str] = []
+    if by:
+        found.append(said("begun by {time}, or not at all", time=by))
+    if task.expected_ns:
+        seconds = max(1, task.expected_ns // 1_000_000_000)
+        long = said("{seconds} s", seconds=seconds) if seconds % 60 else length(seconds)
+        found.append(said("a step takes {length} at most", length=long))
     if task.priority != 1:
         found.append(said("priority {number}", number=task.priority))
     if task.need.battery:
@@ -315,6 +328,11 @@ def too_many_steps(most: int) -> str:
 def no_priority(least: int, most: int) -> str:
     """Return the bounds of a priority."""
     return said("A priority is a number from {least} to {most}.", least=least, most=most)
+
+
+def no_time() -> str:
+    """Return that a step cannot take no time."""
+    return said("A step takes longer than that. Nothing was done.")
 
 
 def no_battery() -> str:

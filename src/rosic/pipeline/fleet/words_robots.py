@@ -114,9 +114,9 @@ def tasks_altogether(waiting: int, held: int, resting: int, longest_s: int) -> s
 
 
 def use(share: float, idle_s: int) -> str:
-    """Return how much the fleet is used."""
+    """Return how much the fleet is used for tasks; what people order themselves is not counted."""
     return said(
-        "In use {share:.0f} % of the time; idle for {time} on the average.",
+        "At tasks {share:.0f} % of the time; without one for {time} on the average.",
         share=share * 100, time=length(idle_s),
     )  # fmt: skip
 
