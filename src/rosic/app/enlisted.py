@@ -52,6 +52,17 @@ class Draft(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaul
         return blake2b(_encode(self), digest_size=DIGEST_BYTES).digest()
 
 
+class Wanted(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
+    """A robot that somebody wants to add.
+
+    Attributes:
+        role: In which it speaks with the other robots; empty: it does not.
+    """
+
+    draft: Draft
+    role: str = ""
+
+
 _encode = msgspec.msgpack.Encoder().encode
 _decode = msgspec.msgpack.Decoder(Draft).decode
 

@@ -14,14 +14,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.alarming import read_rules
 from rosic.app.benchmarking import enlist_judged
-from rosic.app.enlisted import KIND, check_distinct, check_draft, fact_of
+from rosic.app.enlisted import KIND, Wanted, check_distinct, check_draft, fact_of
 from rosic.app.gates import stops_of
 from rosic.app.painting import enlist_seen
 from rosic.app.parts import Completing
+from rosic.app.people import Seed, admitted
 from rosic.contracts.among import Fellow
 from rosic.core import words as core_words
 from rosic.core.fleet.task import Standing
 from rosic.core.gate import Gate
+from rosic.core.identity import ROBOT, Address
 from rosic.core.language import Vocabulary
 from rosic.core.record import Decided
 from rosic.core.saying import capital, joined
@@ -38,8 +40,8 @@ if TYPE_CHECKING:
     from rosic.contracts.robot import Robot
     from rosic.core.identity import PrincipalId
     from rosic.core.language import Do
-    from rosic.core.record import Memory
-    from rosic.core.robot import Profile
+    from rosic.core.record import Memory, Record
+    from rosic.core.robot import Profile, RobotId
     from rosic.core.rule import Rule
 
 OPENS_WITHIN_S = 30.0
@@ -105,17 +107,23 @@ class Enlisting:
         self._closing = False
         gateway.access.changes.keep(KIND, lambda _fact: None)  # its effect follows: `_enlist`
 
-    async def add(self, draft: Draft, by: PrincipalId) -> str:
+    async def add(self, draft: Draft, by: PrincipalId, role: str = "") -> str:
         """Add a robot. Return what is said of it: that it is here, and what it can do.
 
         Whoever asked may go away; it goes on.
+
+        Args:
+            draft: Its profile.
+            by: Who adds it.
+            role: In which it speaks with the other robots, under a key of its own; empty: it does
+                not.
 
         Raises:
             Refusal: Why not. Nothing was changed, and whatever was opened is closed.
         """
         if self._closing:
             raise NotUnderstood(words.CLOSING)
-        task = asyncio.create_task(self._add(draft, by))
+        task = asyncio.create_task(self._add(Wanted(draft, role), by))
         self._adding.add(task)
         task.add_done_callback(self._adding.discard)
         return await asyncio.shield(task)
@@ -146,17 +154,43 @@ class Enlisting:
 
     # ---- what can fail ----
 
-    async def _add(self, draft: Draft, by: PrincipalId) -> str:
+    async def _add(self, wanted: Wanted, by: PrincipalId) -> str:
         async with self._one:
             stops, _ = self._gateway.rooms.board.newest()
-            profile, advice = await self.check(draft)
+            profile, advice = await self.check(wanted.draft)
+            self._check_role(profile, wanted.role)
             newcomer = await self._make(profile)
             await self._open(newcomer.robot)
-            stopped = await self._decide(newcomer, draft, by, stops)
+            stopped = await self._decide(newcomer, wanted, by, stops)
         log.info("%s was added", profile.id)
-        return self._answer(profile, advice, stopped=stopped)
+        speaks = (words.speaks(profile.shown, wanted.role),) if wanted.role else ()
+        return self._answer(profile, (*speaks, *advice), stopped=stopped)
 
-    async def _decide(self, newcomer: Newcomer, draft: Draft, by: PrincipalId, stops: int) -> bool:
+    def _check_role(self, profile: Profile, role: str) -> None:
+        """See that a robot can become somebody.
+
+        Raises:
+            NotUnderstood: There is no such role, or it or somebody of its name is known already.
+        """
+        if not role:
+            return
+        known = self._gateway.authority.rolebook.rulebook.roles
+        if role not in known:
+            raise NotUnderstood(words.no_role(role, sorted(known)))
+        directory = self._gateway.rooms.authoriser.directory
+        if directory.at(Address(ROBOT, profile.id)) or directory.named(profile.id):
+            raise NotUnderstood(words.is_somebody(profile.id))
+
+    def _somebody(self, robot: RobotId, role: str) -> list[Record]:
+        """Return what gives a robot a key of its own and a role; nothing without one."""
+        if not role:
+            return []
+        fellow = Seed(robot, (Address(ROBOT, robot),), (role,))
+        return admitted(fellow, self._gateway.access.time, self._parts.entropy)[2]
+
+    async def _decide(
+        self, newcomer: Newcomer, wanted: Wanted, by: PrincipalId, stops: int
+    ) -> bool:
         """Write it down, then let it be so. Return whether it was stopped at once.
 
         Raises:
@@ -165,12 +199,13 @@ class Enlisting:
         gateway, profile, here = self._gateway, newcomer.profile, False
         decided = Decided(
             act="robot-added", by=by, about=profile.id, at_ns=gateway.access.time.wall_ns(),
-            digest=draft.digest,
+            digest=wanted.draft.digest,
         )  # fmt: skip
         try:
             async with gateway.access.changes.turn() as turn:
                 outlook = await gateway.authority.foresee((*gateway.profiles.values(), profile))
-                await turn.write((decided, fact_of(profile.id, draft)))
+                somebody = self._somebody(profile.id, wanted.role)
+                await turn.write((decided, fact_of(profile.id, wanted.draft), *somebody))
                 here = True
                 return self._enlist(newcomer, outlook, stops)
         except BaseException:

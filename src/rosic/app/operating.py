@@ -10,7 +10,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.app.asked import Verb
-from rosic.app.enlisted import Draft
+from rosic.app.enlisted import Wanted
 from rosic.app.operator_desk import body_of
 from rosic.core import words
 from rosic.core.identity import OPERATOR
@@ -105,7 +105,8 @@ class Operating:
             Refusal: Why not; nothing was changed.
         """
         if ask.verb is Verb.ADD_ROBOT:
-            return (await self._gateway.enlisting.add(body_of(ask, Draft), OPERATOR),)
+            wanted = body_of(ask, Wanted)
+            return (await self._gateway.enlisting.add(wanted.draft, OPERATOR, wanted.role),)
         if self._desk is None:
             raise NotUnderstood("Nobody answers that here.")
         return await self._desk.do(ask)

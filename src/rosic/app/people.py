@@ -68,11 +68,10 @@ async def seed(
         digest = _digest(person)
         if digest in known:
             continue
-        principal = f"p{entropy.token(ID_BYTES).hex()}"
-        enrolled, key, records = _records(person, principal, digest, clock, entropy)
+        enrolled, key, records = admitted(person, clock, entropy)
         await store.write(*records)
         authoriser.enrol(enrolled, key)
-        roles[principal] = person.roles
+        roles[enrolled.id] = person.roles
     return roles
 
 
@@ -95,10 +94,11 @@ def named_in_file(
     return found
 
 
-def _records(
-    person: Seed, principal: PrincipalId, digest: bytes, clock: Clock, entropy: Entropy
+def admitted(
+    person: Seed, clock: Clock, entropy: Entropy
 ) -> tuple[Principal, AuthorisationKey, list[Record]]:
-    now_ns = clock.wall_ns()
+    """Return who becomes known, under which key, and all that makes it so."""
+    principal, now_ns = f"p{entropy.token(ID_BYTES).hex()}", clock.wall_ns()
     key = AuthorisationKey(
         id=f"k{entropy.token(ID_BYTES).hex()}", principal=principal, issuer=OPERATOR,
         issued_ns=now_ns,
@@ -111,7 +111,7 @@ def _records(
     return enrolled, key, [
         Enrolled(principal=principal, roles=person.roles, at_ns=now_ns, letter=letter),
         KeyIssued(key=key),
-        Seeded(name_digest=digest, principal=principal),
+        Seeded(name_digest=_digest(person), principal=principal),
     ]  # fmt: skip
 
 

@@ -11,7 +11,7 @@ import msgspec
 
 from rosic.app.asked import Ask, Verb
 from rosic.app.control import NotRunning
-from rosic.app.enlisted import Draft
+from rosic.app.enlisted import Draft, Wanted
 from rosic.app.profiles import find_profile, known_units, read_profile
 from rosic.app.source import read_text
 from rosic.cli.asking import add_where, ask, data_of
@@ -35,6 +35,9 @@ def run(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="rosic robot add", description=ABOUT)
     parser.add_argument("profile", metavar="PROFILE")
     parser.add_argument("--link", metavar="KIND", default="", help="reach it by this instead")
+    parser.add_argument(
+        "--role", default="", help="let it speak with the other robots, with the rights of a role"
+    )
     add_where(parser)
     options = parser.parse_args(arguments)
     data, path = data_of(options), find_profile(options.profile, Path())
@@ -44,7 +47,7 @@ def run(arguments: Sequence[str]) -> int:
             print(error, file=sys.stderr)
         return 2
     draft = Draft(text=read_text(path), name=path.name, link=options.link)
-    body = msgspec.Raw(msgspec.json.encode(draft))
+    body = msgspec.Raw(msgspec.json.encode(Wanted(draft, options.role)))
     try:
         return ask(data, Ask(Verb.ADD_ROBOT, body=body))
     except NotRunning as alone:

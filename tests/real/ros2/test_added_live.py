@@ -16,6 +16,7 @@ from rosic.robots.ros2.runtime import RosRuntime
 from tests.cli.running import Gateway, gateway, rosic, write_config
 from tests.cli.test_robot_add import QUICK
 from tests.real.ros2.simulated import simulated, until
+from tests.real.ros2.test_among import PEER, Brain
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -68,9 +69,10 @@ async def watched(onlooker: RosRuntime, robot: str) -> Watched:
     return Watched(latest)
 
 
-async def add(config: Path, robot: str | Path) -> Ran:
+async def add(config: Path, robot: str | Path, *more: str) -> Ran:
     """Ask for it from a process of its own."""
-    return await asyncio.to_thread(rosic, "robot", "add", "-c", config, robot, env=os.environ)
+    asked = ("robot", "add", "-c", config, robot, *more)
+    return await asyncio.to_thread(rosic, *asked, env=os.environ)
 
 
 async def hears(running: Gateway, text: str, *, line: str = "") -> None:
@@ -113,6 +115,7 @@ async def test_they_move_and_stop_as_if_they_had_been_there_from_the_start(
             await one_comes_and_moves(here, running)
             await another_comes_while_it_drives(here, running)
             await what_cannot_come_changes_nothing(here, tmp_path)
+            await its_own_nodes_are_heard(graph, running)
             await a_stop_reaches_both(here, running)
             running.process.send_signal(signal.SIGKILL)
             running.process.wait(60)
@@ -122,7 +125,7 @@ async def test_they_move_and_stop_as_if_they_had_been_there_from_the_start(
 
 async def one_comes_and_moves(here: Scene, running: Gateway) -> None:
     """It is the first on the graph: the gateway's node opens now."""
-    added = await add(here.config, "omni")
+    added = await add(here.config, "omni", "--role", "operator")
     assert (added.status, added.err) == (0, "")
     assert added.out.startswith("omni is here now.\n")
     await hears(running, "moved 0.50 m forward", line="omni move forward 0.5 m speed 0.5 m/s")
@@ -148,6 +151,15 @@ async def what_cannot_come_changes_nothing(here: Scene, folder: Path) -> None:
     assert (refused.status, refused.out) == (1, "")
     assert "odd_interfaces" in refused.err
     assert "Nothing was changed." in refused.err
+
+
+async def its_own_nodes_are_heard(graph: RosGraph, running: Gateway) -> None:
+    """It was added with a role, so it is somebody among the robots."""
+    brain = Brain(await asyncio.to_thread(graph.start, PEER, "omni"), "omni")
+    await brain.do("meet")
+    await brain.say("share", topic="road", data={"wet": True}, ref="s")
+    assert (await brain.heard("result"))["ok"] is True
+    await hears(running, '"wet": true', line="/shared omni road")
 
 
 async def a_stop_reaches_both(here: Scene, running: Gateway) -> None:

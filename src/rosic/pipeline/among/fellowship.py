@@ -6,6 +6,7 @@ the event loop, of which it takes little: see `Inbox`.
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
@@ -92,6 +93,7 @@ class Fellowship:
         self.around = circle.around
         self.inboxes: dict[RobotId, Inbox] = {}
         self._quiet: dict[RobotId, Quiet] = {}
+        self._peopled = asyncio.Event()
         self._do: dict[type, Do] = {
             said_by.Share: self._share,
             said_by.Get: self._get,
@@ -144,16 +146,19 @@ class Fellowship:
             self.around.clock, partial(self._take, robot), partial(self._flooded, robot)
         )
         fellow.meet(self.inboxes[robot].put)
+        if self.around.rights.principal(robot):
+            self._peopled.set()
 
     async def run(self) -> None:
         """Bring what is late, say digests and write down, until cancelled.
 
-        Where no robot is a principal none can say anything, and nothing is done.
+        As long as no robot is a principal none can say anything, and nothing is done.
         """
         circle, around, looks = self.circle, self.around, 0
         try:
-            peopled = any(around.rights.robots())  # they become principals at the start alone
-            while peopled:
+            if not any(around.rights.robots()):
+                await self._peopled.wait()  # robots become principals at the start, or as they join
+            while True:
                 await around.clock.sleep(LOOK_EVERY_S)
                 looks += 1
                 try:

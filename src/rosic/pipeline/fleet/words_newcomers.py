@@ -33,6 +33,27 @@ def added(profile: Profile) -> str:
     return said("{robot} is here now, as {id}.", robot=profile.shown, id=profile.id)
 
 
+def speaks(robot: str, role: str) -> str:
+    """Return that a robot takes part in what robots say to each other."""
+    return said("{robot} may speak with the other robots, as {role}.", robot=robot, role=role)
+
+
+def no_role(role: str, known: Iterable[str]) -> str:
+    """Return that there is no such role."""
+    return said(
+        "There is no role {role} here. There are: {known}. Nothing was changed.",
+        role=role, known=", ".join(known),
+    )  # fmt: skip
+
+
+def is_somebody(robot: str) -> str:
+    """Return that a robot, or a person of its name, has a key already."""
+    return said(
+        "Somebody here is called {id} already, and keeps their key and role. Nothing was changed.",
+        id=robot,
+    )  # fmt: skip
+
+
 def would_add(profile: Profile) -> str:
     """Return what is asked before a robot is added."""
     return said(
