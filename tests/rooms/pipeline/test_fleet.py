@@ -170,6 +170,14 @@ async def test_together_all_begin_at_one_moment_or_none() -> None:
         assert None not in starts
 
 
+async def test_one_who_is_unknown_is_not_just_left_out() -> None:
+    async with warehouse().open() as here:
+        for verb in ("together", "broadcast"):
+            told = await here.say(f"/{verb} w1+ghost wave")
+            assert told == "I know no robot and no group called ghost."
+        assert here.acted("w1") == 0
+
+
 async def test_what_nobody_can_do_makes_nobody_ready() -> None:
     async with warehouse().open() as here:
         await here.say("stop w1")

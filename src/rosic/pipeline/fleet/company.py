@@ -167,9 +167,12 @@ class CompanyClerk:
         for part in name.casefold().split(JOINED):
             profile = vocabulary.robot(part)
             members = vocabulary.members(part) if profile is None else (profile.id,)
-            robots.update(dict.fromkeys(robot for robot in members if robot in visible))
+            seen = [robot for robot in members if robot in visible]
+            if part and not seen:  # all or none of those who were named: nobody is left out
+                raise NotUnderstood(words.no_group(part))
+            robots.update(dict.fromkeys(seen))
         if not robots or not line.strip() or len(robots) > ROBOTS_AT_MOST:
-            raise NotUnderstood(words.HOW_TO if robots or not name else words.no_group(name))
+            raise NotUnderstood(words.HOW_TO)
         return Meant(name, tuple(robots), " ".join(line.split()))
 
     def _said(self, asked: Asked) -> Said:
