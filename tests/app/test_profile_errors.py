@@ -209,6 +209,8 @@ CASES = [
     Case("rest never measured", AT_REST + "\n", "",
          "'at_rest' is missing: a stop of this robot could never be confirmed.",
          "Name a topic and the fields that are near zero when it stands still."),
+    Case("nothing left that shows rest", AT_REST, f"{AT_REST}\n  stop_only: no.such #!",
+         "What stop_only names has to be some of the fields, and not all."),
     # ---- the text link ----
     Case("text outside a dialogue", "      gain: { min: 0, max: 1, default: 0.5 }",
          "      gain: { text: true } #!", "Free text goes to a robot only over its dialogue.",

@@ -187,6 +187,22 @@ def test_tasks_and_missions_of_piped_lines_are_done_before_it_sums_up() -> None:
 
 
 @pytest.mark.limit(300)
+def test_drones_that_hover_are_ready_for_a_common_start_and_for_tasks() -> None:
+    lines = (
+        "crazyflies takeoff 1 m\n/together crazyflies formation line\n/fleet crazyflies\n"
+        "/task cf1 goto x=1 y=0.6 z=1\n"
+    )
+    done = rosic("demo", "swarm", "--interactive", "--plain", "--fast", stdin=lines)
+    assert (done.status, done.err) == (0, "")
+    assert "not all are ready" not in done.out
+    shown = done.out.partition("> /fleet")[2].partition("> /task")[0]
+    assert "moving without a task" not in shown, "they hover"
+    told, _, summary = done.out.partition(SUMMARY)
+    assert told.count(": formation, 0.60 m line: accepted") == 3
+    assert "task 1    done, 1 of 1 steps done" in summary
+
+
+@pytest.mark.limit(300)
 def test_ctrl_c_does_not_wait_for_the_tasks_of_piped_lines() -> None:
     asked = [*ROSIC, "demo", "fleet", "--interactive", "--plain"]
     with subprocess.Popen(  # noqa: S603 - our own command

@@ -150,6 +150,7 @@ FORMS: Final[dict[Field, Form]] = {
     (AtRest, "topic"): _GRAPH,
     (AtRest, "type"): _MESSAGE,
     (AtRest, "field"): _PATHS,
+    (AtRest, "stop_only"): _PATHS._replace(empty=True),
     (Telemetry, "topic"): _GRAPH_OR_NONE,
     (Telemetry, "type"): _MESSAGE._replace(empty=True),
     (Telemetry, "field"): _PATH_OR_NONE,

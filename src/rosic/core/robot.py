@@ -99,13 +99,30 @@ class StopBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 class AtRest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How rest is measured: every number in ``field`` is at most ``below`` in magnitude.
 
-    ``field`` is a dotted path; several, separated by commas, must all hold.
+    ``field`` is a dotted path; several, separated by commas, must all hold. ``stop_only`` names
+    those of them that count for a stop alone, and not for whether it is ready for an order: the
+    height of a drone, which ends a stop on the ground and takes orders where it hovers.
     """
 
     topic: str
     type: str
     field: str
     below: float
+    stop_only: str = ""
+
+    def __post_init__(self) -> None:
+        if self.stop_only and not set(self.counting_for_stops) < set(self.fields):
+            raise ValueError("what stop_only names has to be some of the fields, and not all")
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Return every field, in order."""
+        return tuple(path.strip() for path in self.field.split(","))
+
+    @property
+    def counting_for_stops(self) -> tuple[str, ...]:
+        """Return the fields that count for stops alone."""
+        return tuple(path.strip() for path in self.stop_only.split(",")) if self.stop_only else ()
 
 
 class Telemetry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -294,6 +311,7 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
         age_s: Since the robot was last heard; None if never.
         doing: Skill it is carrying out; empty when none.
         at_rest: None when not measured.
+        holds: It keeps its place, if not on the ground; None: that is not told from rest.
         values: Newest telemetry in the profile's units.
         pose: Where it is; None unless the profile names a ``pose`` and it is fresh.
     """
@@ -302,5 +320,11 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
     age_s: float | None = None
     doing: str = ""
     at_rest: bool | None = None
+    holds: bool | None = None
     values: dict[str, float | str] = {}
     pose: Pose | None = None
+
+    @property
+    def moves(self) -> bool:
+        """Whether it is known to move; a drone that hovers does not."""
+        return self.at_rest is False and not self.holds

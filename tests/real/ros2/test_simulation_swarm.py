@@ -69,6 +69,22 @@ class Room:
 pytestmark = pytest.mark.usefixtures("interfaces")
 
 
+async def test_a_drone_that_hovers_holds_its_place_and_is_not_at_rest(
+    graph: RosGraph, tmp_path: Path
+) -> None:
+    with simulated(graph, tmp_path, "cf1"):
+        async with opened(shipped("cf1"), SystemClock()) as cf1:
+            await until(lambda: cf1.presence().at_rest is True)
+            assert (await cf1.do("takeoff", {"height": 0.5})).ending is Ending.DONE
+            await until(lambda: cf1.presence().holds is True)
+            assert cf1.presence().at_rest is False
+            assert not cf1.presence().moves
+            flying = asyncio.create_task(cf1.do("goto", {"x": 1.0, "y": 0.0, "z": 0.5}))
+            await until(lambda: cf1.presence().moves)
+            assert (await flying).ending is Ending.DONE
+            await until(lambda: not cf1.presence().moves)
+
+
 @pytest.fixture
 async def room(graph: RosGraph) -> AsyncIterator[Room]:
     room = Room()

@@ -116,7 +116,7 @@ class CompanyClerk:
             (rooms.board[robot].latched, words.STOPPED),
             (holder is not None and holder != asked.caller.principal, words.ANOTHERS),
             (rooms.linker.current(robot) is not None, words.AT_WORK),
-            (presence.at_rest is False, words.NOT_AT_REST),
+            (presence.moves, words.NOT_AT_REST),
             (low, words.BATTERY_LOW),
         )
         return next((why for so, why in hindrances if so), "")

@@ -110,7 +110,7 @@ class Overview:
         if presence.online is False:
             wrong.append(words.not_there())
         idle = robot not in fleet.holds and not presence.doing
-        if idle and presence.at_rest is False:
+        if idle and presence.moves:
             wrong.append(words.moves())
         glance = self._watching.glance(robot)
         if glance.battery is not None and glance.battery < LOW:

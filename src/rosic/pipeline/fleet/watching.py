@@ -186,7 +186,7 @@ class Watching:
         presence = rooms.linker.presence(robot)
         free = (
             presence.online is not False
-            and presence.at_rest is not False
+            and not presence.moves
             and not rooms.board[robot].latched
             and rooms.linker.current(robot) is None
             and (helping or not self.engaged(robot))

@@ -56,7 +56,7 @@ class Measurements:
         self.sources: dict[tuple[str, str], Latest] = {}
         self._values: list[_Value] = []
         self._rest: Latest | None = None
-        self._speeds: list[Reader] = []
+        self._speeds: dict[str, Reader] = {}
 
     def types(self) -> set[str]:
         """Return the types of message that it takes."""
@@ -81,11 +81,11 @@ class Measurements:
             return
         self._rest = await self._source(runtime, at_rest.topic, at_rest.type)
         cls = runtime.types.message(at_rest.type)
-        for path in at_rest.field.split(","):
-            read = compile_path(cls, path.strip())
+        for path in at_rest.fields:
+            read = compile_path(cls, path)
             if read.shape not in {"number", "list"}:
-                raise BadName(f"{path.strip()} of {at_rest.type} holds no number.")
-            self._speeds.append(read)
+                raise BadName(f"{path} of {at_rest.type} holds no number.")
+            self._speeds[path] = read
 
     async def close(self) -> None:
         """Subscribe no more."""
@@ -121,12 +121,22 @@ class Measurements:
 
         A number that is missing, or not finite, is not rest.
         """
+        return self._still(since_ns, ())
+
+    def holds(self, since_ns: int = 0) -> bool | None:
+        """Tell likewise whether it keeps its place; None, too, where that is not told from rest."""
+        at_rest = self._profile.at_rest
+        apart = () if at_rest is None else at_rest.counting_for_stops
+        return self._still(since_ns, apart) if apart else None
+
+    def _still(self, since_ns: int, left_out: tuple[str, ...]) -> bool | None:
         source, at_rest = self._rest, self._profile.at_rest
         if source is None or at_rest is None or (source.received_ns or 0) <= since_ns:
             return None
+        readers = [read for path, read in self._speeds.items() if path not in left_out]
         try:
             message = source.message()
-            speeds = [speed for read in self._speeds for speed in _numbers(read(message))]
+            speeds = [speed for read in readers for speed in _numbers(read(message))]
         except BadValue:
             return None
         return bool(speeds) and all(abs(speed) <= at_rest.below for speed in speeds)

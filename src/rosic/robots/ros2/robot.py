@@ -271,7 +271,8 @@ class Ros2Robot:
             online=online,
             age_s=self._age_s(),
             doing=errand.order.skill.id if errand is not None else "",
-            at_rest=self._at_rest(),
+            at_rest=self._measured.at_rest(self._stale_ns()),
+            holds=self._measured.holds(self._stale_ns()),
             values=self._measured.values(),
             pose=self._sights.pose() if online is not False else None,
         )
@@ -301,10 +302,9 @@ class Ros2Robot:
             return self._dialogue.answered
         return None if self._early() and not self._seen else self._seen
 
-    def _at_rest(self) -> bool | None:
-        """Tell what was measured, if it is fresh enough to speak of now."""
-        fresh_ns = int(self.profile.link.heartbeat_s * _NS)
-        return self._measured.at_rest(self._clock.monotonic_ns() - fresh_ns)
+    def _stale_ns(self) -> int:
+        """Return when something was measured that is too old to speak of now."""
+        return self._clock.monotonic_ns() - int(self.profile.link.heartbeat_s * _NS)
 
     def _look(self, seen: Snapshot) -> None:
         """Take in what is on the graph."""
