@@ -44,6 +44,19 @@ async def test_a_retired_robot_is_given_nothing_also_after_a_restart_until_it_is
         assert "distance 0.01 to 5 m" in told
 
 
+async def test_of_a_group_whose_robots_are_all_retired_nobody_is_waited_for() -> None:
+    async with warehouse().open() as here:
+        for robot in ("w1", "w2"):
+            await here.say(f"/robot retire {robot}")
+        assert "· w3" in await here.say("/task warehouse wave"), "the only one that is left"
+        await here.say("/robot retire w3")
+        told = await here.say("/task warehouse move 1 m")
+        assert told == (
+            "Nobody of warehouse can do that. w1 was retired. Take it in again with /robot add w1."
+        )
+        assert len(tasks(here)) == 1
+
+
 async def test_only_whoever_may_assign_decides_who_takes_part() -> None:
     async with warehouse().open() as here:
         assert "Only somebody who may assign" in await here.say("/robot disable w1", account=BO)

@@ -130,7 +130,7 @@ class TaskClerk:
         wish = read_wish(asked.rest, now_ns, self._zone)
         wanted, robots, used = self._target(wish, who)
         lines = wish.lines(used)
-        found = able(self._rooms, who, robots, lines)
+        found = able(self._rooms, fleet, who, robots, lines)
         if not found.robots:
             raise self._nobody(wanted, found.why)
         task = Task(

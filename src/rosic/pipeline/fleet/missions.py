@@ -273,7 +273,8 @@ class MissionClerk:
             NotUnderstood: Nobody can carry it out; none of the mission is begun.
         """
         part = leaf.part
-        found = able(self._rooms, who, self._robots(part.on, who), leaf.steps)
+        fleet, robots = self._tasks.dispatching.fleet, self._robots(part.on, who)
+        found = able(self._rooms, fleet, who, robots, leaf.steps)
         if not found.robots:
             why = found.why.sentence if found.why is not None else ""
             raise NotUnderstood(words.nobody_can(number + 1, part.on, why))

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from rosic.core.fleet.task import Standing
 from rosic.core.language import Context, Do, bind, understand
 from rosic.errors import NotUnderstood, Refusal
 from rosic.pipeline.fleet import words_fleet as words
+from rosic.pipeline.fleet.words_robots import is_retired
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from rosic.core.fleet.state import FleetState
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import Profile, RobotId
     from rosic.core.skill import Argument
@@ -49,13 +52,21 @@ def step_for(rooms: Rooms, robot: RobotId, line: str) -> Do:
     return lines[0]
 
 
-def able(rooms: Rooms, who: PrincipalId, robots: Iterable[RobotId], lines: Sequence[str]) -> Able:
-    """Return which of some robots can carry out all of the lines, by rights and by skills."""
+def able(
+    rooms: Rooms, fleet: FleetState, who: PrincipalId, robots: Iterable[RobotId],
+    lines: Sequence[str],
+) -> Able:  # fmt: skip
+    """Return which of some robots can carry out all of the lines, by rights and by skills.
+
+    One that is retired can do nothing: nobody waits for it.
+    """
     found: list[RobotId] = []
     why: Refusal | None = None
     place: tuple[float, float] | None = None
     for robot in robots:
         try:
+            if fleet.standing(robot) is Standing.RETIRED:
+                raise NotUnderstood(is_retired(rooms.profiles[robot].shown, robot))
             leads = _all(rooms, who, robot, lines)
         except Refusal as refusal:
             why = why or refusal
