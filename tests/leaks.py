@@ -22,7 +22,7 @@ LARGEST = 64 * 2**20
 def leaks(folder: Path, secrets: Iterable[bytes] = SECRETS) -> list[str]:
     """Return the files below a folder that hold a secret: logs, records, answers, whatever it is.
 
-    Source that was copied for a planted fault, and what is larger than 64 MB, is not looked into.
+    Source that was laid out for a planted fault, and what is larger than 64 MB, is not looked into.
     """
     wanted = tuple(secrets)
     found: list[str] = []

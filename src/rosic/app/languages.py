@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from functools import cache
 from gettext import GNUTranslations
 from importlib.resources import files
 from typing import TYPE_CHECKING
@@ -23,6 +24,7 @@ LANGUAGES: Mapping[str, tuple[str, ...]] = {
 log = logging.getLogger("rosic.languages")
 
 
+@cache
 def catalogue(code: str) -> Catalogue | None:
     """Return the catalogue of a language; None for English, and where it cannot be read."""
     if code == "en":

@@ -8,6 +8,7 @@ from hashlib import blake2b
 from itertools import count
 
 SETTLE_TURNS = 20
+IDLE_TURNS = 2
 START_WALL_NS = 1_700_000_000_000_000_000
 
 
@@ -62,8 +63,15 @@ class ManualClock:
 
 async def settle() -> None:
     """Let everything run that can run without time passing."""
+    # Where the loop shows what it has to run, two turns in which that was nothing are enough: the
+    # first also took in what had come from outside. It is a tenth of the time of many a test.
+    ready = getattr(asyncio.get_running_loop(), "_ready", None)
+    idle = 0
     for _ in range(SETTLE_TURNS):
         await asyncio.sleep(0)
+        idle = idle + 1 if ready is not None and not ready else 0
+        if idle == IDLE_TURNS:
+            break
 
 
 class SeededEntropy:

@@ -55,11 +55,16 @@ async def test_a_claim_under_way_when_the_gateway_closes_is_known_not_to_have_mo
 async def test_an_order_that_has_not_begun_when_the_gateway_closes_is_told() -> None:
     async with Place().open() as place:
         inbound = place.chat.say("omni wave")
-        async with asyncio.timeout(60):
+        pipeline = place.gateway.pipeline
+
+        async def come_and_go() -> None:
             # No turn of the event loop lies between the claim and the end.
-            await place.gateway.pipeline.receive(place.chat, inbound)
-            await place.gateway.pipeline.close()
+            await pipeline.receive(place.chat, inbound)
+            await pipeline.close()
+
+        going = asyncio.create_task(come_and_go())
         await place.quiet()
+        assert going.done(), "it waits for what was cut off before it could say that it ends"
         assert place.acted() == 0
         assert "could begin. Nothing was done." in place.chat.told[-1].outbound.text
 
