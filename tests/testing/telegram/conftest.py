@@ -1,11 +1,9 @@
+# ruff: noqa: PLC0415 - aiogram takes seconds to load, and every worker imports every test
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from aiogram import Bot
-from aiogram.client.session.aiohttp import AiohttpSession
-from aiogram.client.telegram import TelegramAPIServer
 from telegram.ext import Application, ApplicationBuilder
 
 from rosic.testing.telegram import FakeTelegram, Settings
@@ -13,6 +11,8 @@ from tests.testing.telegram.asking import Api, Wall
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+
+    from aiogram import Bot
 
 PtbApplication = Application[Any, Any, Any, Any, Any, Any]
 
@@ -51,6 +51,10 @@ async def ptb(server: FakeTelegram) -> AsyncIterator[PtbApplication]:
 
 @pytest.fixture
 async def aiogram_bot(server: FakeTelegram) -> AsyncIterator[Bot]:
+    from aiogram import Bot
+    from aiogram.client.session.aiohttp import AiohttpSession
+    from aiogram.client.telegram import TelegramAPIServer
+
     session = AiohttpSession(api=TelegramAPIServer.from_base(server.url))
     async with Bot(server.token, session=session) as bot:
         yield bot

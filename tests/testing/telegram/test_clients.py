@@ -1,3 +1,4 @@
+# ruff: noqa: PLC0415 - aiogram takes seconds to load, and every worker imports every test
 """Two client libraries drive the server unmodified: their parsers catch its mistakes."""
 
 from __future__ import annotations
@@ -8,26 +9,6 @@ from datetime import timedelta
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from aiogram import Bot, Dispatcher, F, Router
-from aiogram.enums import UpdateType
-from aiogram.exceptions import (
-    TelegramBadRequest,
-    TelegramConflictError,
-    TelegramForbiddenError,
-    TelegramMigrateToChat,
-    TelegramRetryAfter,
-    TelegramServerError,
-)
-from aiogram.filters import Command
-from aiogram.types import (
-    BotCommand,
-    BufferedInputFile,
-    CallbackQuery,
-    InlineKeyboardButton,
-    InlineKeyboardMarkup,
-    Message,
-    ReactionTypeEmoji,
-)
 from telegram import Bot as PtbBot
 from telegram import InlineKeyboardButton as PtbButton
 from telegram import InlineKeyboardMarkup as PtbMarkup
@@ -45,6 +26,9 @@ from tests.testing.telegram.test_files import png
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
+
+    from aiogram import Bot, Router
+    from aiogram.types import CallbackQuery, Message
 
     from rosic.testing.telegram import FakeTelegram
     from tests.testing.telegram.conftest import PtbApplication
@@ -71,6 +55,8 @@ async def polling(application: PtbApplication) -> AsyncIterator[None]:
 
 @asynccontextmanager
 async def dispatching(bot: Bot, router: Router) -> AsyncIterator[None]:
+    from aiogram import Dispatcher
+
     dispatcher = Dispatcher()
     dispatcher.include_router(router)
     task = asyncio.create_task(
@@ -242,6 +228,10 @@ def everything(server: FakeTelegram, ada: int) -> None:
 
 
 async def test_aiogram_converses(server: FakeTelegram, aiogram_bot: Bot, ada: int) -> None:
+    from aiogram import F, Router
+    from aiogram.filters import Command
+    from aiogram.types import InlineKeyboardButton, InlineKeyboardMarkup, Message
+
     router = Router()
 
     @router.message(Command("stop"))
@@ -278,33 +268,37 @@ async def test_aiogram_converses(server: FakeTelegram, aiogram_bot: Bot, ada: in
 async def test_aiogram_understands_the_errors(
     server: FakeTelegram, aiogram_bot: Bot, ada: int
 ) -> None:
+    from aiogram import exceptions as aiogram_error
+
     server.fail("too_many_requests", "sendMessage", retry_after_s=3)
-    with pytest.raises(TelegramRetryAfter) as waiting:
+    with pytest.raises(aiogram_error.TelegramRetryAfter) as waiting:
         await aiogram_bot.send_message(ada, "x")
     assert waiting.value.retry_after == 3
     server.advance(3)
     message = await aiogram_bot.send_message(ada, "x")
-    with pytest.raises(TelegramBadRequest, match="not modified"):
+    with pytest.raises(aiogram_error.TelegramBadRequest, match="not modified"):
         await message.edit_text("x")
     server.block(ada)
-    with pytest.raises(TelegramForbiddenError, match="blocked by the user"):
+    with pytest.raises(aiogram_error.TelegramForbiddenError, match="blocked by the user"):
         await aiogram_bot.send_message(ada, "x")
     server.block(ada, blocked=False)
     group = server.create_chat("group", "Lab", members=[ada])
     new = server.migrate(group)
-    with pytest.raises(TelegramMigrateToChat) as migrated:
+    with pytest.raises(aiogram_error.TelegramMigrateToChat) as migrated:
         await aiogram_bot.send_message(group, "x")
     assert migrated.value.migrate_to_chat_id == new
     server.fail("error", "getMe", code=500)
-    with pytest.raises(TelegramServerError):
+    with pytest.raises(aiogram_error.TelegramServerError):
         await aiogram_bot.get_me()
 
 
 async def test_aiogram_is_told_of_another_poller(server: FakeTelegram, aiogram_bot: Bot) -> None:
+    from aiogram import exceptions as aiogram_error
+
     first = asyncio.create_task(aiogram_bot.get_updates(timeout=5))
     await server.wait(server.seq, kinds=["call"])
     second = asyncio.create_task(aiogram_bot.get_updates(timeout=1))
-    with pytest.raises(TelegramConflictError, match="other getUpdates request"):
+    with pytest.raises(aiogram_error.TelegramConflictError, match="other getUpdates request"):
         await first
     assert await second == []
 
@@ -312,6 +306,8 @@ async def test_aiogram_is_told_of_another_poller(server: FakeTelegram, aiogram_b
 async def test_aiogram_sets_commands_and_files(
     server: FakeTelegram, aiogram_bot: Bot, ada: int
 ) -> None:
+    from aiogram.types import BotCommand, BufferedInputFile, ReactionTypeEmoji
+
     bot = aiogram_bot
     await bot.set_my_commands([BotCommand(command="stop", description="Stop everything")])
     assert [command.command for command in await bot.get_my_commands()] == ["stop"]
@@ -338,6 +334,8 @@ async def test_aiogram_sets_commands_and_files(
 
 
 def test_every_update_type_of_both_libraries_is_known() -> None:
+    from aiogram.enums import UpdateType
+
     assert {*Update.ALL_TYPES, *(kind.value for kind in UpdateType)} == set(KINDS)
 
 
@@ -348,3 +346,32 @@ async def test_aiogram_parses_everything_that_people_do(
     updates = await aiogram_bot.get_updates()
     assert len(updates) == server.pending()
     assert all(update.event_type for update in updates)
+
+
+async def test_aiogram_edits_captions_speaks_in_topics_and_scopes_commands(
+    server: FakeTelegram, aiogram_bot: Bot, ada: int
+) -> None:
+    from aiogram.exceptions import TelegramBadRequest, TelegramForbiddenError
+    from aiogram.types import BotCommand, BotCommandScopeChat, BufferedInputFile, Message
+
+    bot = aiogram_bot
+    lab = server.create_chat("supergroup", "Lab", members=[ada], topics=["Omni"])
+    omni = server.topics(lab)["Omni"]
+    image = BufferedInputFile(png(8, 8), "x.png")
+    picture = await bot.send_photo(lab, image, caption="a", message_thread_id=omni)
+    assert (picture.message_thread_id, picture.is_topic_message) == (omni, True)
+    changed = await bot.edit_message_caption(
+        chat_id=lab, message_id=picture.message_id, caption="b"
+    )
+    assert isinstance(changed, Message)
+    assert changed.caption == "b"
+    with pytest.raises(TelegramBadRequest, match="thread not found"):
+        await bot.send_message(lab, "x", message_thread_id=99)
+    own = BotCommandScopeChat(chat_id=ada)
+    await bot.set_my_commands([BotCommand(command="invite", description="Invite")], own, "de")
+    assert [c.command for c in await bot.get_my_commands(own, "de")] == ["invite"]
+    assert await bot.delete_my_commands(own, "de")
+    assert await bot.get_my_commands(own, "de") == []
+    server.set_member(lab, bot.id, "kicked")
+    with pytest.raises(TelegramForbiddenError, match="kicked"):
+        await bot.send_message(lab, "x")

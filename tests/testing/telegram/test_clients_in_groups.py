@@ -1,12 +1,10 @@
-"""Captions, topics and scopes of commands, driven by both client libraries."""
+"""Captions, topics and scopes of commands, driven by a client library."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 import pytest
-from aiogram.exceptions import TelegramBadRequest, TelegramForbiddenError
-from aiogram.types import BotCommand, BotCommandScopeChat, BufferedInputFile, Message
 from telegram import BotCommandScopeAllPrivateChats as PtbAllPrivateChats
 from telegram import BotCommandScopeChat as PtbScopeChat
 from telegram import error as ptb_error
@@ -15,8 +13,6 @@ from tests.testing.telegram.test_files import png
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-    from aiogram import Bot
 
     from rosic.testing.telegram import FakeTelegram
     from tests.testing.telegram.conftest import PtbApplication
@@ -55,30 +51,4 @@ async def test_ptb_edits_captions_speaks_in_topics_and_scopes_commands(
     assert list(await bot.get_my_commands(own)) == []
     server.set_member(lab, bot.id, "kicked")
     with pytest.raises(ptb_error.Forbidden, match="kicked"):
-        await bot.send_message(lab, "x")
-
-
-async def test_aiogram_edits_captions_speaks_in_topics_and_scopes_commands(
-    server: FakeTelegram, aiogram_bot: Bot, ada: int
-) -> None:
-    bot = aiogram_bot
-    lab = server.create_chat("supergroup", "Lab", members=[ada], topics=["Omni"])
-    omni = server.topics(lab)["Omni"]
-    image = BufferedInputFile(png(8, 8), "x.png")
-    picture = await bot.send_photo(lab, image, caption="a", message_thread_id=omni)
-    assert (picture.message_thread_id, picture.is_topic_message) == (omni, True)
-    changed = await bot.edit_message_caption(
-        chat_id=lab, message_id=picture.message_id, caption="b"
-    )
-    assert isinstance(changed, Message)
-    assert changed.caption == "b"
-    with pytest.raises(TelegramBadRequest, match="thread not found"):
-        await bot.send_message(lab, "x", message_thread_id=99)
-    own = BotCommandScopeChat(chat_id=ada)
-    await bot.set_my_commands([BotCommand(command="invite", description="Invite")], own, "de")
-    assert [c.command for c in await bot.get_my_commands(own, "de")] == ["invite"]
-    assert await bot.delete_my_commands(own, "de")
-    assert await bot.get_my_commands(own, "de") == []
-    server.set_member(lab, bot.id, "kicked")
-    with pytest.raises(TelegramForbiddenError, match="kicked"):
         await bot.send_message(lab, "x")
