@@ -3,7 +3,8 @@
 It imports everything once, then reads one JSON object a line from standard input and answers each
 with one line. ``{"start": ...}`` forks a process that runs `rosic run -c FILE`, the same code as
 the command, with nothing but the importing already done; or, with a fault, the same composition
-with one wicked part. ``{"reap": PID}`` waits for the end of one and says how it ended.
+with one wicked part; or, with options, the fake server of Telegram. ``{"reap": PID}`` waits for the
+end of one and says how it ended.
 
 The robots of these gateways are reached by the link ``counting``, an adapter found by its entry
 point as any other that is installed beside ROSIC.
@@ -12,6 +13,7 @@ point as any other that is installed beside ROSIC.
 from __future__ import annotations
 
 import asyncio
+import gc
 import os
 import signal
 import sys
@@ -34,10 +36,18 @@ WARM = (
     "sqlalchemy.dialects.sqlite",
     "tests.journeys.counting",
 )
+# What these load when it is first used, and the server: processes that live for a second or two
+# would load it anew every time.
+WARMER = (
+    "alembic.command", "alembic.context", "alembic.ddl.sqlite", "anyio._backends._asyncio",
+    "httpcore", "rosic.testing.telegram.__main__", "uvloop",
+)  # fmt: skip
+COLD = "cold"
+"""The argument of a launcher for one gateway, whose start is measured: it loads what that does."""
 
 
 class Start(msgspec.Struct, frozen=True, kw_only=True):
-    """One gateway to start.
+    """One gateway to start, or the fake server.
 
     Attributes:
         config: Its TOML file.
@@ -45,13 +55,15 @@ class Start(msgspec.Struct, frozen=True, kw_only=True):
         counter_port: Where `CountingRobot` finds its counter.
         fault: Name of a wicked part; empty for none.
         environment: What is different for it: the ROS domain of its robots.
+        server: Options of the fake server, which it is then; what that prints goes to the log, too.
     """
 
-    config: str
+    config: str = ""
     log: str
     counter_port: int = 0
     fault: str = ""
     environment: dict[str, str] = {}
+    server: tuple[str, ...] | None = None
 
 
 class Command(msgspec.Struct, frozen=True):
@@ -100,6 +112,10 @@ def _warm_up() -> None:
     from rosic.app.profiles import known_units  # noqa: PLC0415 - after the path was set
 
     known_units()
+    if COLD not in sys.argv:
+        for module in WARMER:
+            __import__(module)
+    gc.freeze()  # what all of them share is no litter of any of them
 
 
 def _say(text: str) -> None:
@@ -112,7 +128,14 @@ def _become(start: Start) -> None:
     status = 70
     try:
         _settle_in(start)
-        if start.fault:
+        if start.server is not None:
+            from rosic.testing.telegram import __main__ as server  # noqa: PLC0415 - loaded before
+
+            os.dup2(2, 1)
+            sys.argv[1:] = start.server
+            asyncio.run(server.serve(server.arguments()))
+            status = 0
+        elif start.fault:
             asyncio.run(serve(start.config, FAULTS[start.fault]))
             status = 0
         else:

@@ -182,7 +182,7 @@ async def journey(plan: Plan, folder: Path, launcher: Launcher) -> Report:
     """Make one journey and return what was seen."""
     chance = Random(plan.seed + 1)  # noqa: S311 - a seed makes it repeatable
     async with (
-        fake_telegram("--no-limits", "--no-privacy") as control,
+        fake_telegram(folder, launcher, "--no-limits", "--no-privacy") as control,
         Counter(chance, failing=0.05, silent=0.01) as counter,
     ):
         return await Journey(plan, folder, launcher, control, counter).run()

@@ -163,7 +163,10 @@ async def lab(
         options: Of the fake server.
     """
     chance = Random(1)  # noqa: S311 - a seed makes it repeatable
-    async with fake_telegram(*options) as control, Counter(chance, work_s=0.02) as counter:
+    async with (
+        fake_telegram(folder, launcher, *options) as control,
+        Counter(chance, work_s=0.02) as counter,
+    ):
         place = Lab(folder, launcher, control, counter)
         await place.settle_in(robots, people)
         try:

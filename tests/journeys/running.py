@@ -16,7 +16,7 @@ import msgspec
 
 from rosic.testing.telegram import Control
 from tests.journeys.fleet import TOKEN
-from tests.journeys.gateway import Command, Start
+from tests.journeys.gateway import COLD, Command, Start
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -36,11 +36,15 @@ def environment() -> dict[str, str]:
 
 
 class Launcher:
-    """`tests.journeys.gateway` in a process of its own."""
+    """`tests.journeys.gateway` in a process of its own.
 
-    def __init__(self) -> None:
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "tests.journeys.gateway"],
+    Args:
+        options: `COLD`, or nothing.
+    """
+
+    def __init__(self, *options: str) -> None:
+        self._process = subprocess.Popen(  # noqa: S603 - our own program
+            [sys.executable, "-m", "tests.journeys.gateway", *options],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
@@ -76,8 +80,8 @@ class Launcher:
         self._process.stdout.close()
 
 
-class Gateway:
-    """One gateway's process.
+class Forked:
+    """A gateway's process, or that of the fake server.
 
     Args:
         cold: Start a launcher of its own for it: what is measured includes importing everything.
@@ -93,7 +97,7 @@ class Gateway:
         self._from = self._log.stat().st_size
         self._ended: int | None = None
         self.began_s = time.monotonic()
-        self._own = Launcher() if cold else None
+        self._own = Launcher(COLD) if cold else None
         self._launcher = self._own or launcher
         self.pid = self._launcher.ask(Command(start=start))
 
@@ -111,11 +115,6 @@ class Gateway:
                 return self.log().count(text) >= times
             await asyncio.sleep(LOOK_EVERY_S)
         return True
-
-    async def listens(self, within_s: float = 60.0) -> float:
-        """Wait until it listens; return how long that took since it was started, in seconds."""
-        assert await self.says(LISTENING, within_s), f"it does not listen: {self.log()}"
-        return time.monotonic() - self.began_s
 
     def is_gone(self) -> bool:
         """Whether the process has ended, reaped or not."""
@@ -159,22 +158,26 @@ class Gateway:
         return self._reap()
 
 
+class Gateway(Forked):
+    """One gateway's process."""
+
+    async def listens(self, within_s: float = 60.0) -> float:
+        """Wait until it listens; return how long that took since it was started, in seconds."""
+        assert await self.says(LISTENING, within_s), f"it does not listen: {self.log()}"
+        return time.monotonic() - self.began_s
+
+
 @asynccontextmanager
-async def fake_telegram(*options: str) -> AsyncIterator[Control]:
-    """Let the fake server run in a process of its own while inside."""
-    process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "rosic.testing.telegram", "--token", TOKEN, *options,
-        stdout=asyncio.subprocess.PIPE, cwd=ROOT, env=environment(),
-    )  # fmt: skip
+async def fake_telegram(folder: Path, launcher: Launcher, *options: str) -> AsyncIterator[Control]:
+    """Let the fake server run in a process of its own while inside; its log is in the folder."""
+    start = Start(log=str(folder / "telegram.log"), server=("--token", TOKEN, *options))
+    server = Forked(launcher, start)
     try:
-        assert process.stdout is not None
-        said = await asyncio.wait_for(process.stdout.readline(), STARTING_S)
-        async with Control(said.decode().removeprefix("ready ").strip()) as control:
+        assert await server.says("ready ", STARTING_S), f"no server: {server.log()}"
+        async with Control(server.log().removeprefix("ready ").strip()) as control:
             yield control
     finally:
-        process.terminate()
         try:
-            await asyncio.wait_for(process.wait(), 10)
-        except TimeoutError:
-            process.kill()
-            await process.wait()
+            await server.ends(10, signal.SIGTERM)
+        except AssertionError:
+            server.kill()
