@@ -6,10 +6,13 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
+
+from tests.cli.warm import Warmed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -39,7 +42,33 @@ def rosic(
     within_s: float = 150,
     env: Mapping[str, str] | None = None,
 ) -> Ran:
-    """Run a command to its end."""
+    """Run a command to its end, in a process that has loaded what it needs."""
+    with (
+        tempfile.TemporaryFile("w+") as asks,
+        tempfile.TemporaryFile("w+") as out,
+        tempfile.TemporaryFile("w+") as err,
+    ):
+        asks.write(stdin)
+        asks.seek(0)
+        files = (asks.fileno(), out.fileno(), err.fileno())
+        process = Warmed([*map(str, arguments)], files, cwd, environment(env))
+        try:
+            status = process.wait(within_s)
+        finally:
+            process.kill()
+        out.seek(0)
+        err.seek(0)
+        return Ran(status, out.read(), err.read())
+
+
+def cold_rosic(
+    *arguments: str | Path,
+    stdin: str = "",
+    cwd: Path | None = None,
+    within_s: float = 150,
+    env: Mapping[str, str] | None = None,
+) -> Ran:
+    """Run a command to its end, as a person runs it."""
     done = subprocess.run(  # noqa: S603 - our own command
         [*ROSIC, *map(str, arguments)],
         input=stdin,
@@ -60,7 +89,7 @@ class Gateway:
         process: Its standard input stays open until it is closed.
     """
 
-    def __init__(self, process: subprocess.Popen[str], log: Path, out: Path) -> None:
+    def __init__(self, process: Warmed, log: Path, out: Path) -> None:
         self.process = process
         self._log = log
         self._out = out
@@ -95,14 +124,11 @@ def gateway(
     """Let a gateway run while inside."""
     log, out = config.with_suffix(".err"), config.with_suffix(".out")
     with log.open("w") as err, out.open("w") as told:
-        process = subprocess.Popen(  # noqa: S603 - our own command
-            [*ROSIC, "run", "-c", str(config)],
-            stdin=subprocess.PIPE,
-            stdout=told,
-            stderr=err,
-            text=True,
-            env=environment(env),
-        )
+        hears, says = os.pipe()
+        files = (hears, told.fileno(), err.fileno())
+        process = Warmed(["run", "-c", str(config)], files, None, environment(env))
+        process.stdin = os.fdopen(says, "w")
+        os.close(hears)
         running = Gateway(process, log, out)
         try:
             if ready:
@@ -111,7 +137,7 @@ def gateway(
         finally:
             process.kill()
             process.wait()
-            if process.stdin is not None:
+            with suppress(BrokenPipeError):
                 process.stdin.close()
 
 

@@ -12,7 +12,7 @@ from rosic.app.drafting import JOINTS, LOCATED, Seen, drafted, robot_id
 from rosic.app.drafting_others import FOLLOW, GRIP, NAVIGATE, Limbs, Stand
 from rosic.app.profiles import read_profile
 from rosic.robots.ros2.graph import Offer, Snapshot, Topic
-from tests.cli.running import SOURCE, rosic
+from tests.cli.running import SOURCE, cold_rosic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -169,7 +169,7 @@ def test_without_ros_it_says_how_to_get_it(tmp_path: Path, command: tuple[str, .
     absent.mkdir()
     (absent / "__init__.py").write_text("raise ImportError(\"No module named 'rclpy'\")")
 
-    ran = rosic(*command, env={"PYTHONPATH": f"{SOURCE}{os.pathsep}{tmp_path}"})
+    ran = cold_rosic(*command, env={"PYTHONPATH": f"{SOURCE}{os.pathsep}{tmp_path}"})
 
     assert ran.status == 2
     assert ran.err.startswith("rosic: ROS 2 cannot be used by this Python")

@@ -12,7 +12,7 @@ import pytest
 
 import rosic as package
 from rosic.cli.entry import COMMANDS, main
-from tests.cli.running import ROSIC, environment, rosic
+from tests.cli.running import ROSIC, cold_rosic, environment, rosic
 
 # Half of what is allowed: the rest is for a slower machine.
 CPU_S = 0.25
@@ -29,7 +29,7 @@ def test_help_names_every_command() -> None:
 
 def test_help_costs_next_to_nothing() -> None:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    ran = rosic("--help")
+    ran = cold_rosic("--help")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
 
     assert ran.status == 0
