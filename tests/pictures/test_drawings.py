@@ -58,15 +58,15 @@ def opened(drawing: Drawing) -> Image.Image:
 
 def places(image: Image.Image, colour: Colour) -> list[tuple[int, int]]:
     """Return where something of about this colour is."""
-    plain = image.convert("RGB")
-    found = []
-    for y in range(plain.height):
-        for x in range(plain.width):
-            pixel = plain.getpixel((x, y))
-            assert isinstance(pixel, tuple)
-            if all(abs(a - b) < 30 for a, b in zip(pixel, colour, strict=True)):
-                found.append((x, y))
-    return found
+    pixels = image.convert("RGB").tobytes()
+    reds, greens, blues = (range(part - 29, part + 30) for part in colour)
+    return [
+        (at % image.width, at // image.width)
+        for at, (red, green, blue) in enumerate(
+            zip(pixels[::3], pixels[1::3], pixels[2::3], strict=True)
+        )
+        if red in reds and green in greens and blue in blues
+    ]
 
 
 def middle(found: list[tuple[int, int]]) -> tuple[float, float]:
