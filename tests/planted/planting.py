@@ -29,9 +29,10 @@ import os, sys
 def pytest_terminal_summary(terminalreporter):
     import rosic
     terminalreporter.write_line(f"source: {rosic.__file__}")
+    here = os.path.realpath(os.path.dirname(__file__))
     for module in tuple(sys.modules.values()):
         file = getattr(module, "__file__", None) or ""
-        if file.startswith(os.path.dirname(rosic.__file__)) and not os.path.islink(file):
+        if file != __file__ and os.path.realpath(file).startswith(here):
             terminalreporter.write_line(f"changed: {file}")
 """
 
