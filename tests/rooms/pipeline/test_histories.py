@@ -200,7 +200,7 @@ STEPS: dict[str, Callable[..., Awaitable[None]]] = {
 }  # fmt: skip
 
 quiet = [HealthCheck.too_slow]
-without_explaining = [phase for phase in Phase if phase is not Phase.explain]
+without_explaining = [phase for phase in settings().phases if phase is not Phase.explain]
 a_few = settings(
     max_examples=A_FEW, deadline=None, suppress_health_check=quiet, phases=without_explaining
 )
