@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import signal
-import subprocess
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
-from tests.cli.running import CONFIG, ROSIC, environment, gateway, rosic, write_config
+from tests.cli.running import CONFIG, Ran, gateway, rosic, write_config
 from tests.rooms.pipeline.rover import CAN, ROVER
 
 if TYPE_CHECKING:
@@ -94,15 +94,13 @@ def test_of_many_that_are_added_at_once_every_one_is_there_once(tmp_path: Path) 
         profile.write_text(text.replace("buggy", f"buggy{n}"))
         profiles += [profile, profile]
     with gateway(config):
-        asking = [
-            subprocess.Popen(  # noqa: S603 - our own command
-                [*ROSIC, "robot", "add", "-c", str(config), str(profile)],
-                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment(),
-            )
-            for profile in profiles
-        ]  # fmt: skip
-        answers = [process.communicate(timeout=150) for process in asking]
-        assert sorted(process.returncode for process in asking) == [0, 0, 1, 1]
-        assert sum("called" in err and "already" in err for _, err in answers) == 2
+
+        def add(profile: Path) -> Ran:
+            return rosic("robot", "add", "-c", config, profile)
+
+        with ThreadPoolExecutor(len(profiles)) as pool:
+            answers = list(pool.map(add, profiles))
+        assert sorted(ran.status for ran in answers) == [0, 0, 1, 1]
+        assert sum("called" in ran.err and "already" in ran.err for ran in answers) == 2
         status = rosic("status", "-c", config).out
         assert status.count("Rover 1: ") == status.count("Rover 2: ") == 1

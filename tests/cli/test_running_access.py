@@ -8,10 +8,10 @@ import os
 import pty
 import re
 import select
-import subprocess
 import time
 from contextlib import asynccontextmanager
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -19,12 +19,12 @@ import pytest
 from rosic.app.asked import Ask, Verb
 from rosic.cli.asking import answers
 from rosic.testing.telegram import FakeTelegram
-from tests.cli.running import ROSIC, environment, gateway, rosic, write_config
+from tests.cli.running import environment, gateway, rosic, write_config
+from tests.cli.warm import Warmed
 from tests.pace import patience
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
-    from pathlib import Path
 
     from tests.cli.running import Gateway
 
@@ -115,13 +115,11 @@ class AtTerminal:
 
     def __init__(self, config: Path, token: str = "", *, types: bool = False) -> None:
         self._ours, theirs = pty.openpty()
-        hears = theirs if types else subprocess.DEVNULL
         self._log = config.with_suffix(".err")
-        with self._log.open("w") as err:
-            self.process = subprocess.Popen(  # noqa: S603 - our own command
-                [*ROSIC, "run", "-c", str(config)], stdin=hears, stdout=theirs,
-                stderr=err, env=environment({"LAB_TOKEN": token}),
-            )  # fmt: skip
+        with self._log.open("w") as err, Path(os.devnull).open() as nobody:
+            files = (theirs if types else nobody.fileno(), theirs, err.fileno())
+            env = environment({"LAB_TOKEN": token})
+            self.process = Warmed(["run", "-c", str(config)], files, None, env)
         os.close(theirs)
         self.shown = ""
 

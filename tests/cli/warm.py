@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import atexit
 import gc
+import io
 import os
 import random
 import runpy
@@ -18,6 +19,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from contextlib import suppress
 from functools import cache
@@ -39,6 +41,7 @@ WARM = (
     "rosic.robots.simulated.robot", "sqlalchemy.dialects.sqlite", "uvloop",
 )  # fmt: skip
 LARGEST = 1 << 17
+STARTING = threading.Lock()
 
 
 class Asked(msgspec.Struct, frozen=True, kw_only=True):
@@ -69,7 +72,9 @@ class Warmed:
         try:
             message = msgspec.json.encode(asked)
             assert len(message) < LARGEST
-            socket.send_fds(_server(), [message], [*files, written])
+            with STARTING:
+                server = _server()
+            socket.send_fds(server, [message], [*files, written])
         finally:
             os.close(written)
         self._fate = os.fdopen(fate)
@@ -195,6 +200,8 @@ def main() -> None:
     os.environ.clear()
     os.environ.update(asked.env)
     time.tzset()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(line_buffering=sys.stdout.isatty())  # as it would have begun
     os.chdir(asked.cwd)
     random.seed()
     sys.argv[1:] = asked.arguments
