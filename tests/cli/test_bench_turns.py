@@ -11,7 +11,7 @@ import pytest
 from rosic.bench.fed import FedRobot, Feed
 from rosic.bench.feeding import Beat, Values, frame
 from rosic.bench.many import profile_of
-from rosic.bench.turns import in_turns, times_as_much, waiting
+from rosic.bench.turns import REPORTS, in_turns, times_as_much, waiting
 from rosic.core.gate import Gate
 from rosic.core.view import Pose
 from rosic.system import SystemClock
@@ -28,27 +28,27 @@ for at, _ in enumerate(sys.stdin):
         break
     with open(log, "a") as file:
         file.write(name)
-    print(float(each) * (at + 1), flush=True)
+    print(float(each) * at, flush=True)
 """
 
 
 async def rows_of(log: Path, turns: int) -> list[list[float]]:
-    """Return what two processes say in four turns; the second has only so many to give."""
+    """Return what two processes say in four turns after one; the second has only so many."""
     async with AsyncExitStack() as stack:
         several = [
             await stack.enter_async_context(
                 waiting(sys.executable, "-c", ANSWERS, name, each, str(log), many)
             )
-            for name, each, many in (("a", "2", "4"), ("b", "3", str(turns)))
+            for name, each, many in (("a", "2", "5"), ("b", "3", str(turns)))
         ]
         assert [await one.line() for one in several] == [b"seen\n", b"seen\n"]
-        return await in_turns(several, 4)
+        return await in_turns(several, REPORTS, 4, float)
 
 
 async def test_processes_take_turns_and_are_compared_turn_for_turn(tmp_path: Path) -> None:
-    first, second = await rows_of(tmp_path / "log", 4)
+    first, second = await rows_of(tmp_path / "log", 5)
 
-    assert (tmp_path / "log").read_text() == "abababab"
+    assert (tmp_path / "log").read_text() == "ababababab"
     assert (first, second) == ([2.0, 4.0, 6.0, 8.0], [3.0, 6.0, 9.0, 12.0])
     assert times_as_much(second, first) == 1.5
 

@@ -27,7 +27,7 @@ from rosic.app.units import compile_units
 from rosic.bench.fed import FedRobot, Feed, Frames, read_wish
 from rosic.bench.feeding import Sent, robot_name
 from rosic.bench.lanes import BenchMessenger
-from rosic.bench.turns import take_turns
+from rosic.bench.turns import COMMANDS, SETTLING_S, STOPS, take_turns
 from rosic.core.alert_rule import Alert
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
@@ -51,9 +51,7 @@ SAID = count()
 STARTING_S = 60.0
 TOGETHER = 50
 SKILLS = 10
-STOPS = 5
-STRETCHES = 5
-SETTLING_S = 0.3
+STRETCHES = 10
 LOOK_S = 0.1
 
 
@@ -105,9 +103,9 @@ class Seen(msgspec.Struct, frozen=True):
         fed_cpu_s, fed_s, fed: While robots reported and nobody commanded: processor time, time,
             messages.
         commanded: While people commanded, as many as the plan says, one number after another.
-        flat_out: While as much was commanded as could be, some times over.
-        stops_ns: From the receipt of a stop until the last adapter had it.
+        flat_out: While as much was commanded as could be, in each turn.
         robots_sent, people_sent: What the other processes say of themselves.
+        stops_ns: From the receipt of a stop until the last adapter had it, in each turn.
         each_ns: What one message costs when many wait, in each turn; see `rosic.bench.turns`.
     """
 
@@ -119,11 +117,11 @@ class Seen(msgspec.Struct, frozen=True):
     fed_s: float
     fed: int
     commanded: tuple[Commanded, ...]
-    flat_out: tuple[Commanded, ...]
-    stops_ns: list[int]
     robots_sent: Sent
     people_sent: tuple[Sent, ...]
+    flat_out: list[Commanded] = []
     each_ns: list[float] = []
+    stops_ns: list[int] = []
 
 
 class Listening(BenchMessenger):
@@ -255,7 +253,11 @@ async def see(plan: Plan) -> None:
         seen = await _see(plan, gateway, messenger, feed, start_s)
         sys.stdout.write(msgspec.json.encode(seen).decode() + "\n")
         sys.stdout.flush()
-        take_turns(feed, plan.robots)
+        ways = {
+            COMMANDS: lambda: _flat_out(plan, Crowd(gateway, messenger)),
+            STOPS: lambda: _stop(gateway, messenger, robots.values()),
+        }
+        await take_turns(feed, plan.robots, ways)
     finally:
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)
@@ -287,8 +289,6 @@ async def _see(
     return Seen(
         plan.robots, start_s, rss, quiet_cpu_s / quiet_s, fed_cpu_s, fed_s, fed,
         tuple(commanded),
-        tuple([await _flat_out(plan, Crowd(gateway, messenger)) for _ in range(STRETCHES)]),
-        await _stop(gateway, messenger, feed.robots.values()),
         robots_sent[0], tuple(people_sent),
     )  # fmt: skip
 
@@ -322,16 +322,11 @@ async def _flat_out(plan: Plan, crowd: Crowd) -> Commanded:
     return Commanded(people, [crowd.latencies_ns], [crowd.own_ns], 0, cpu_s, seconds)
 
 
-async def _stop(
-    gateway: Gateway, messenger: BenchMessenger, robots: Iterable[FedRobot]
-) -> list[int]:
-    """Stop everybody some times; return how long it took until the last one was told."""
-    times: list[int] = []
-    for _ in range(STOPS):
-        began_ns = perf_counter_ns()
-        await gateway.pipeline.receive(messenger, inbound_of("0", "stop"))
-        times.append(max(robot.handed_ns for robot in robots) - began_ns)
-    return times
+async def _stop(gateway: Gateway, messenger: BenchMessenger, robots: Iterable[FedRobot]) -> int:
+    """Stop everybody; return how long it took until the last one was told, in ns."""
+    began_ns = perf_counter_ns()
+    await gateway.pipeline.receive(messenger, inbound_of("0", "stop"))
+    return max(robot.handed_ns for robot in robots) - began_ns
 
 
 def rss_bytes() -> int:

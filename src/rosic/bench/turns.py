@@ -1,8 +1,9 @@
-"""What one message of a robot costs in gateways of many sizes, seen in turns.
+"""What one message costs in gateways of many sizes, seen in turns.
 
 A machine that others use is now fast, now slow, for seconds at a time: sizes that were measured one
 after another differ by that alone. So each gateway, when everything else about it was seen, waits
-in its process; then one after another brings a few hundred messages to its robots, again and again.
+in its process; then one after another carries out some commands, or brings a few hundred messages
+to its robots, again and again.
 """
 
 from __future__ import annotations
@@ -13,39 +14,61 @@ from contextlib import asynccontextmanager
 from itertools import cycle, islice
 from statistics import median
 from time import perf_counter_ns
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, TypeVar, cast
+
+import msgspec
 
 from rosic.bench.fed import Feed, Frames
 from rosic.bench.feeding import BEATS_PER_S, Beat, frame, reports, robot_name
 
 if TYPE_CHECKING:
     from asyncio.subprocess import Process
-    from collections.abc import AsyncIterator, Sequence
+    from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping, Sequence
 
+Seen = TypeVar("Seen")
+
+SETTLING_S = 0.3
 MESSAGES = 600
 TURNS = 300
 WITHIN_S = 170.0
 LONGEST_LINE_BYTES = 1 << 26
-TURN = b"\n"
+REPORTS, COMMANDS, STOPS = "reports", "commands", "stops"
 
 
 # ---- in the process of a gateway ----
 
 
-def take_turns(feed: Feed, robots: int) -> None:
-    """Bring messages whenever somebody writes a line; say what one cost, in ns, until none comes.
+async def take_turns(
+    feed: Feed, robots: int, ways: Mapping[str, Callable[[], Awaitable[object]]]
+) -> None:
+    """Do what a line asks for, until none comes, and say in a line what it cost.
 
-    It blocks, on purpose: nothing else of this gateway runs meanwhile.
+    While it waits it blocks, on purpose: nothing else of this gateway runs meanwhile.
+
+    Args:
+        feed: Brings messages of so many robots.
+        robots: Called by number; after the last comes the first.
+        ways: What else may be asked for; returns what it saw.
     """
-    frames, numbers = Frames(feed.take), cycle(range(robots))
-    for _ in sys.stdin:
-        some = tuple(islice(numbers, MESSAGES // (BEATS_PER_S + 1)))
-        said = b"".join(frame(Beat(robot_name(n))) * BEATS_PER_S + reports(n, 1) for n in some)
-        before, began_ns = feed.messages, perf_counter_ns()
-        frames.data_received(said)
-        each_ns = (perf_counter_ns() - began_ns) / (feed.messages - before)
-        sys.stdout.write(f"{each_ns:.1f}\n")
+    numbers = cycle(range(robots))
+    for kind in sys.stdin:
+        seen: object
+        if (way := ways.get(kind.strip())) is None:
+            seen = _bring(feed, numbers)
+        else:
+            await asyncio.sleep(SETTLING_S)  # what it has put off is done before
+            seen = await way()
+        sys.stdout.write(msgspec.json.encode(seen).decode() + "\n")
         sys.stdout.flush()
+
+
+def _bring(feed: Feed, numbers: Iterator[int]) -> float:
+    """Return what one message costs, in ns, when so many wait that waking up costs nothing."""
+    some = tuple(islice(numbers, MESSAGES // (BEATS_PER_S + 1)))
+    said = b"".join(frame(Beat(robot_name(n))) * BEATS_PER_S + reports(n, 1) for n in some)
+    frames, before, began_ns = Frames(feed.take), feed.messages, perf_counter_ns()
+    frames.data_received(said)
+    return (perf_counter_ns() - began_ns) / (feed.messages - before)
 
 
 # ---- in the process of the bench ----
@@ -58,10 +81,10 @@ class Waiting:
         self._to = cast("asyncio.StreamWriter", process.stdin)  # both are pipes
         self._from = cast("asyncio.StreamReader", process.stdout)
 
-    async def turn(self) -> float:
-        """Let it have a turn; return what one message cost, in ns."""
-        self._to.write(TURN)
-        return float(await self.line())
+    async def turn(self, kind: str) -> bytes:
+        """Let it have a turn; return what it says of it."""
+        self._to.write(f"{kind}\n".encode())
+        return await self.line()
 
     async def line(self) -> bytes:
         """Return what it says next.
@@ -70,7 +93,7 @@ class Waiting:
             RuntimeError: It has ended.
         """
         found = await asyncio.wait_for(self._from.readline(), WITHIN_S)
-        if not found.endswith(TURN):
+        if not found.endswith(b"\n"):
             raise RuntimeError("a gateway that was to be measured has ended")
         return found
 
@@ -91,13 +114,18 @@ async def waiting(*command: str) -> AsyncIterator[Waiting]:
             await process.wait()
 
 
-async def in_turns(processes: Sequence[Waiting], turns: int = TURNS) -> list[list[float]]:
-    """Return what each process saw in its turns, in ns a message: one row for each."""
-    rows: list[list[float]] = [[] for _ in processes]
-    for _ in range(turns):
+async def in_turns(
+    processes: Sequence[Waiting], kind: str, turns: int, seen: type[Seen]
+) -> list[list[Seen]]:
+    """Return what each process saw in its turns: one row for each.
+
+    The first turn is not counted: what a gateway has put off while it waited is done then.
+    """
+    rows: list[list[Seen]] = [[] for _ in processes]
+    for _ in range(turns + 1):
         for row, process in zip(rows, processes, strict=True):
-            row.append(await process.turn())
-    return rows
+            row.append(msgspec.json.decode(await process.turn(kind), type=seen))
+    return [row[1:] for row in rows]
 
 
 def times_as_much(some: Sequence[float], others: Sequence[float]) -> float:
