@@ -65,6 +65,7 @@ def test_what_a_robot_said_last_is_what_is_known_of_it() -> None:
         for profile in map(profile_of, range(3))
     }
     feed = Feed(robots)
+    feed.join(robots)
 
     for said in (
         Values("robot1", 41.0, 1.0, 2.0),

@@ -14,7 +14,7 @@ from rosic.core.view import Pose
 from rosic.robots.memory import MemoryRobot
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.core.gate import Gate
@@ -77,23 +77,26 @@ class FedRobot(MemoryRobot):
 class Feed:
     """Brings to each robot what it said.
 
-    What robots said last lies side by side, and so do the names that it is found by, as a robot and
-    its own name lie among all else that a gateway keeps of it: a message touches little memory,
-    and none of it far from that of the next.
+    What robots said last lies side by side, and so do the names that it is found by, as they are
+    made before all else that a gateway keeps of each: a message touches little memory, and none of
+    it far from that of the next.
 
     Attributes:
         messages: How many so far.
         robots: Whom it brings them to.
     """
 
-    def __init__(self, robots: Mapping[RobotId, FedRobot]) -> None:
+    def __init__(self, names: Iterable[RobotId]) -> None:
         self.messages = 0
+        self.robots: Mapping[RobotId, FedRobot] = {}
+        self._latest = {name: Latest() for name in names}
+        self._read = msgspec.msgpack.Decoder(Beat | Values).decode
+
+    def join(self, robots: Mapping[RobotId, FedRobot]) -> None:
+        """Have robots know what was brought."""
         self.robots = robots
-        copies = [name.encode().decode() for name in robots]
-        self._latest = {name: Latest() for name in copies}
         for name, robot in robots.items():
             robot.latest = self._latest[name]
-        self._read = msgspec.msgpack.Decoder(Beat | Values).decode
 
     def take(self, words: bytes) -> None:
         """Take one message."""

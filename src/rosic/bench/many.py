@@ -241,6 +241,7 @@ async def line(
 
 async def see(plan: Plan) -> None:
     """See what a gateway does with so many robots, and say it; then take turns."""
+    feed = Feed(map(robot_name, range(plan.robots)))
     messenger, began_s = Listening(), perf_counter()
     gateway = gateway_over(plan.robots, max(plan.people), messenger)
     await gateway.open()
@@ -249,7 +250,7 @@ async def see(plan: Plan) -> None:
     heap.settle()
     try:
         robots = {n: robot for n, robot in gateway.robots.items() if isinstance(robot, FedRobot)}
-        feed = Feed(robots)
+        feed.join(robots)
         seen = await _see(plan, gateway, messenger, feed, start_s)
         sys.stdout.write(msgspec.json.encode(seen).decode() + "\n")
         sys.stdout.flush()
