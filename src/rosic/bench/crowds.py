@@ -5,16 +5,28 @@ Each size runs in a process of its own, robots and people in others; see `rosic.
 
 from __future__ import annotations
 
-import subprocess
+import asyncio
 import sys
+from contextlib import AsyncExitStack
 from itertools import chain
 from statistics import median
 from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.bench.many import Plan, Seen
+from rosic.bench.many import STRETCHES, Commanded, Plan, Seen
 from rosic.bench.report import Case, case_of, quantile
+from rosic.bench.turns import (
+    COMMANDS,
+    MESSAGES,
+    REPORTS,
+    STOPS,
+    TURNS,
+    Waiting,
+    in_turns,
+    times_as_much,
+    waiting,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -23,7 +35,7 @@ SIZES, QUICK_SIZES = (10, 100, 1_000, 5_000), (10, 200)
 PEOPLE = (500, 1)
 PER_S = 200
 RUNS = 2
-WITHIN_S = 170.0
+STOPPED = 5
 METHOD = (
     "Robots in memory report once a second and say five times a second that they live, over a "
     "socket, from a process of their own. People send {per_s} commands a second in all, whatever "
@@ -31,15 +43,17 @@ METHOD = (
     "runs, median. A command: from its sending until its author is told that it is done; median of "
     "the seconds. Flat "
     "out: 50 at a time, nobody reporting; its cost is processor time, less that of the quiet "
-    "gateway. A report: what one message of a robot costs while many wait. Stop: from its "
+    "gateway. A report: what one message of a robot costs while {messages} wait. Both in turns, at "
+    "the end: gateways are compared turn for turn. Stop: from its "
     "receipt until the last adapter has it. A robot's memory is that of the whole process beyond "
     "the smallest. The robots' process takes {robots_share:.1%} of a processor for {most} robots, "
     "the people's {people_share:.1%}; neither is counted. Seen: {seen}"
 )
+SAME = " ({command:.2f} and {report:.2f} times in one gateway of {small} as in another)"
 SEEN = (
     "p99 at {large} robots is {p99:.2f} times that at {small}, and {own:.2f} times of what the "
     "gateway was at work; a command costs {command:.2f} times "
-    "and a report {report:.2f} times as much at {most} as at {small}."
+    "and a report {report:.2f} times as much at {most} as at {small}{same}."
 )
 
 
@@ -74,13 +88,24 @@ class Crowded(Case, frozen=True, kw_only=True):
             yield f"{self.refused} refused"
 
 
-def look(plan: Plan) -> Seen:
-    """See one size, in a process of its own."""
-    ran = subprocess.run(  # noqa: S603 - ourselves
-        [sys.executable, "-m", "rosic.bench.many", msgspec.json.encode(plan).decode()],
-        stdout=subprocess.PIPE, check=True, timeout=WITHIN_S,
-    )  # fmt: skip
-    return msgspec.json.decode(ran.stdout, type=Seen)
+async def look(sizes: tuple[Plan, ...], runs: int) -> list[list[Seen]]:
+    """Return what was seen of each size, run after run: slow moments hit all sizes alike."""
+    processes: list[Waiting] = []
+    found: list[Seen] = []
+    async with AsyncExitStack() as stack:
+        for plan in sizes * runs:
+            words = msgspec.json.encode(plan).decode()
+            process = waiting(sys.executable, "-m", "rosic.bench.many", words)
+            processes.append(await stack.enter_async_context(process))
+            found.append(msgspec.json.decode(await processes[-1].line(), type=Seen))
+        flat_out = await in_turns(processes, COMMANDS, STRETCHES, Commanded)
+        each_ns = await in_turns(processes, REPORTS, TURNS, float)
+        stops_ns = await in_turns(processes, STOPS, STOPPED, int)  # the last: they stay stopped
+    whole = [
+        msgspec.structs.replace(seen, flat_out=commanded, each_ns=each, stops_ns=stops)
+        for seen, commanded, each, stops in zip(found, flat_out, each_ns, stops_ns, strict=True)
+    ]
+    return [whole[at :: len(sizes)] for at in range(len(sizes))]
 
 
 def plans(*, quick: bool) -> tuple[Plan, ...]:
@@ -94,13 +119,12 @@ def measure(*, quick: bool) -> tuple[str, list[Case]]:
     """Return how it is measured, and what was seen."""
     runs = 1 if quick else RUNS
     sizes = plans(quick=quick)
-    rounds = [[look(plan) for plan in sizes] for _ in range(runs)]  # slow moments hit all alike
-    found = [list(same) for same in zip(*rounds, strict=True)]
+    found = asyncio.run(look(sizes, runs))
     smallest = found[0]
     cases = [list(cases_of(seen, smallest)) for seen in found]
     most = found[-1]
     method = METHOD.format(
-        per_s=PER_S, runs=runs, most=sizes[-1].robots, seen=compared(found),
+        per_s=PER_S, runs=runs, messages=MESSAGES, most=sizes[-1].robots, seen=compared(found),
         robots_share=median(s.robots_sent.cpu_s / s.robots_sent.seconds for s in most),
         people_share=median(s.people_sent[0].cpu_s / s.people_sent[0].seconds for s in most),
     )  # fmt: skip
@@ -114,9 +138,23 @@ def compared(found: Sequence[Sequence[Seen]]) -> str:
     return SEEN.format(
         small=small[0].robots, large=large[0].robots, most=most[0].robots,
         p99=p99_ns(large) / p99_ns(small), own=own_p99_ns(large) / own_p99_ns(small),
-        command=flat_out_us(most) / flat_out_us(small),
-        report=_each(most) / _each(small),
+        command=median(map(times_as_much, map(flat_out_us, most), map(flat_out_us, small))),
+        report=median(map(times_as_much, map(each_ns, most), map(each_ns, small))),
+        same=_same(small),
     )  # fmt: skip
+
+
+def _same(runs: Sequence[Seen]) -> str:
+    """Return how far two gateways of one size differ: what of a difference is nobody's doing."""
+    if len(runs) == 1:
+        return ""
+    command, report = (times_as_much(of(runs[-1]), of(runs[0])) for of in (flat_out_us, each_ns))
+    return SAME.format(command=command, report=report, small=runs[0].robots)
+
+
+def each_ns(seen: Seen) -> list[float]:
+    """Return what a message of a robot costs, in each turn."""
+    return seen.each_ns
 
 
 def p99_ns(runs: Sequence[Seen]) -> float:
@@ -133,22 +171,17 @@ def _p99_ns(seconds: Iterable[list[int]]) -> float:
     return median(quantile(second, 0.99) for second in seconds)
 
 
-def flat_out_us(runs: Iterable[Seen]) -> float:
-    """Return what a command costs, less what the gateway costs anyway."""
-    return median(
+def flat_out_us(seen: Seen) -> list[float]:
+    """Return what a command costs in each turn, less what the gateway costs anyway."""
+    return [
         (flat.cpu_s - seen.quiet * flat.seconds) * 1e6 / len(flat.latencies_ns[0])
-        for seen in runs
         for flat in seen.flat_out
-    )
+    ]
 
 
 def robot_us(seen: Seen) -> float:
     """Return what one robot costs a second: its messages, and being looked after."""
     return seen.fed_cpu_s / seen.fed_s / seen.robots * 1e6
-
-
-def _each(runs: Iterable[Seen]) -> float:
-    return median(median(seen.burst_ns) for seen in runs)
 
 
 def cases_of(runs: Sequence[Seen], smallest: Sequence[Seen]) -> Iterator[Case]:
@@ -167,9 +200,9 @@ def cases_of(runs: Sequence[Seen], smallest: Sequence[Seen]) -> Iterator[Case]:
         f"{name}: a command, flat out",
         [(len(f.latencies_ns[0]) / f.seconds, f.latencies_ns[0]) for f in flat],
     )
-    yield _crowded(case, cpu_us=round(flat_out_us(runs), 1))
-    burst = [(1e9 / median(seen.burst_ns), seen.burst_ns) for seen in runs]
-    case = case_of(f"{name}: a report", burst)
+    yield _crowded(case, cpu_us=round(median(chain.from_iterable(map(flat_out_us, runs))), 1))
+    each = [(1e9 / median(seen.each_ns), seen.each_ns) for seen in runs]
+    case = case_of(f"{name}: a report", each)
     more = runs[0].robots - smallest[0].robots
     rss = median(s.rss_bytes for s in runs) - median(s.rss_bytes for s in smallest)
     yield _crowded(

@@ -14,7 +14,7 @@ from rosic.core.view import Pose
 from rosic.robots.memory import MemoryRobot
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.core.gate import Gate
@@ -24,18 +24,33 @@ if TYPE_CHECKING:
 LENGTH_BYTES = 2
 
 
+class Latest:
+    """What a robot last said.
+
+    Attributes:
+        at_ns: When, on the clock of ``perf_counter_ns``; 0: it has said nothing.
+    """
+
+    __slots__ = ("at_ns", "pose", "values")
+
+    def __init__(self) -> None:
+        self.at_ns = 0
+        self.pose: Pose | None = None
+        self.values: dict[str, float | str] = {}
+
+
 class FedRobot(MemoryRobot):
     """Knows of itself what it last said, and is absent when it has said nothing for too long.
 
     Attributes:
-        heard_ns, handed_ns: When it last said something, and was last told to stop, on the clock of
-            ``perf_counter_ns``.
+        latest: What it last said.
+        handed_ns: When it was last told to stop, on the clock of ``perf_counter_ns``.
         within_s: It says something at least so often.
     """
 
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
         super().__init__(profile, gate, clock)
-        self.heard_ns = 0
+        self.latest = Latest()
         self.within_s = profile.link.heartbeat_s
         self.handed_ns = 0
 
@@ -46,38 +61,51 @@ class FedRobot(MemoryRobot):
 
     def presence(self) -> Presence:
         """Return what it last said."""
-        age_s = (perf_counter_ns() - self.heard_ns) / 1e9 if self.heard_ns else None
+        latest = self.latest
+        age_s = (perf_counter_ns() - latest.at_ns) / 1e9 if latest.at_ns else None
         doing = self._doing.skill.id if self._doing else ""
         return Presence(
             online=age_s is not None and age_s <= self.within_s,
             age_s=age_s,
             doing=doing,
             at_rest=self._doing is None,
-            values=self.values,
-            pose=self.pose,
+            values=latest.values,
+            pose=latest.pose,
         )
 
 
 class Feed:
     """Brings to each robot what it said.
 
+    What robots said last lies side by side, and so do the names that it is found by, as they are
+    made before all else that a gateway keeps of each: a message touches little memory, and none of
+    it far from that of the next.
+
     Attributes:
         messages: How many so far.
+        robots: Whom it brings them to.
     """
 
-    def __init__(self, robots: Mapping[RobotId, FedRobot]) -> None:
+    def __init__(self, names: Iterable[RobotId]) -> None:
         self.messages = 0
-        self._robots = robots
+        self.robots: Mapping[RobotId, FedRobot] = {}
+        self._latest = {name: Latest() for name in names}
         self._read = msgspec.msgpack.Decoder(Beat | Values).decode
+
+    def join(self, robots: Mapping[RobotId, FedRobot]) -> None:
+        """Have robots know what was brought."""
+        self.robots = robots
+        for name, robot in robots.items():
+            robot.latest = self._latest[name]
 
     def take(self, words: bytes) -> None:
         """Take one message."""
         said = self._read(words)
-        robot = self._robots[said.robot]
-        robot.heard_ns = perf_counter_ns()
+        latest = self._latest[said.robot]
+        latest.at_ns = perf_counter_ns()
         if type(said) is Values:
-            robot.values = {"battery": said.battery}
-            robot.pose = Pose(said.x_m, said.y_m)
+            latest.values = {"battery": said.battery}
+            latest.pose = Pose(said.x_m, said.y_m)
         self.messages += 1
 
 

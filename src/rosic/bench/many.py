@@ -12,7 +12,7 @@ import os
 import sys
 import tempfile
 from contextlib import asynccontextmanager
-from itertools import count, cycle, islice
+from itertools import count, islice
 from pathlib import Path
 from time import perf_counter, perf_counter_ns, process_time, process_time_ns
 from typing import TYPE_CHECKING
@@ -25,8 +25,9 @@ from rosic.app.gateway import Gateway, Parts, Settings
 from rosic.app.people import Seed
 from rosic.app.units import compile_units
 from rosic.bench.fed import FedRobot, Feed, Frames, read_wish
-from rosic.bench.feeding import BEATS_PER_S, Beat, Sent, frame, reports, robot_name
+from rosic.bench.feeding import Sent, robot_name
 from rosic.bench.lanes import BenchMessenger
+from rosic.bench.turns import COMMANDS, SETTLING_S, STOPS, take_turns
 from rosic.core.alert_rule import Alert
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
@@ -38,7 +39,7 @@ from rosic.stores.memory import MemoryStore
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import AsyncIterator, Callable, Iterable
 
     from rosic.contracts.messenger import Receive
     from rosic.core.message import Outbound
@@ -50,11 +51,7 @@ SAID = count()
 STARTING_S = 60.0
 TOGETHER = 50
 SKILLS = 10
-BURSTS = 100
-BURST_MESSAGES = 600
-STOPS = 5
-STRETCHES = 5
-SETTLING_S = 0.3
+STRETCHES = 10
 LOOK_S = 0.1
 
 
@@ -106,10 +103,10 @@ class Seen(msgspec.Struct, frozen=True):
         fed_cpu_s, fed_s, fed: While robots reported and nobody commanded: processor time, time,
             messages.
         commanded: While people commanded, as many as the plan says, one number after another.
-        flat_out: While as much was commanded as could be, some times over.
-        burst_ns: What one message costs when many wait, from as many robots as there are.
-        stops_ns: From the receipt of a stop until the last adapter had it.
+        flat_out: While as much was commanded as could be, in each turn.
         robots_sent, people_sent: What the other processes say of themselves.
+        stops_ns: From the receipt of a stop until the last adapter had it, in each turn.
+        each_ns: What one message costs when many wait, in each turn; see `rosic.bench.turns`.
     """
 
     robots: int
@@ -120,11 +117,11 @@ class Seen(msgspec.Struct, frozen=True):
     fed_s: float
     fed: int
     commanded: tuple[Commanded, ...]
-    flat_out: tuple[Commanded, ...]
-    burst_ns: list[int]
-    stops_ns: list[int]
     robots_sent: Sent
     people_sent: tuple[Sent, ...]
+    flat_out: list[Commanded] = []
+    each_ns: list[float] = []
+    stops_ns: list[int] = []
 
 
 class Listening(BenchMessenger):
@@ -242,8 +239,9 @@ async def line(
                 await process.wait()
 
 
-async def see(plan: Plan) -> Seen:
-    """See what a gateway does with so many robots."""
+async def see(plan: Plan) -> None:
+    """See what a gateway does with so many robots, and say it; then take turns."""
+    feed = Feed(map(robot_name, range(plan.robots)))
     messenger, began_s = Listening(), perf_counter()
     gateway = gateway_over(plan.robots, max(plan.people), messenger)
     await gateway.open()
@@ -251,7 +249,16 @@ async def see(plan: Plan) -> Seen:
     running = asyncio.create_task(gateway.run())
     heap.settle()
     try:
-        return await _see(plan, gateway, messenger, start_s)
+        robots = {n: robot for n, robot in gateway.robots.items() if isinstance(robot, FedRobot)}
+        feed.join(robots)
+        seen = await _see(plan, gateway, messenger, feed, start_s)
+        sys.stdout.write(msgspec.json.encode(seen).decode() + "\n")
+        sys.stdout.flush()
+        ways = {
+            COMMANDS: lambda: _flat_out(plan, Crowd(gateway, messenger)),
+            STOPS: lambda: _stop(gateway, messenger, robots.values()),
+        }
+        await take_turns(feed, plan.robots, ways)
     finally:
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)
@@ -259,16 +266,16 @@ async def see(plan: Plan) -> Seen:
         gc.unfreeze()
 
 
-async def _see(plan: Plan, gateway: Gateway, messenger: BenchMessenger, start_s: float) -> Seen:
-    robots = {n: robot for n, robot in gateway.robots.items() if isinstance(robot, FedRobot)}
-    feed = Feed(robots)
+async def _see(
+    plan: Plan, gateway: Gateway, messenger: BenchMessenger, feed: Feed, start_s: float
+) -> Seen:
     stretch = Stretch()
     await asyncio.sleep(plan.quiet_s)
     quiet_cpu_s, quiet_s = stretch.end()
     robots_sent: list[Sent] = []
     people_sent: list[Sent] = []
     async with line("robots", (plan.robots,), feed.take, robots_sent):
-        await _all_heard(robots)
+        await _all_heard(feed.robots.values())
         before, stretch = feed.messages, Stretch()
         await asyncio.sleep(plan.fed_s)
         fed_cpu_s, fed_s = stretch.end()
@@ -283,15 +290,13 @@ async def _see(plan: Plan, gateway: Gateway, messenger: BenchMessenger, start_s:
     return Seen(
         plan.robots, start_s, rss, quiet_cpu_s / quiet_s, fed_cpu_s, fed_s, fed,
         tuple(commanded),
-        tuple([await _flat_out(plan, Crowd(gateway, messenger)) for _ in range(STRETCHES)]),
-        burst(feed, plan.robots), await _stop(gateway, messenger, robots),
         robots_sent[0], tuple(people_sent),
     )  # fmt: skip
 
 
-async def _all_heard(robots: dict[str, FedRobot]) -> None:
+async def _all_heard(robots: Iterable[FedRobot]) -> None:
     async with asyncio.timeout(STARTING_S):
-        while not all(robot.values for robot in robots.values()):  # noqa: ASYNC110 - they tell nobody
+        while not all(robot.latest.values for robot in robots):  # noqa: ASYNC110 - they tell nobody
             await asyncio.sleep(LOOK_S)
 
 
@@ -318,29 +323,11 @@ async def _flat_out(plan: Plan, crowd: Crowd) -> Commanded:
     return Commanded(people, [crowd.latencies_ns], [crowd.own_ns], 0, cpu_s, seconds)
 
 
-async def _stop(
-    gateway: Gateway, messenger: BenchMessenger, robots: dict[str, FedRobot]
-) -> list[int]:
-    """Stop everybody some times; return how long it took until the last one was told."""
-    times: list[int] = []
-    for _ in range(STOPS):
-        began_ns = perf_counter_ns()
-        await gateway.pipeline.receive(messenger, inbound_of("0", "stop"))
-        times.append(max(robot.handed_ns for robot in robots.values()) - began_ns)
-    return times
-
-
-def burst(feed: Feed, robots: int) -> list[int]:
-    """Return what one message costs, in ns, when so many wait that waking up costs nothing."""
-    times: list[int] = []
-    frames, numbers = Frames(feed.take), cycle(range(robots))
-    for _ in range(BURSTS):
-        some = tuple(islice(numbers, BURST_MESSAGES // (BEATS_PER_S + 1)))
-        said = b"".join(frame(Beat(robot_name(n))) * BEATS_PER_S + reports(n, 1) for n in some)
-        before, began_ns = feed.messages, perf_counter_ns()
-        frames.data_received(said)
-        times.append((perf_counter_ns() - began_ns) // (feed.messages - before))
-    return times
+async def _stop(gateway: Gateway, messenger: BenchMessenger, robots: Iterable[FedRobot]) -> int:
+    """Stop everybody; return how long it took until the last one was told, in ns."""
+    began_ns = perf_counter_ns()
+    await gateway.pipeline.receive(messenger, inbound_of("0", "stop"))
+    return max(robot.handed_ns for robot in robots) - began_ns
 
 
 def rss_bytes() -> int:
@@ -388,9 +375,8 @@ def profile_of(number: int) -> Profile:
 
 
 def main(text: str) -> None:
-    """See what a plan asks for, and say it."""
-    seen = loop.run(see(msgspec.json.decode(text, type=Plan)))
-    sys.stdout.write(msgspec.json.encode(seen).decode() + "\n")
+    """See what a plan asks for, say it, and take turns."""
+    loop.run(see(msgspec.json.decode(text, type=Plan)))
 
 
 if __name__ == "__main__":

@@ -73,7 +73,7 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def case_of(name: str, runs: Sequence[tuple[float, Sequence[int]]]) -> Case:
+def case_of(name: str, runs: Sequence[tuple[float, Sequence[float]]]) -> Case:
     """Return the medians over runs of (orders per second, latencies in nanoseconds)."""
     return Case(
         name=name,
@@ -83,7 +83,7 @@ def case_of(name: str, runs: Sequence[tuple[float, Sequence[int]]]) -> Case:
     )
 
 
-def quantile(values: Sequence[int], share: float) -> float:
+def quantile(values: Sequence[float], share: float) -> float:
     """Return the value below which a share of the values lies (nearest rank)."""
     ranked = sorted(values)
     return float(ranked[min(len(ranked) - 1, int(share * len(ranked)))])

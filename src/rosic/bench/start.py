@@ -9,27 +9,32 @@ from __future__ import annotations
 
 import asyncio
 import os
-from contextlib import AsyncExitStack
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import msgspec
 from msgspec.structs import replace
 
 from rosic.app.profiles import load_profile, shipped_profiles
-from rosic.bench.report import Case, Report, machine
+from rosic.bench.report import Case, Report, machine, quantile
 from rosic.core.gate import Gate
 from rosic.core.order import Ending
 from rosic.pipeline.way import TOGETHER_NS
+from rosic.robots.ros2.nodes.urgency import Urgency
 from rosic.robots.ros2.robot import Ros2Robot
+from rosic.robots.ros2.two_clocks import ahead_ns
 from rosic.system import SystemClock
 from rosic.testing.orders import OrderBook
 from rosic.testing.ros2.graph import RosGraph
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from asyncio.subprocess import Process
+    from collections.abc import AsyncIterator, Iterator, Sequence
 
     from rosic.core.robot import Profile
     from rosic.core.skill import Argument
@@ -43,58 +48,133 @@ THERE_WITHIN_S = 60.0
 TRIES = 2
 NS = 1_000_000_000
 
+# Later than this a plain process shows that the machine itself was late.
+PROMISED_NS = 20_000_000
+
 METHOD = (
     "{robots} robots as ROS 2 nodes in {processes} processes, told {rounds} times to begin "
     "together {together:.1f} s later. Times: from the first whose motors moved to the last, as "
     "taken down at the robots; and from the agreed moment to each robot's beginning. "
-    "Rate: robots started a second."
+    "Rate: robots started a second. Beside them {processes} plain processes that do nothing but "
+    "sleep until the same moments. Punctual: the robots' processes ask for real-time priority just "
+    "before, as controllers of robots do; granted here: {granted}."
 )
+FIRST = (
+    "{name}: the first start, while links were still opening, {first_ms:.1f} ms apart; not counted."
+)
+FEW = "{name}: only {seen} of {tried} starts were seen whole."
+WITHIN = (
+    "{name}: {robots} of {rounds} starts within {promised_ms:.0f} ms; the plain processes woke "
+    "within it {sleepers} times, and when they did the robots began within it {both} times."
+)
+
+
+class Round(NamedTuple):
+    """One common start.
+
+    Attributes:
+        robots_ns, sleepers_ns: How long after the agreed moment each robot began, and each plain
+            process woke up.
+    """
+
+    robots_ns: Sequence[int]
+    sleepers_ns: Sequence[int]
+
+
+def spread_ns(moments_ns: Sequence[int]) -> int:
+    """Return how long from the first to the last."""
+    return max(moments_ns) - min(moments_ns)
 
 
 def measure(*, quick: bool, robots: int = ROBOTS, rounds: int = 0) -> Report:
     """Let robots begin together, again and again."""
     rounds = rounds or (QUICK_ROUNDS if quick else ROUNDS)
+    granted = _granted()
+    cases: list[Case] = []
+    findings: list[str] = []
+    failures: list[str] = []
+    for name, options in (("ordinary", ()), ("punctual", ("--punctual",))):
+        if options and not granted:
+            continue
+        begun = perf_counter()
+        seen = _seen(robots, rounds + 1, options)
+        rate = robots * len(seen) / (perf_counter() - begun)
+        if len(seen) <= rounds:
+            failures.append(FEW.format(name=name, seen=len(seen), tried=TRIES * (rounds + 1)))
+        if seen:
+            first_ms = spread_ns(seen[0].robots_ns) / 1e6
+            findings.append(FIRST.format(name=name, first_ms=first_ms))
+        if counted := seen[1:]:
+            cases += _cases(name, counted, rate)
+            findings.append(_within(name, counted))
+    method = METHOD.format(
+        robots=robots, processes=PROCESSES, together=TOGETHER_NS / NS, rounds=rounds,
+        granted="yes" if granted else "no",
+    )  # fmt: skip
+    return Report(
+        machine=machine(), method=method, cases=tuple(cases), findings=tuple(findings),
+        failures=tuple(failures),
+    )  # fmt: skip
+
+
+def _granted() -> bool:
+    """Tell whether this machine grants real-time priority, to a thread that ends at once."""
+
+    def ask() -> bool:
+        urgency = Urgency(wanted=True)
+        urgency.be(True)
+        return urgency.wanted
+
+    with ThreadPoolExecutor(1) as pool:
+        return pool.submit(ask).result()
+
+
+def _seen(robots: int, rounds: int, options: Sequence[str]) -> list[Round]:
+    """Return so many common starts of so many robots."""
     with TemporaryDirectory(prefix="rosic-start-") as folder, RosGraph(Path(folder)) as graph:
         names = [f"omni{number}" for number in range(1, robots + 1)]
         file = Path(folder) / "starts"
         for first in range(PROCESSES):
             mine = names[first::PROCESSES]
-            graph.start("-m", SIMULATION, "--starts", file, *mine, timeout_s=120.0)
-        begun = perf_counter()
-        spreads, lates = asyncio.run(_measure(file, names, rounds))
-        took_s = perf_counter() - begun
-    method = METHOD.format(
-        robots=robots, processes=PROCESSES, together=TOGETHER_NS / NS, rounds=rounds
-    )
-    rate = robots * len(spreads) / took_s
-    found = (("first to last", spreads), ("agreed to begun", lates))
-    cases = tuple(_case(name, taken_ns, rate) for name, taken_ns in found if taken_ns)
-    few = f"Only {len(spreads)} of {TRIES * rounds} rounds were seen whole."
-    return Report(
-        machine=machine(), method=method, cases=cases,
-        failures=(few,) if len(spreads) < rounds else (),
+            graph.start("-m", SIMULATION, "--starts", file, *options, *mine, timeout_s=120.0)
+        return asyncio.run(_measure(file, names, rounds))
+
+
+def _cases(name: str, seen: Sequence[Round], rate: float) -> Iterator[Case]:
+    """Yield what robots and plain processes made of the same moments."""
+    for who, rows in (
+        ("robots", [one.robots_ns for one in seen]),
+        ("plain processes", [one.sleepers_ns for one in seen]),
+    ):
+        yield _case(f"{name}: {who}, first to last", [spread_ns(row) for row in rows], rate)
+        yield _case(f"{name}: {who}, agreed to begun", [ns for row in rows for ns in row], rate)
+
+
+def _within(name: str, seen: Sequence[Round]) -> str:
+    """Return in a sentence how often all was as promised, and how often the machine let it be."""
+    robots = {at for at, one in enumerate(seen) if spread_ns(one.robots_ns) < PROMISED_NS}
+    sleepers = {at for at, one in enumerate(seen) if max(one.sleepers_ns) < PROMISED_NS}
+    return WITHIN.format(
+        name=name, robots=len(robots), rounds=len(seen), promised_ms=PROMISED_NS / 1e6,
+        sleepers=len(sleepers), both=len(robots & sleepers),
     )  # fmt: skip
 
 
 def _case(name: str, taken_ns: Sequence[int], rate: float) -> Case:
-    row = sorted(taken_ns)
     return Case(
         name=name,
         rate_per_s=rate,
-        p50_us=row[len(row) // 2] / 1e3,
-        p99_us=row[min(len(row) - 1, int(len(row) * 0.99))] / 1e3,
+        p50_us=quantile(taken_ns, 0.5) / 1e3,
+        p99_us=quantile(taken_ns, 0.99) / 1e3,
     )
 
 
-async def _measure(file: Path, names: Sequence[str], rounds: int) -> tuple[list[int], list[int]]:
-    """Return, in nanoseconds, each round's spread, and every robot's lateness of all rounds.
-
-    They are fewer than asked for where too many rounds were not seen whole.
-    """
+async def _measure(file: Path, names: Sequence[str], rounds: int) -> list[Round]:
+    """Return so many rounds that were seen whole; fewer where too many were not."""
     clock = SystemClock()
-    spreads: list[int] = []
-    lates: list[int] = []
+    seen: list[Round] = []
     async with AsyncExitStack() as stack:
+        sleepers = [await stack.enter_async_context(sleeping()) for _ in range(PROCESSES)]
         sides = [_Side(one_more(name), clock) for name in names]
         for side in sides:
             await side.robot.open(lambda _text: None)
@@ -103,18 +183,48 @@ async def _measure(file: Path, names: Sequence[str], rounds: int) -> tuple[list[
             while not all(side.there for side in sides):  # noqa: ASYNC110 - tells nobody
                 await asyncio.sleep(0.05)
         for number in range(1, TRIES * rounds + 1):
-            if len(spreads) == rounds:
+            if len(seen) == rounds:
                 break
             before = _size(file)
-            start_ns, agreed_ns = clock.monotonic_ns() + TOGETHER_NS, clock.wall_ns() + TOGETHER_NS
+            start_ns = clock.monotonic_ns() + TOGETHER_NS
+            agreed_ns = start_ns + ahead_ns(clock.wall_ns, clock.monotonic_ns)
             way = "forward" if number % 2 == 0 else "back"
+            waking = asyncio.gather(*(sleeper.sleep(start_ns) for sleeper in sleepers))
             done = await asyncio.gather(*(side.go(way, start_ns) for side in sides))
+            woke = await waking
             moments = began(file, before)
             if not all(done) or set(moments) != set(names):
                 continue  # one held, as it did not hear of us for a second: a round of fewer
-            spreads.append(max(moments.values()) - min(moments.values()))
-            lates += [moment - agreed_ns for moment in moments.values()]
-    return spreads, lates
+            robots = [moment_ns - agreed_ns for moment_ns in moments.values()]
+            seen.append(Round(robots, [woke_ns - start_ns for woke_ns in woke]))
+    return seen
+
+
+class _Sleeper:
+    """A plain process that sleeps until a moment."""
+
+    def __init__(self, process: Process) -> None:
+        self._to = cast("asyncio.StreamWriter", process.stdin)  # both are pipes
+        self._from = cast("asyncio.StreamReader", process.stdout)
+
+    async def sleep(self, until_ns: int) -> int:
+        """Let it sleep until then; return when it woke up."""
+        self._to.write(b"%d\n" % until_ns)
+        return int(await self._from.readline())
+
+
+@asynccontextmanager
+async def sleeping() -> AsyncIterator[_Sleeper]:
+    """Run a plain process while inside."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", "rosic.bench.sleeper",
+        stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+    )  # fmt: skip
+    try:
+        yield _Sleeper(process)
+    finally:
+        process.kill()
+        await process.wait()
 
 
 def _size(file: Path) -> int:

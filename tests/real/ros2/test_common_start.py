@@ -34,7 +34,7 @@ async def test_robots_that_were_told_one_after_another_begin_together(
 ) -> None:
     file, clock = tmp_path / "starts", SystemClock()
     for names in (NAMES[:2], NAMES[2:]):
-        graph.start("-m", SIMULATION, "--starts", file, *names, timeout_s=60.0)
+        graph.start("-m", SIMULATION, "--starts", file, "--punctual", *names, timeout_s=60.0)
     async with AsyncExitStack() as stack:
         robots = [await stack.enter_async_context(opened(one_more(n), clock)) for n in NAMES]
         start_ns = clock.monotonic_ns() + 3_000_000_000

@@ -16,6 +16,7 @@ from rosic.robots.ros2.goal_fields import Fields
 from rosic.robots.ros2.messages import to_message
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.reasons import Reasons
+from rosic.robots.ros2.two_clocks import ahead_ns
 
 if TYPE_CHECKING:
     from rosic.core.order import Order
@@ -115,7 +116,7 @@ class ByAction:
         start_ns = errand.order.start_ns
         if self._binding.start and start_ns is not None:
             clock = errand.side.clock
-            at_ns = clock.wall_ns() + start_ns - clock.monotonic_ns()
+            at_ns = start_ns + ahead_ns(clock.wall_ns, clock.monotonic_ns)
             values[f"{self._binding.start}.sec"] = at_ns // _NS
             values[f"{self._binding.start}.nanosec"] = at_ns % _NS
         return values

@@ -7,18 +7,20 @@ share the robots between them; the drones of one swarm then meet over a topic.
 from __future__ import annotations
 
 import argparse
+import gc
 import signal
 import sys
 import time
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.names import did_you_mean
 from rosic.robots.ros2.nodes.actuations import Actuations
 from rosic.robots.ros2.nodes.machine_node import NODE_NAME, MachineNode
 from rosic.robots.ros2.nodes.offers import MODELS, model_of
+from rosic.robots.ros2.nodes.urgency import Urgency
 from rosic.robots.ros2.nodes.waiting_clock import WaitingClock
 from rosic.robots.ros2.others.arm_robot import TYPES as ARM_TYPES
 from rosic.robots.ros2.others.arm_robot import ArmRobot
@@ -40,8 +42,11 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.ros import RosObject
 
 LONGEST_TURN_S = 0.1
-# So long before a common start nothing else is done: a motor's controller would not be late for it.
-HELD_S = 0.015
+# So long before a common start nothing is told any more, as that may wait for other threads and
+# their locks; then nothing is heard either: a motor's controller would not be late for it.
+QUIET_S, HELD_S = 0.06, 0.015
+# So long before, a process that was asked to be punctual asks for priority: after the longest turn.
+URGENT_S = 2 * LONGEST_TURN_S
 # Robots as others build them: only by name, as they take interfaces of other packages.
 OTHERS: dict[str, tuple[tuple[str, ...], type[Nav2Robot | ArmRobot]]] = {
     "rover": (NAV2_TYPES, Nav2Robot),
@@ -51,12 +56,14 @@ MACHINES: dict[str, type[Omni]] = {"omni": Omni, "rover": Rover, "watcher": Watc
 
 KNOWN = (*MODELS, *OTHERS)
 
+_Node: TypeAlias = MachineNode | Nav2Robot | ArmRobot
+
 
 def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -> int:
     """Run robots until SIGTERM or Ctrl-C; says ``ready`` and their names once all are up.
 
     Args:
-        arguments: Names of robots, all by default, and ``--actuations FILE``.
+        arguments: Names of robots, all by default, and the options that ``--help`` lists.
         draw: Makes the frames of their cameras; None: they have none.
 
     Raises:
@@ -72,6 +79,10 @@ def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -
     parser.add_argument(
         "--starts", type=Path, metavar="FILE", help="append a line whenever a robot begins to move"
     )
+    parser.add_argument(
+        "--punctual", action="store_true",
+        help="ask for real-time priority when a common start is near",
+    )  # fmt: skip
     asked = parser.parse_args(arguments)
     robots = list(dict.fromkeys(asked.robots)) or list(MODELS)
     for robot in robots:
@@ -89,18 +100,25 @@ def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -
         ) from error
     stopping = _Stopping()
     try:
-        _run(robots, _Files(log, starts), stopping, draw)
+        _run(robots, _Means(log, starts, Urgency(wanted=asked.punctual), draw), stopping)
     finally:
         log.close()
         starts.close()
     return 0
 
 
-class _Files(NamedTuple):
-    """What is taken down."""
+class _Means(NamedTuple):
+    """What a process of robots has besides them.
+
+    Attributes:
+        log, starts: What is taken down.
+        draw: Makes the frames of cameras; None: there are none.
+    """
 
     log: Actuations
     starts: Actuations
+    urgency: Urgency
+    draw: DrawJpeg | None
 
 
 class _Stopping:
@@ -115,36 +133,28 @@ class _Stopping:
         self.asked = True
 
 
-def _run(robots: Sequence[str], files: _Files, stopping: _Stopping, draw: DrawJpeg | None) -> None:
+def _run(robots: Sequence[str], means: _Means, stopping: _Stopping) -> None:
     ros = load_ros()
     context = ros.rclpy.Context()
     ros.rclpy.init(context=context, signal_handler_options=ros.signals.SignalHandlerOptions.NO)
     executor = make_executor(ros, context)
     world, clock = _world(robots), WaitingClock()
-    nodes: list[MachineNode | Nav2Robot | ArmRobot] = []
+    nodes: list[_Node] = []
     try:
         for robot in robots:
             ros_node = _node(ros, context, robot)
             executor.add_node(ros_node)
-            nodes.append(_robot(ros_node, robot, world, clock, files))
-            if draw is not None and isinstance(nodes[-1], MachineNode):
-                nodes[-1].show(world, draw)
+            nodes.append(_robot(ros_node, robot, world, clock, means))
+            if means.draw is not None and isinstance(nodes[-1], MachineNode):
+                nodes[-1].show(world, means.draw)
         machines = [node for node in nodes if isinstance(node, MachineNode)]
+        gc.collect()
+        gc.freeze()  # what lasts is looked through no more: that takes as long as a late start
         sys.stdout.write(f"ready {' '.join(robots)}\n")
         sys.stdout.flush()
         while not stopping.asked:
-            now_s = clock.now_s()
-            start_s = min((m.machine.start_s for m in machines if m.machine.start_s > now_s),
-                          default=inf)  # fmt: skip
-            if start_s - now_s < HELD_S:
-                time.sleep(start_s - now_s)
-            else:
-                wait_s = min(node.due_s for node in nodes) - now_s
-                executor.spin_once(timeout_sec=min(max(wait_s, 0.0), LONGEST_TURN_S))
-            for machine in machines:
-                machine.step()
-            for node in nodes:
-                node.turn()
+            if _wait(executor, clock, nodes, means.urgency):
+                _act(machines, nodes)
     finally:
         executor.shutdown()
         for node in nodes:
@@ -152,18 +162,44 @@ def _run(robots: Sequence[str], files: _Files, stopping: _Stopping, draw: DrawJp
         context.try_shutdown()
 
 
+def _wait(
+    executor: RosObject, clock: WaitingClock, nodes: Sequence[_Node], urgency: Urgency
+) -> bool:
+    """Hear what comes until a robot wants its turn; tell whether it is time for turns."""
+    now_s = clock.now_s()
+    starts_s = (node.machine.start_s for node in nodes if isinstance(node, MachineNode))
+    start_s = min((start_s for start_s in starts_s if start_s > now_s), default=inf)
+    until_s = start_s - now_s
+    urgency.be(until_s < URGENT_S)
+    if until_s < HELD_S:
+        time.sleep(until_s)
+        return True
+    if until_s < QUIET_S:
+        wait_s = until_s - HELD_S
+    else:
+        wait_s = min(min(node.due_s for node in nodes) - now_s, until_s - QUIET_S)
+    executor.spin_once(timeout_sec=min(max(wait_s, 0.0), LONGEST_TURN_S))
+    return not 0.0 < start_s - clock.now_s() < QUIET_S
+
+
+def _act(machines: Sequence[MachineNode], nodes: Sequence[_Node]) -> None:
+    """Step all before any of them speaks."""
+    for machine in machines:
+        machine.step()
+    for node in nodes:
+        node.turn()
+
+
 def _node(ros: RosObject, context: RosObject, robot: str) -> RosObject:
     name = OTHERS[robot][1].NODE_NAME if robot in OTHERS else NODE_NAME
     return ros.node.Node(name, namespace=f"/{robot}", context=context, use_global_arguments=False)
 
 
-def _robot(
-    node: RosObject, robot: str, world: World, clock: WaitingClock, files: _Files
-) -> MachineNode | Nav2Robot | ArmRobot:
+def _robot(node: RosObject, robot: str, world: World, clock: WaitingClock, means: _Means) -> _Node:
     if robot in OTHERS:
-        return OTHERS[robot][1](node, robot, clock, files.log)
-    made = MachineNode(node, robot, world, clock, files.log)
-    made.starts = files.starts
+        return OTHERS[robot][1](node, robot, clock, means.log)
+    made = MachineNode(node, robot, world, clock, means.log)
+    made.starts = means.starts
     return made
 
 

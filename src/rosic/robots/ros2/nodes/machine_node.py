@@ -128,14 +128,15 @@ class MachineNode:
         if self._waits and now_s >= self.machine.start_s:
             self._waits = False
             self.starts.moved(self.id, time.time_ns())
-        self._stepped = now_s, self.node.get_clock().now().to_msg()
+        self._stepped = now_s, self.node.get_clock().now()
 
     def turn(self) -> None:
         """Step the machine if it is time, and tell what there is to tell."""
         self.step()
         if self._stepped is None:
             return
-        (now_s, stamp), self._stepped = self._stepped, None
+        (now_s, stepped), self._stepped = self._stepped, None
+        stamp = stepped.to_msg()
         if self.machine.moving and self._watch.lost(now_s):
             self.machine.link_lost(now_s)
         self._tell_note()

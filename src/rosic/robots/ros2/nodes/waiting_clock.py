@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 
+from rosic.robots.ros2.two_clocks import ahead_ns
+
 LONGEST_GAP_S = 0.2
 NS = 1_000_000_000
 
@@ -39,4 +41,5 @@ class WaitingClock:
 
     def coming_s(self, wall_ns: int) -> float:
         """Return when something that is to be at a wall clock time will be."""
-        return self.now_s() + (wall_ns - time.time_ns()) / NS
+        self.now_s()  # brings the slip up to date
+        return (wall_ns - ahead_ns(time.time_ns, time.monotonic_ns)) / NS - self._slip_s
