@@ -7,9 +7,9 @@ import msgspec
 import pytest
 
 from rosic.app.config import load_config, read_config
-from rosic.app.config_file import LogLevel
-from rosic.app.profiles import known_units
-from rosic.app.rulebook import fleet_of
+from rosic.app.documents.config_file import LogLevel
+from rosic.app.documents.profiles import known_units
+from rosic.app.documents.rulebook import fleet_of
 from rosic.app.start import settings_of
 from rosic.container.drawer import Room
 from rosic.core.identity import Address

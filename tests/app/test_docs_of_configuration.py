@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rosic.app.config import check_config
-from rosic.app.profiles import check_profile, load_profile, shipped_profiles
+from rosic.app.documents.profiles import check_profile, load_profile, shipped_profiles
 from tests.app.profile_text import write
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import check_config, load_config
-from rosic.app.profiles import check_profile
+from rosic.app.documents.profiles import check_profile
 from rosic.core.identity import Address
 from tests.app.profile_text import write
 

@@ -4,7 +4,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.app.forgetting import DAY_S, SOON_S, Forgetful, forget_daily
+from rosic.app.placing.forgetting import DAY_S, SOON_S, Forgetful, forget_daily
 from rosic.errors import StoreFault
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import read_config
-from rosic.app.missions import Missions
-from rosic.app.profiles import known_units
+from rosic.app.documents.missions import Missions
+from rosic.app.documents.profiles import known_units
 from tests.rooms.pipeline.test_tasks import WAREHOUSE
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import check_config
-from rosic.app.profiles import check_profile, known_units, load_profile
-from rosic.app.schema import robot_schema
-from rosic.app.yaml_file import read_yaml
+from rosic.app.documents.profiles import check_profile, known_units, load_profile
+from rosic.app.documents.schema import robot_schema
+from rosic.app.documents.yaml_file import read_yaml
 from rosic.core.alert_rule import Circle, Severity
 from rosic.core.language import Vocabulary
 from rosic.core.rule import compile_rule, read_run, rules_of

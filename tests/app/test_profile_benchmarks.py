@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.profiles import check_profile, known_units, load_profile, shipped_profiles
+from rosic.app.documents.profiles import check_profile, known_units, load_profile, shipped_profiles
 from rosic.core.condition import DEVIATES
 from rosic.core.rule import rules_of
 

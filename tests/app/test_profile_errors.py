@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from rosic.app.profiles import check_profile, load_profile, read_profile
+from rosic.app.documents.profiles import check_profile, load_profile, read_profile
 from rosic.errors import ConfigurationError
 from tests.app.profile_text import DIALOGUE, GOOD, MARK, marked_line, spoil, write
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.profiles import check_profile, shipped_profiles
+from rosic.app.documents.profiles import check_profile, shipped_profiles
 
 if TYPE_CHECKING:
     from pathlib import Path

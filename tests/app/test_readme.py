@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from rosic.app.config import check_config
-from rosic.app.profiles import check_profile, load_profile
+from rosic.app.documents.profiles import check_profile, load_profile
 
 README = Path(__file__).parents[2] / "README.md"
 TEN_LINES = 10

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.app.config import load_config
-from rosic.app.config_file import Keep
+from rosic.app.documents.config_file import Keep
 from rosic.core.slot import SLOT, Slot
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any, Protocol
 import jsonschema
 import pytest
 
-from rosic.app.profiles import shipped_profiles
-from rosic.app.schema import config_schema, main, published, robot_schema
-from rosic.app.yaml_file import read_yaml
+from rosic.app.documents.profiles import shipped_profiles
+from rosic.app.documents.schema import config_schema, main, published, robot_schema
+from rosic.app.documents.yaml_file import read_yaml
 from tests.app.profile_text import DIALOGUE, GOOD, write
 from tests.app.test_config_errors import GOOD as CONFIG
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rosic.app.source import Data
+    from rosic.app.documents.source import Data
 
 ROOT = Path(__file__).parents[2]
 
@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[2]
 @pytest.mark.parametrize("name", sorted(published()))
 def test_what_is_published_is_up_to_date(name: str) -> None:
     stored = (ROOT / "docs" / "schema" / name).read_text(encoding="utf-8")
-    assert stored == published()[name], "run: python -m rosic.app.schema docs/schema"
+    assert stored == published()[name], "run: python -m rosic.app.documents.schema docs/schema"
 
 
 def test_it_is_written_into_a_folder(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from rosic.app.profiles import check_profile
+from rosic.app.documents.profiles import check_profile
 from rosic.pictures import draw, encoding, frames
 from rosic.pipeline.seeing import looking, samples, studio
 from rosic.robots.ros2 import sights

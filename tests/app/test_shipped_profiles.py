@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from rosic.app.profiles import (
+from rosic.app.documents.profiles import (
     find_profile,
     fleet_findings,
     known_units,

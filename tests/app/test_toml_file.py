@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rosic.app.toml_file import read_toml
+from rosic.app.documents.toml_file import read_toml
 from rosic.errors import ConfigurationError
 from tests.app.test_config_errors import TOKEN
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from pathlib import Path
 
-    from rosic.app.source import Place, Source
+    from rosic.app.documents.source import Place, Source
 
 WRITTEN = '''\
 title = "a # b"   # 1

@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.app.source import SIZE_LIMIT_BYTES
-from rosic.app.yaml_file import read_yaml
+from rosic.app.documents.source import SIZE_LIMIT_BYTES
+from rosic.app.documents.yaml_file import read_yaml
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rosic.app.source import Source
+    from rosic.app.documents.source import Source
 
 BOMB = "a: &a [x, x, x]\n" + "".join(
     f"{new}: &{new} [{', '.join([f'*{old}'] * 9)}]\n"

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
-from rosic.app.offline import Alone, Seeding
-from rosic.app.operator_desk import OperatorDesk
+from rosic.app.desk.offline import Alone, Seeding
+from rosic.app.desk.operator_desk import OperatorDesk
 from rosic.cli.entry import main
 from rosic.errors import RecordUnavailable
 from rosic.stores.memory import MemoryStore

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.app.profiles import shipped_profiles
+from rosic.app.documents.profiles import shipped_profiles
 from rosic.cli.entry import main
 from tests.cli.running import CONFIG, write_config
 

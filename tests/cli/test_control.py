@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
-from rosic.app.control import (
+from rosic.app.desk.control import (
     ASK_BYTES,
     AT_ONCE,
     LONGEST_PATH_BYTES,
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from pathlib import Path
 
-    from rosic.app.operating import Operating
+    from rosic.app.desk.operating import Operating
 
 
 LONG_BYTES = 4 << 20  # far more than a socket holds for somebody who does not read

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.discovering import robots_in
-from rosic.app.drafting import JOINTS, LOCATED, Seen, drafted, robot_id
-from rosic.app.drafting_others import FOLLOW, GRIP, NAVIGATE, Limbs, Stand
-from rosic.app.profiles import read_profile
+from rosic.app.documents.profiles import read_profile
+from rosic.app.finding.discovering import robots_in
+from rosic.app.finding.drafting import JOINTS, LOCATED, Seen, drafted, robot_id
+from rosic.app.finding.drafting_others import FOLLOW, GRIP, NAVIGATE, Limbs, Stand
 from rosic.robots.ros2.graph import Offer, Snapshot, Topic
 from tests.cli.running import SOURCE, cold_rosic
 

@@ -11,7 +11,7 @@ from rosic.app.config import load_config
 from rosic.app.doctor.findings import Finding, Verdict
 from rosic.app.doctor.machine import examine_clock, examine_disk
 from rosic.app.doctor.trying import slow_arguments, streaming_skill, try_robot
-from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.stores.database import DatabaseStore
 from rosic.system import SystemClock, SystemEntropy
 from tests.cli.running import gateway, rosic, write_config

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
-from rosic.app.asked import Ask, Verb
 from rosic.app.config import load_config
-from rosic.app.offline import Alone, Seeding
-from rosic.app.planning import BookAsk, Booking, Who
-from rosic.app.wishes import merged_who
+from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.offline import Alone, Seeding
+from rosic.app.desk.planning import BookAsk, Booking, Who
+from rosic.app.desk.wishes import merged_who
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal, RobotTaken, TooManyRequests
 from rosic.organiser.allocation import NS_PER_MIN
 from rosic.organiser.occasions import Limits

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.asked import Ask, Verb
+from rosic.app.desk.asked import Ask, Verb
 from rosic.cli.asking import answers
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import environment, gateway, rosic, write_config

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.app.profiles import known_units
+from rosic.app.documents.profiles import known_units
 from rosic.core.alert import Reading
 from rosic.core.condition import Names, compile_condition
 from rosic.core.robot import Presence

@@ -109,7 +109,7 @@ def _install(folder: Path) -> None:
 def _warm_up() -> None:
     for module in WARM:
         __import__(module)
-    from rosic.app.profiles import known_units  # noqa: PLC0415 - after the path was set
+    from rosic.app.documents.profiles import known_units  # noqa: PLC0415 - after the path was set
 
     known_units()
     if COLD not in sys.argv:

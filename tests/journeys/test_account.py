@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import aiohttp
 import pytest
 
-from rosic.app.control import Ask, Verb, ask_gateway
+from rosic.app.desk.control import Ask, Verb, ask_gateway
 from tests.journeys.fleet import TOKEN
 from tests.journeys.lab import Lab, lab
 from tests.pace import patience

@@ -295,7 +295,7 @@ FAULTS = (
     ),
     Fault(
         name="I8 what somebody locked out moves goes on",
-        file="app/authority.py",
+        file="app/placing/authority.py",
         guard="if locked or gone or lost:",
         without="if gone or lost:",
         caught_by=(RIGHTS,),

@@ -72,7 +72,7 @@ OF_ORDERS = (
     ),
     Fault(
         name="I13 a stop that only the record knows is forgotten by a restart",
-        file="app/gates.py",
+        file="app/placing/gates.py",
         guard="if generation > joined.get(robot, (0, False))[0]:",
         without="if False:",
         caught_by=(f"{STOPPING}::test_a_stop_that_only_the_record_knows_survives_a_restart",),

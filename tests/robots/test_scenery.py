@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 from PIL import Image, ImageChops, ImageStat
 
+from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.app.portrait import FILE, played, robots
-from rosic.app.profiles import load_profile, shipped_profiles
 from rosic.core.gate import Gate
 from rosic.core.view import Box, Grid, Scene, Sight, Tube, View
 from rosic.errors import NothingToSee

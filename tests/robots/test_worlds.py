@@ -9,7 +9,7 @@ from weakref import ref
 
 from msgspec.structs import replace
 
-from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.core.gate import Gate
 from rosic.core.order import Ending, Stop
 from rosic.core.robot import Link

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app.adapters import robot_factory
 from rosic.app.config import Config, read_config
-from rosic.app.control import socket_path
-from rosic.app.profiles import known_units
-from rosic.app.rulebook import fleet_of
+from rosic.app.desk.control import socket_path
+from rosic.app.documents.profiles import known_units
+from rosic.app.documents.rulebook import fleet_of
 from rosic.app.start import messenger_of
 from rosic.core.language import Vocabulary
 from rosic.core.limits import unit_converter

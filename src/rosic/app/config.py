@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
-from rosic.app.alarming import author_findings
-from rosic.app.config_file import (
+from rosic.app.documents.config_file import (
     ConfigFile,
     Keep,
     LogLevel,
@@ -23,14 +22,15 @@ from rosic.app.config_file import (
     said_addresses,
     said_roles,
 )
-from rosic.app.fellows import robot_findings
-from rosic.app.missions import Missions
-from rosic.app.people import Seed
-from rosic.app.profiles import find_profile, fleet_findings, known_units, read_profile
-from rosic.app.rulebook import rulebook_of
-from rosic.app.secret_settings import SecretSettings
-from rosic.app.shape import Finding, Walker
-from rosic.app.toml_file import read_toml
+from rosic.app.documents.missions import Missions
+from rosic.app.documents.profiles import find_profile, fleet_findings, known_units, read_profile
+from rosic.app.documents.rulebook import rulebook_of
+from rosic.app.documents.secret_settings import SecretSettings
+from rosic.app.documents.shape import Finding, Walker
+from rosic.app.documents.toml_file import read_toml
+from rosic.app.placing.alarming import author_findings
+from rosic.app.placing.fellows import robot_findings
+from rosic.app.placing.people import Seed
 from rosic.container.drawer import Room
 from rosic.core.fleet.mission import Mission
 from rosic.core.rate import RateLimit, parse_rate
@@ -41,7 +41,7 @@ from rosic.errors import ConfigurationError
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from rosic.app.source import Source
+    from rosic.app.documents.source import Source
     from rosic.core.language import UnitTable
 
 

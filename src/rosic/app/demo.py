@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 from rosic.app.adapters import robot_factory
 from rosic.app.closing import close_in_time
+from rosic.app.desk.operating import Operating
+from rosic.app.documents.profiles import known_units, read_profile, shipped_profiles
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.operating import Operating
-from rosic.app.painting import painter
-from rosic.app.people import Seed
-from rosic.app.profiles import known_units, read_profile, shipped_profiles
+from rosic.app.placing.painting import painter
+from rosic.app.placing.people import Seed
 from rosic.app.quiet import PIPED, until_done, until_quiet
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.checking import check_all
-from rosic.app.profiles import check_profile, shipped_profiles
-from rosic.app.source import nearest
+from rosic.app.documents.profiles import check_profile, shipped_profiles
+from rosic.app.documents.source import nearest
 from rosic.core.identity import Address
 from rosic.errors import ConfigurationError, OutOfBounds
 from rosic.organiser.zones import zone_named

@@ -9,25 +9,25 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.access import Access
-from rosic.app.authority import Authority, key_of
-from rosic.app.enlisted import KIND as ENLISTED
-from rosic.app.enlisted import with_enlisted
-from rosic.app.enlisting import Enlisting, Ways
-from rosic.app.fellows import fellowship_of
-from rosic.app.furnishing import Furnishing
-from rosic.app.gates import robots_of, stops_of
-from rosic.app.gathering import gathering_of
-from rosic.app.holding import Holding
 from rosic.app.languages import LANGUAGES, catalogue, whose
-from rosic.app.minding import Minder
-from rosic.app.newcomers import newcomers_of
-from rosic.app.owing import owe_over_crashes
-from rosic.app.painting import furnish_seeing
 from rosic.app.parts import Parts, Settings
-from rosic.app.people import remember, seed
-from rosic.app.retention import Ledger, Retention
-from rosic.app.saving import limit_rates, save, save_now_and_then
+from rosic.app.placing.access import Access
+from rosic.app.placing.authority import Authority, key_of
+from rosic.app.placing.enlisted import KIND as ENLISTED
+from rosic.app.placing.enlisted import with_enlisted
+from rosic.app.placing.enlisting import Enlisting, Ways
+from rosic.app.placing.fellows import fellowship_of
+from rosic.app.placing.furnishing import Furnishing
+from rosic.app.placing.gates import robots_of, stops_of
+from rosic.app.placing.gathering import gathering_of
+from rosic.app.placing.holding import Holding
+from rosic.app.placing.minding import Minder
+from rosic.app.placing.newcomers import newcomers_of
+from rosic.app.placing.owing import owe_over_crashes
+from rosic.app.placing.painting import furnish_seeing
+from rosic.app.placing.people import remember, seed
+from rosic.app.placing.retention import Ledger, Retention
+from rosic.app.placing.saving import limit_rates, save, save_now_and_then
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater

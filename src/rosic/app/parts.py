@@ -7,8 +7,8 @@ from typing import Protocol, runtime_checkable
 
 import msgspec
 
-from rosic.app.config_file import Keep
-from rosic.app.people import Seed
+from rosic.app.documents.config_file import Keep
+from rosic.app.placing.people import Seed
 from rosic.container.drawer import Room
 from rosic.contracts.adapter import RobotFactory
 from rosic.contracts.clock import Clock

@@ -9,13 +9,13 @@ import signal
 from typing import TYPE_CHECKING
 
 from rosic.app import heap
-from rosic.app.books import books_of
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time
-from rosic.app.control import ControlServer, socket_path
-from rosic.app.forgetting import Forgetful, forget_daily
+from rosic.app.desk.books import books_of
+from rosic.app.desk.control import ControlServer, socket_path
+from rosic.app.desk.operating import Operating
+from rosic.app.desk.operator_desk import OperatorDesk
 from rosic.app.gateway import Gateway, Parts
-from rosic.app.operating import Operating
-from rosic.app.operator_desk import OperatorDesk
+from rosic.app.placing.forgetting import Forgetful, forget_daily
 from rosic.app.start import Checking, latch_of, parts_of, settings_of
 from rosic.errors import MessengerFault, RosicError
 

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from zoneinfo import ZoneInfo
 
 from rosic.app.adapters import messenger_factory, robot_factory
+from rosic.app.documents.profiles import known_units
 from rosic.app.face import face_of
-from rosic.app.painting import painter
 from rosic.app.parts import Completing, Parts, Settings
-from rosic.app.profiles import known_units
+from rosic.app.placing.painting import painter
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
 from rosic.stores.database import DatabaseStore

@@ -13,7 +13,7 @@ import msgspec
 from rosic.app import heap
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.app.units import compile_units
 from rosic.bench.stand_in import TOKEN
 from rosic.core.identity import Address

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.app.units import compile_units
 from rosic.bench.lanes import BenchMessenger
 from rosic.core.identity import Address

@@ -22,7 +22,7 @@ import msgspec
 from rosic.app import heap, loop
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.app.units import compile_units
 from rosic.bench.fed import FedRobot, Feed, Frames, read_wish
 from rosic.bench.feeding import Sent, robot_name

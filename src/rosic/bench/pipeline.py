@@ -18,7 +18,7 @@ import msgspec
 from rosic.app import heap, loop
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.app.units import compile_units
 from rosic.bench import deciding, places, weighing
 from rosic.bench.lanes import TURN_MESSAGES, BenchMessenger, Lane, Sending, lanes_of

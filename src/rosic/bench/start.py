@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import msgspec
 from msgspec.structs import replace
 
-from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.bench.report import Case, Report, machine, quantile
 from rosic.core.gate import Gate
 from rosic.core.order import Ending

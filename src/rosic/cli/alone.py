@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.app.config import load_config
-from rosic.app.offline import Alone, Seeding
+from rosic.app.desk.offline import Alone, Seeding
 from rosic.cli.asking import data_of
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy
@@ -14,7 +14,7 @@ from rosic.system import SystemClock, SystemEntropy
 if TYPE_CHECKING:
     import argparse
 
-    from rosic.app.asked import Ask
+    from rosic.app.desk.asked import Ask
 
 LOOKS = Seeding.IMAGINED
 CHANGES = Seeding.WRITTEN

@@ -7,14 +7,14 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.control import ask_gateway
-from rosic.app.toml_file import read_toml
+from rosic.app.desk.control import ask_gateway
+from rosic.app.documents.toml_file import read_toml
 from rosic.errors import ConfigurationError, Refusal
 
 if TYPE_CHECKING:
     import argparse
 
-    from rosic.app.asked import Ask
+    from rosic.app.desk.asked import Ask
 
 
 CONFIG = "rosic.toml"

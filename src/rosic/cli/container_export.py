@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.asked import Ask, Verb
+from rosic.app.desk.asked import Ask, Verb
 from rosic.cli.asking import add_where
 from rosic.cli.desk import looked_up
 from rosic.container import export

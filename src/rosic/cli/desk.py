@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.app.control import NotRunning
+from rosic.app.desk.control import NotRunning
 from rosic.cli.asking import answers, data_of
 
 if TYPE_CHECKING:
     import argparse
 
-    from rosic.app.asked import Ask
+    from rosic.app.desk.asked import Ask
 
 
 def looked_up(options: argparse.Namespace, ask: Ask, *, robots: bool = False) -> tuple[str, ...]:

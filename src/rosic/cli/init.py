@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rosic.app.documents.profiles import shipped_profiles
 from rosic.app.founding import (
     Founding,
     check_absent,
@@ -18,7 +19,6 @@ from rosic.app.founding import (
     found,
     zone_here,
 )
-from rosic.app.profiles import shipped_profiles
 from rosic.cli.asking import CONFIG
 from rosic.cli.questions import Questions
 from rosic.core.identity import Address
@@ -113,7 +113,7 @@ def _drafts(options: argparse.Namespace, ask: Questions) -> dict[str, str]:
     """
     if not options.discover and (options.robot or not _wants_ros(ask)):
         return {}
-    from rosic.app.discovering import discover  # noqa: PLC0415 - ROS 2, only for who has it
+    from rosic.app.finding.discovering import discover  # noqa: PLC0415 - ROS 2, only for who has it
 
     try:
         seen = asyncio.run(discover(SystemClock(), seconds=LOOK_S))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.asked import Ask, Verb
+from rosic.app.desk.asked import Ask, Verb
 from rosic.cli.asking import add_where
 from rosic.cli.desk import changed
 from rosic.cli.spans import joined, seconds

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.asked import Ask, Verb
-from rosic.app.control import NotRunning
+from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.control import NotRunning
 from rosic.cli.asking import add_where, ask, data_of
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.asked import Ask, Verb
-from rosic.app.control import NotRunning
-from rosic.app.enlisted import Draft, Wanted
-from rosic.app.profiles import find_profile, known_units, read_profile
-from rosic.app.source import read_text
+from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.control import NotRunning
+from rosic.app.documents.profiles import find_profile, known_units, read_profile
+from rosic.app.documents.source import read_text
+from rosic.app.placing.enlisted import Draft, Wanted
 from rosic.cli.asking import add_where, ask, data_of
 from rosic.errors import Fault
 

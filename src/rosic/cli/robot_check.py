@@ -6,7 +6,7 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rosic.app.profiles import known_units, read_profile
+from rosic.app.documents.profiles import known_units, read_profile
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

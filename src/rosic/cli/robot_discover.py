@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.discovering import discover
-from rosic.app.profiles import check_profile
+from rosic.app.documents.profiles import check_profile
+from rosic.app.finding.discovering import discover
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.asked import Ask, Verb
-from rosic.app.planning import BookAsk, Booking, Taken, Who, Window
-from rosic.app.wishes import merged_who, not_over, openings_of, problem_of, read_wishes
+from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.planning import BookAsk, Booking, Taken, Who, Window
+from rosic.app.desk.wishes import merged_who, not_over, openings_of, problem_of, read_wishes
 from rosic.cli.asking import add_where
 from rosic.cli.desk import changed, looked_up
 from rosic.errors import ConfigurationError

@@ -6,7 +6,7 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rosic.app.painting import jpeg_drawer
+from rosic.app.placing.painting import jpeg_drawer
 from rosic.robots.ros2.ros import load_ros
 
 if TYPE_CHECKING:

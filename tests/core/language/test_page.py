@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rosic.app.profiles import known_units, load_profile, shipped_profiles
+from rosic.app.documents.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import (
     Context,
     Do,

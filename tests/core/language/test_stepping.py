@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.app.profiles import known_units
+from rosic.app.documents.profiles import known_units
 from rosic.core.language import Vocabulary
 from rosic.core.language.stepping import beginning, stepped
 from rosic.core.robot import Link, Profile

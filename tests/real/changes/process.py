@@ -12,10 +12,10 @@ import os
 from itertools import count
 from typing import TYPE_CHECKING
 
+from rosic.app.documents.profiles import known_units
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.people import Seed
-from rosic.app.profiles import known_units
+from rosic.app.placing.people import Seed
 from rosic.authoriser.admission import Redeemed
 from rosic.authoriser.invitation import Given, Wanted
 from rosic.core.civil import Local

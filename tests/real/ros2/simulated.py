@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 from msgspec.structs import replace
 
-from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.core.gate import Gate
 from rosic.core.robot import Profile
 from rosic.robots.ros2.parameters import SET_PARAMETERS, request, service_of

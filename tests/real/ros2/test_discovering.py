@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.discovering import discover
-from rosic.app.profiles import check_profile, load_profile
+from rosic.app.documents.profiles import check_profile, load_profile
+from rosic.app.finding.discovering import discover
 from rosic.core.order import Ending, Outcome
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built, make_importable

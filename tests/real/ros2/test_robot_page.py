@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from rosic.app.profiles import check_profile
+from rosic.app.documents.profiles import check_profile
 from rosic.robots.ros2 import dialogue, heartbeat, rest
 from rosic.robots.ros2.nodes import faults, reports, swarm_topic, waiting_clock, watch
 from rosic.robots.ros2.nodes.offers import MODELS

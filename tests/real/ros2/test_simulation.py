@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.core.order import Ending
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.graph import snapshot

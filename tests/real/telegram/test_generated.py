@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from rosic.messengers.memory import MemoryMessenger
 from rosic.messengers.telegram.listening import Moment

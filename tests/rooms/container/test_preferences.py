@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.app.profiles import known_units
+from rosic.app.documents.profiles import known_units
 from rosic.container.preferences import ENGLISH, KIND, UNSET, Caps, PreferenceBook
 from rosic.container.words_container import HOW_FAST
 from rosic.core.limits import unit_converter

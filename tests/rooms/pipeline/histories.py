@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
+from rosic.app.documents.profiles import known_units
 from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.profiles import known_units
 from rosic.core.identity import command_id, robot_command_id
 from rosic.core.message import Chat, ChatKind, Inbound, Standing
 from rosic.core.rate import RateLimit

@@ -6,9 +6,9 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Self
 
+from rosic.app.documents.profiles import known_units
 from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.people import Seed
-from rosic.app.profiles import known_units
+from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Busy, Link, Profile

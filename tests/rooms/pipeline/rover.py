@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.enlisted import Draft
+from rosic.app.placing.enlisted import Draft
 from rosic.core.identity import OPERATOR
 from rosic.core.record import Decided
 from rosic.errors import ConfigurationError, Refusal

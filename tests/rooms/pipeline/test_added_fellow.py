@@ -14,7 +14,7 @@ from tests.rooms.pipeline.place import BO, PEOPLE
 from tests.rooms.pipeline.rover import add, draft, refused
 
 if TYPE_CHECKING:
-    from rosic.app.enlisted import Draft
+    from rosic.app.placing.enlisted import Draft
 
 
 class Alone(Fellows):

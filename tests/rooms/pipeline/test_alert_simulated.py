@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from msgspec.structs import replace
 
-from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.core.alert_rule import Alert
 from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.robot import SimulatedRobot

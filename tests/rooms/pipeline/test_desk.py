@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from tests.rooms.pipeline.place import BO, VI, Place
 

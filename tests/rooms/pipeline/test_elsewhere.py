@@ -6,7 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from rosic.core.message import ChatKind
 from rosic.pipeline.outbox import KIND

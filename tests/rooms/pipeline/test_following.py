@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import hypot
 
-from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.robots.simulated.robot import SimulatedRobot
 from tests.rooms.pipeline.place import Place
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.control import Ask, ControlServer, Verb, ask_gateway
-from rosic.app.operating import Operating
+from rosic.app.desk.control import Ask, ControlServer, Verb, ask_gateway
+from rosic.app.desk.operating import Operating
 from rosic.core.message import Chat
 from rosic.core.record import Resumed
 from rosic.errors import MessengerFault, RosicError

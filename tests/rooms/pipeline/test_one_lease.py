@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
 from rosic.stores.memory import MemoryStore

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.asked import Ask, Verb
-from rosic.app.books import books_of
-from rosic.app.operator_desk import OperatorDesk
+from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.books import books_of
+from rosic.app.desk.operator_desk import OperatorDesk
 from tests.rooms.pipeline.place import ADA, BO, Place
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.app.control import Ask, ControlServer, Verb, ask_gateway
-from rosic.app.operating import Operating
+from rosic.app.desk.control import Ask, ControlServer, Verb, ask_gateway
+from rosic.app.desk.operating import Operating
 from rosic.core.gate import Gate
 from rosic.core.message import Chat, ChatKind, Standing
 from rosic.core.order import Rest, Stop

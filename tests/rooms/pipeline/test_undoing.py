@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.core.identity import Address, PrincipalId
 from rosic.core.message import Chat
 from rosic.core.roles import DEFAULT_ROLES, Role, Rulebook

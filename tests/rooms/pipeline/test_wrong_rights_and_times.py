@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.app.profiles import known_units
+from rosic.app.documents.profiles import known_units
 from rosic.core.limits import unit_converter
 from rosic.core.role_mistakes import rulebook_mistakes
 from rosic.core.roles import DEFAULT_ROLES, Grant, Role, Rulebook

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.control import Ask, NotRunning, Verb, ask_gateway
+from rosic.app.desk.control import Ask, NotRunning, Verb, ask_gateway
 from rosic.app.doctor.findings import Finding, Verdict
 from rosic.app.doctor.machine import examine_clock, examine_disk
 from rosic.app.doctor.surroundings import examine_messengers, examine_ros

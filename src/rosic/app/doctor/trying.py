@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from rosic.app.adapters import robot_factory
 from rosic.app.doctor.findings import Finding, Verdict
-from rosic.app.profiles import known_units
+from rosic.app.documents.profiles import known_units
 from rosic.app.start import latch_of
 from rosic.core.gate import Gate
 from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR

@@ -15,10 +15,11 @@ import msgspec
 
 from rosic.app.adapters import robot_factory
 from rosic.app.closing import close_in_time
+from rosic.app.documents.profiles import known_units
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.painting import painter
-from rosic.app.people import Seed
+from rosic.app.placing.painting import painter
+from rosic.app.placing.people import Seed
 from rosic.app.plays.brisk import BriskClock
 from rosic.app.plays.curtain import Curtain
 from rosic.app.plays.ledger import LedgerStore
@@ -26,7 +27,6 @@ from rosic.app.plays.play import OffScript
 from rosic.app.plays.seat import Seat
 from rosic.app.plays.stage import Chats, Stage
 from rosic.app.plays.voices import SpeakingRobot
-from rosic.app.profiles import known_units
 from rosic.app.quiet import PIPED, until_done, until_quiet
 from rosic.core.identity import ROBOT, Address
 from rosic.core.rate import RateLimit

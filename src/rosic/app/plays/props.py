@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.profiles import known_units, load_profile, shipped_profiles
+from rosic.app.documents.profiles import known_units, load_profile, shipped_profiles
 
 if TYPE_CHECKING:
     from rosic.core.robot import Profile

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Final, TypeVar
 
-from rosic.app.operating import Operating
+from rosic.app.desk.operating import Operating
 from rosic.app.plays.play import OffScript
 from rosic.app.plays.voices import SpeakingRobot
 from rosic.app.quiet import until_quiet

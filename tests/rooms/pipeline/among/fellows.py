@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 from msgspec.structs import replace
 
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from rosic.core.roles import DEFAULT_ROLES, Role, Rulebook
 from rosic.core.skill import Parameter

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rosic.app.profiles import load_profile, shipped_profiles
+from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.robots.simulated.fellow import answer
 from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.robot import SimulatedRobot

@@ -6,9 +6,9 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
+from rosic.app.documents.profiles import known_units
 from rosic.app.gateway import Gateway
-from rosic.app.holding import folders_of, handing_of
-from rosic.app.profiles import known_units
+from rosic.app.placing.holding import folders_of, handing_of
 from rosic.container.archive import NOBODY, Archive, Author
 from rosic.container.drawer import Drawer
 from rosic.container.preferences import Caps, PreferenceBook

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.access import Access
-from rosic.app.authority import Authority
-from rosic.app.people import remember
-from rosic.app.profiles import known_units
+from rosic.app.documents.profiles import known_units
+from rosic.app.placing.access import Access
+from rosic.app.placing.authority import Authority
+from rosic.app.placing.people import remember
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.people import Seed
+from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from rosic.core.roles import DEFAULT_ROLES, Role, Rulebook
 from tests.rooms.pipeline.place import ADA, BO, VI, Place

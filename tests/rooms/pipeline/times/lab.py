@@ -6,7 +6,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.app.profiles import known_units
+from rosic.app.documents.profiles import known_units
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.container.container import Containers

@@ -1,0 +1,133 @@
+"""What somebody may with one line, and why: every rule that was asked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.app.desk.naming import the_one
+from rosic.core.asking import STOP, Allowed
+from rosic.core.authority import READ, RESUME
+from rosic.core.explanation import Wording, explain
+from rosic.core.identity import OPERATOR, Address, Caller
+from rosic.core.language import (
+    Context,
+    Do,
+    Halt,
+    Misunderstood,
+    Resume,
+    Status,
+    bind,
+    clean,
+    hears_stop,
+    show,
+    understand,
+)
+from rosic.errors import NotUnderstood, Refusal
+from rosic.organiser.grounds import Grounds
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from rosic.app.desk.books import Books
+    from rosic.core.asking import Decision
+    from rosic.core.identity import Principal
+    from rosic.core.language import Line
+    from rosic.core.robot import RobotId
+    from rosic.core.skill import Argument
+
+NO_RULE = (
+    "That asks nothing of a robot, so no rule is asked. Write what a robot shall do, for example: "
+    "kuka1 home."
+)
+
+
+class Explaining:
+    """Decides as if somebody had written a line in a private chat, and does nothing."""
+
+    def __init__(self, books: Books) -> None:
+        self._books = books
+
+    def explain(self, name: str, line: str) -> tuple[str, ...]:
+        """Return the decision about each robot, with its rules.
+
+        Raises:
+            NotUnderstood: Nobody of that name, or the line asks nothing of a robot.
+        """
+        person = the_one(self._books.authoriser.directory, name)
+        said, hidden = self._understood(person, line)
+        texts: list[str] = []
+        if hidden:
+            texts.append(f"To {clean(person.name)} there is no such robot; they are told so.")
+        for robot, skill, shown, arguments in self._asked(said):
+            decision = self._decide(person, robot, skill, arguments)
+            texts.append("\n".join((shown, _verdict(decision, clean(person.name)),
+                                    *explain(decision, self._wording()))))  # fmt: skip
+        return tuple(texts)
+
+    def _understood(self, person: Principal, line: str) -> tuple[Line, bool]:
+        """Return what a line means to somebody, and whether they may not know of its robot."""
+        books = self._books
+        if hears_stop(line, books.vocabulary.known) is not None:
+            return Halt(), False
+        visible = books.organiser.visible(person.id)
+        said = self._one(line, visible)
+        if not isinstance(said, Misunderstood):
+            return said, False
+        # What they may not see does not exist for them; whoever looks after the place sees it.
+        seen = self._one(line, frozenset(books.profiles))
+        if isinstance(seen, Misunderstood):
+            raise NotUnderstood(said.sentence)
+        return seen, True
+
+    def _one(self, line: str, visible: frozenset[RobotId]) -> Line:
+        lines = understand(line, self._books.vocabulary, Context("", visible))
+        if len(lines) > 1:
+            raise NotUnderstood("Ask about one line at a time.")
+        return lines[0]
+
+    def _asked(
+        self, line: Line
+    ) -> Iterator[tuple[RobotId, str, str, Mapping[str, Argument] | None]]:
+        books = self._books
+        if isinstance(line, Do):
+            for robot, skill in zip(line.robots, line.skills, strict=True):
+                try:
+                    values = bind(books.vocabulary, robot, skill, line.spoken, group=line.group)
+                    shown = show(books.vocabulary, robot, skill, values)
+                    yield robot, skill.id, f"{books.shown(robot)}: {shown}", values
+                except Refusal as refusal:
+                    yield robot, skill.id, f"{books.shown(robot)}: {skill.id}\n{refusal}", None
+            return
+        words = {Halt: STOP, Resume: RESUME, Status: READ}
+        word = words.get(type(line))
+        if word is None:
+            raise NotUnderstood(NO_RULE)
+        named = line.robots if isinstance(line, Resume | Status) else ()
+        for robot in named or tuple(books.profiles):
+            yield robot, word, f"{books.shown(robot)}: {word}", None
+
+    def _decide(
+        self,
+        person: Principal,
+        robot: RobotId,
+        skill: str,
+        arguments: Mapping[str, Argument] | None,
+    ) -> Decision:
+        books = self._books
+        key = books.authoriser.directory.key_of(person.id)
+        address = person.addresses[0] if person.addresses else Address(OPERATOR, "")
+        caller = Caller(person.id, person.name, address, "" if key is None else key.id, "")
+        grounds = Grounds(channel=books.assurance_of(person))
+        return books.organiser.decision(caller, robot, skill, arguments, grounds)
+
+    def _wording(self) -> Wording:
+        books = self._books
+        return Wording(person=books.name, robot=books.shown, time=books.moment)
+
+
+def _verdict(decision: Decision, name: str) -> str:
+    if not isinstance(decision, Allowed):
+        return f"{name} may not."
+    if decision.needs:
+        return f"{name} may, once something has come first."
+    return f"{name} may."

@@ -1,0 +1,85 @@
+"""People as the operator of the machine names and lists them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language import clean
+from rosic.errors import NotUnderstood
+from rosic.pipeline.people import words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.app.desk.books import Books
+    from rosic.authoriser.directory import Directory
+    from rosic.core.identity import Principal
+
+MOST_KNOWN = 20
+
+
+def people_lines(books: Books) -> tuple[str, ...]:
+    """Return a line for everybody: name, what they may until when, addresses, id."""
+    found = sorted(books.authoriser.directory.people(), key=lambda p: (p.name.casefold(), p.id))
+    waiting = [
+        words.waits(clean(a.name), a.pending.given.words, a.words)
+        for a in books.access.enrolment.applicants.all()
+    ]
+    return (*(_person(books, person) for person in found), *waiting)
+
+
+def _person(books: Books, person: Principal) -> str:
+    locked = "locked · " if books.access.locks.locked(person.id) else ""
+    addresses = ", ".join(clean(str(a)) for a in person.addresses) or "no address"
+    return f"{clean(person.name)}: {locked}{_access(books, person)} · {addresses} · {person.id}"
+
+
+def _access(books: Books, person: Principal) -> str:
+    if not books.authoriser.directory.has_good_key(person.id):
+        return "access ended"
+    key = books.access.keys.current(person.id)
+    if key is None:
+        return "access ended by itself"
+    said = [*_own(person), *_grants(books, person)]
+    text = f"as {'; '.join(said)}" if said else "has no rights now"
+    ends_ns = books.access.keys.ends_ns(key)
+    return text if ends_ns is None else f"{text} · access until {books.moment(ends_ns)}"
+
+
+def _own(person: Principal) -> list[str]:
+    return [", ".join(map(clean, person.roles))] if person.roles else []
+
+
+def _grants(books: Books, person: Principal) -> list[str]:
+    """Return what somebody was given besides their own roles, and until when."""
+    now_ns = books.clock.wall_ns()
+    return [
+        words.grant(
+            held, held.limits, "" if held.expires_ns is None else books.moment(held.expires_ns)
+        )
+        for held in books.authority.roster.grants_of(person.id)
+        if held.id and (held.expires_ns is None or held.expires_ns > now_ns)
+    ]
+
+
+def the_one(directory: Directory, name: str) -> Principal:
+    """Return the person who is called so, or who has that id.
+
+    Raises:
+        NotUnderstood: Nobody, or more than one.
+    """
+    by_id = directory.person(name)
+    found = (by_id,) if by_id is not None else directory.named(name)
+    if len(found) == 1:
+        return found[0]
+    said = clean(name)
+    if found:
+        ids = ", ".join(person.id for person in found)
+        raise NotUnderstood(f"Several people are called {said}. Say which by its id: {ids}.")
+    raise NotUnderstood(f"Nobody is called {said}. There are: {_known(directory.people())}.")
+
+
+def _known(people: Iterable[Principal]) -> str:
+    names = sorted(clean(person.name) for person in people)
+    more = f" and {len(names) - MOST_KNOWN} more" if len(names) > MOST_KNOWN else ""
+    return (", ".join(names[:MOST_KNOWN]) + more) or "nobody yet"

@@ -1,0 +1,112 @@
+"""What the operator of this machine may ask of a running gateway, without a chat.
+
+They own the process and its data, so nothing here asks the organiser; everything that changes
+something is on the record under `OPERATOR`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from rosic.app.desk.asked import Verb
+from rosic.app.desk.operator_desk import body_of
+from rosic.app.placing.enlisted import Wanted
+from rosic.core import words
+from rosic.core.identity import OPERATOR
+from rosic.core.order import Rest
+from rosic.errors import NotUnderstood
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterable, Sequence
+
+    from rosic.app.desk.asked import Ask
+    from rosic.app.desk.operator_desk import OperatorDesk
+    from rosic.app.gateway import Gateway
+    from rosic.core.robot import RobotId
+
+
+class Operating:
+    """One running gateway.
+
+    Args:
+        gateway: Open.
+        desk: Answers about people and their rights; None: nobody does.
+    """
+
+    def __init__(self, gateway: Gateway, desk: OperatorDesk | None = None) -> None:
+        self._gateway = gateway
+        self._desk = desk
+
+    def status(self, names: Sequence[str] = ()) -> tuple[str, ...]:
+        """Return a line for each robot.
+
+        Raises:
+            NotUnderstood: There is no robot and no group of that name.
+        """
+        return tuple(self._status(robot) for robot in self._robots(names))
+
+    def _status(self, robot: RobotId) -> str:
+        rooms = self._gateway.rooms
+        holder = rooms.organiser.holder(robot)
+        stopped = rooms.board[robot]
+        name_of = rooms.organiser.name_of
+        by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None
+        return words.status_line(
+            rooms.profiles[robot],
+            rooms.linker.presence(robot),
+            holder=name_of(holder) if holder else "",
+            stopped_by=by,
+            waiting=rooms.linker.waiting(robot),
+        )
+
+    def _robots(self, names: Sequence[str]) -> tuple[RobotId, ...]:
+        rooms = self._gateway.rooms
+        if not names:
+            return tuple(rooms.profiles)
+        found: dict[RobotId, None] = {}
+        for name in names:
+            robot = rooms.vocabulary.robot(name)
+            members = (robot.id,) if robot is not None else rooms.vocabulary.members(name)
+            if not members:
+                known = ", ".join(rooms.vocabulary.names)
+                raise NotUnderstood(f"There is no robot called {name}. There are: {known}.")
+            found.update(dict.fromkeys(members))
+        return tuple(found)
+
+    async def stop(self, names: Sequence[str] = ()) -> AsyncIterator[str]:
+        """Stop robots at once; yield what was done, then what was measured.
+
+        A name that nobody knows stops everything, as in a chat.
+        """
+        rooms = self._gateway.rooms
+        misheard = ""
+        try:
+            robots = self._robots(names)
+        except NotUnderstood as unknown:
+            robots = tuple(rooms.profiles)
+            misheard = f"{unknown} Everything is stopped.\n"
+        halting = self._gateway.stop_lane.stop_robots(robots, OPERATOR)
+        yield misheard + words.stopping([rooms.profiles[robot].shown for robot in robots])
+        # Waiting is all that may be cut off when whoever asked goes away; the stop goes on.
+        await asyncio.wait(halting.rests.values())
+        found = [
+            Rest(robot, confirmed=False, seconds=0.0) if rest.exception() else rest.result()
+            for robot, rest in halting.rests.items()
+        ]
+        yield words.rests(rooms.profiles, found)
+        if not await asyncio.shield(halting.latched):
+            yield "This could not be written down: after a restart, look before you move anything."
+
+    async def do(self, ask: Ask) -> Iterable[str]:
+        """Do what is asked about people and their rights, and return the answers.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        if ask.verb is Verb.ADD_ROBOT:
+            wanted = body_of(ask, Wanted)
+            return (await self._gateway.enlisting.add(wanted.draft, OPERATOR, wanted.role),)
+        if self._desk is None:
+            raise NotUnderstood("Nobody answers that here.")
+        return await self._desk.do(ask)

@@ -1,0 +1,99 @@
+"""Looking at the live ROS 2 graph, and drafting a profile for every robot that is seen there."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, TypeAlias
+
+from rosic.app.finding.drafting import Seen, drafted, robot_id
+from rosic.app.finding.looking_at import TYPES, looked_at
+from rosic.errors import ConfigurationError, RosicError
+from rosic.robots.ros2.graph import Snapshot, snapshot
+from rosic.robots.ros2.registry import TypeRegistry
+from rosic.robots.ros2.runtime import RosRuntime
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from rosic.contracts.clock import Clock
+
+NODE = "rosic_discover"
+Space: TypeAlias = "tuple[dict[str, str], dict[str, str], dict[str, str], dict[str, str]]"
+OURS = frozenset({"chat_interface", NODE})
+RESTING = ("/odom", "/joint_states")
+TELLING = ("/cmd_vel", "/odom", "/joint_states", "/to_robot_topic")
+
+
+async def discover(clock: Clock, *, seconds: float) -> dict[str, str]:
+    """Look at the graph for a while. Return a profile for each robot, by its id.
+
+    Raises:
+        RosMissing: There is no ROS 2 here.
+        ConfigurationError: Nobody is on the graph.
+    """
+    runtime = await RosRuntime.open(TypeRegistry(TYPES), node_name=NODE)
+    try:
+        await clock.sleep(seconds)
+        robots = robots_in(await snapshot(runtime))
+        robots = [await looked_at(runtime, robot) for robot in robots]
+    finally:
+        await runtime.close()
+    if not robots:
+        raise ConfigurationError(
+            f"No robot was seen on the ROS 2 graph within {seconds:g} s.",
+            hint="Check ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE, or look for longer.",
+        )
+    return {robot_id(seen.namespace): drafted(seen, goal_fields) for seen in robots}
+
+
+def robots_in(found: Snapshot) -> list[Seen]:
+    """Sort what is on the graph by its first name; what can neither move nor tell is left out."""
+    spaces: defaultdict[str, Space] = defaultdict(lambda: ({}, {}, {}, {}))
+    for topic in found.topics:
+        space = spaces[_space(topic.name)]
+        if topic.subscribers:
+            space[0][topic.name] = topic.types[0]
+        if topic.publishers:
+            space[1][topic.name] = topic.types[0]
+    for offers, at in ((found.services, 2), (found.actions, 3)):
+        for offer in offers:
+            spaces[_space(offer.name)][at][offer.name] = offer.types[0]
+    _gather(spaces)
+    seen = [Seen(name, *spaces[name]) for name in sorted(spaces)]
+    return [robot for robot in seen if robot.actions or _tells(robot.heard) or _tells(robot.said)]
+
+
+def _gather(spaces: dict[str, Space]) -> None:
+    """Give what cannot show whether it rests to the robot at the root, if there is one that can.
+
+    A robot alone on its graph often has no namespace, but its controllers have names of their own.
+    """
+    root = spaces.get("")
+    if root is None or not _rests(root[1]):
+        return
+    for name in [name for name, parts in spaces.items() if name and not _rests(parts[1])]:
+        for mine, theirs in zip(root, spaces.pop(name), strict=True):
+            mine.update(theirs)
+
+
+def _rests(said: Iterable[str]) -> bool:
+    return any(name.endswith(RESTING) for name in said)
+
+
+def goal_fields(kind: str) -> Mapping[str, str] | None:
+    """Return the fields of an action's goal; None when its type is not installed here."""
+    try:
+        action = TypeRegistry((kind,)).action(kind)
+    except RosicError:
+        return None
+    fields: Mapping[str, str] = action.Goal.get_fields_and_field_types()
+    return fields
+
+
+def _space(name: str) -> str:
+    parts = name.split("/")
+    return f"/{parts[1]}" if len(parts) > 2 else ""  # noqa: PLR2004 - "", space, name
+
+
+def _tells(topics: Iterable[str]) -> bool:
+    return any(name.endswith(TELLING) for name in topics)

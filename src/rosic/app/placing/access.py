@@ -1,0 +1,173 @@
+"""Everything that lets people in and keeps them out, put together and brought up to date."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING
+
+from rosic.app.placing.people import person_of
+from rosic.authoriser.enrolment import Enrolment
+from rosic.authoriser.keys import KeyRing
+from rosic.authoriser.locks import Locks
+from rosic.authoriser.misuse import Misuse, MisuseLimits
+from rosic.authoriser.security import Security
+from rosic.authoriser.stepup import StepUp
+from rosic.authoriser.tally import Tally
+from rosic.core.record import Enrolled, KeyIssued, KeyRevoked
+from rosic.core.slot import SERIES, SLOT
+from rosic.errors import Refusal
+from rosic.organiser.petitions import PETITION, Petitions
+from rosic.organiser.rates import KIND as RATE
+from rosic.organiser.rolebook import ROLE
+from rosic.organiser.roster import GRANT
+from rosic.organiser.waiting import WAITING, WaitingList
+from rosic.organiser.wishes import WISH, Wishes
+from rosic.pipeline.changes import Changes
+from rosic.pipeline.livecards.livecard import KIND as CARD
+
+if TYPE_CHECKING:
+    from rosic.app.placing.authority import Authority
+    from rosic.authoriser.authoriser import Authoriser
+    from rosic.authoriser.highwater import HighWater
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.store import Store
+    from rosic.core.identity import PrincipalId
+    from rosic.core.record import Fact, Memory
+    from rosic.organiser.calendar import Calendar
+    from rosic.organiser.organiser import Organiser
+
+ADMIN = "admin"
+
+
+class Access:
+    """The authoriser's and the organiser's books, and the way in which they change.
+
+    Attributes:
+        changes: Through which every change goes.
+        enrolment, keys, locks, stepup, misuse, tally, time, security, waiting, petitions: The
+            books.
+        cards: Live cards of earlier runs, for whoever shows them.
+    """
+
+    def __init__(
+        self, authoriser: Authoriser, authority: Authority, store: Store, time: HighWater,
+        entropy: Entropy, *, place: str,
+    ) -> None:  # fmt: skip
+        self.changes = Changes(store)
+        self.cards: tuple[Fact, ...] = ()
+        self.time = time
+        self.tally = Tally()
+        self.locks = Locks(self.time)
+        self.keys = KeyRing(self.time, entropy, self.tally)
+        self.enrolment = Enrolment(authoriser.directory, self.locks, self.time, entropy, self.tally)
+        self.stepup = StepUp(self.time, entropy, self.tally, place=place)
+        self.misuse = Misuse(
+            time, MisuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
+        )
+        self.security = Security(
+            authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
+        )
+        self.waiting = WaitingList(time)
+        self.wishes = Wishes(time.wall_ns)
+        authoriser.count = self.tally.count
+        self.petitions = Petitions(self.time.wall_ns, entropy)
+        self._authoriser = authoriser
+        self._authority = authority
+        authoriser.wall_ns = time.wall_ns
+        authoriser.ends_of = self.keys.ends_ns
+
+    def restore(self, memory: Memory, organiser: Organiser) -> None:
+        """Take over what earlier runs wrote, and say who keeps what from now on."""
+        authority, changes = self._authority, self.changes
+        self.time.when_behind = partial(self._set_back, organiser)
+        keepers = {
+            "high-water": self.time.apply,
+            "tally": self.tally.apply,
+            "lock": self.locks.apply,
+            "code-key": self.enrolment.apply,
+            "invitation": self.enrolment.apply,
+            "pending": self.enrolment.apply,
+            "totp": self.stepup.apply,
+            WAITING: self.waiting.apply,
+            WISH: self.wishes.apply,
+            PETITION: self.petitions.apply,
+        }
+        for kind, apply in keepers.items():
+            for fact in memory.facts.get(kind, ()):
+                apply(fact)
+            changes.keep(kind, apply)
+        self.cards = memory.facts.get(CARD, ())
+        calendar = organiser.calendar
+        calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
+        changes.keep(SLOT, partial(self._booked, calendar))
+        changes.keep(SERIES, calendar.apply)
+        organiser.rates.restore(memory.facts.get(RATE, ()))
+        self.keys.restore(self._authoriser.directory.keys(), memory.facts.get("key-end", ()))
+        changes.keep("key-end", self._key_ends)
+        changes.keep("lock", self._locked)
+        changes.keep(GRANT, authority.granted)
+        changes.keep(ROLE, authority.ruled)
+        changes.watch(Enrolled, self._enrolled)
+        changes.watch(KeyIssued, self._issued)
+        changes.watch(KeyRevoked, self._revoked)
+        changes.after(authority.enforce)
+        organiser.locked = self.locks.everybody()
+        organiser.locked_out = lambda _principal: self.tally.count("locked")
+        organiser.narrow = self._authoriser.directory.narrowed
+
+    def _set_back(self, organiser: Organiser, behind: bool) -> None:
+        organiser.in_doubt = behind
+        self._authority.moved()
+        self._authority.when_changed()
+
+    def _booked(self, calendar: Calendar, fact: Fact) -> None:
+        calendar.apply(fact)
+        self._authority.moved()
+
+    def _locked(self, fact: Fact) -> None:
+        self.locks.apply(fact)
+        self.stepup.end(fact.key)
+        self._authority.renew(fact.key)
+
+    def _key_ends(self, fact: Fact) -> None:
+        self.keys.apply(fact)
+        key = self._authoriser.directory.key(fact.key)
+        if key is not None:
+            self._authoriser.forget(key.principal)
+        self._authority.when_changed()
+
+    def _enrolled(self, record: Enrolled) -> None:
+        self._authoriser.directory.enrol(person_of(record))
+        self._authoriser.forget(record.principal)
+        self._authority.enrolled(record)
+
+    def _issued(self, record: KeyIssued) -> None:
+        self.keys.apply(record)
+        self._authoriser.directory.add_key(record.key)
+        self._authoriser.forget(record.key.principal)
+        self._authority.when_changed()
+
+    def _revoked(self, record: KeyRevoked) -> None:
+        self.keys.apply(record)
+        principal = self._authoriser.revoke(record.key)
+        if principal is not None:
+            self.stepup.end(principal)
+            if not self._authoriser.directory.has_good_key(principal):
+                self._authority.revoked(principal)
+
+    async def leave(self) -> None:
+        """Write down what was counted since the last time; at the end, and as far as it can be."""
+        with suppress(Refusal):
+            async with self.changes.turn() as turn:
+                await turn.write((*self.time.due(), *self.tally.due()))
+
+    def is_only_admin(self, principal: PrincipalId) -> bool:
+        """Whether nobody else with a good key, who is not locked, is admin."""
+        directory, locked = self._authoriser.directory, self.locks.locked
+        admins = [
+            person.id
+            for person in directory.people()
+            if ADMIN in person.roles and directory.has_good_key(person.id) and not locked(person.id)
+        ]
+        return admins == [principal]

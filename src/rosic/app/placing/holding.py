@@ -1,0 +1,351 @@
+"""Puts the containers in their place: settings, shelves, archives, and how they are erased."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from rosic.app.languages import LANGUAGES
+from rosic.authoriser.directory import SOMEBODY
+from rosic.container.archive import NOBODY, Archive, Author
+from rosic.container.drawer import Drawer, Room
+from rosic.container.preferences import IMPERIAL, Caps, PreferenceBook
+from rosic.container.preferences import KIND as PREFERENCE
+from rosic.container.shelf import Shelf
+from rosic.core.identity import Address, Principal
+from rosic.core.language import skills_of
+from rosic.core.limits import unit_converter
+from rosic.core.reach import FLEET
+from rosic.errors import Refusal
+from rosic.organiser.zones import zone_named
+from rosic.pipeline.containers.clerks import employ_clerks, take_over
+from rosic.pipeline.containers.erasing import Erasing, Sides
+from rosic.pipeline.containers.parts import Holdings, Vault
+from rosic.pipeline.containers.recording import Recorded
+from rosic.pipeline.containers.tidying import tidy
+from rosic.pipeline.files.aside import Aside
+from rosic.pipeline.files.handing import Handing, Ways
+from rosic.pipeline.files.receiving import Receiving
+from rosic.robots.folders import RobotFolders
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
+
+    from rosic.app.placing.access import Access
+    from rosic.app.placing.authority import Authority
+    from rosic.app.placing.furnishing import Furnishing
+    from rosic.authoriser.authoriser import Authoriser
+    from rosic.container.habits import Habits
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.messenger import Messenger
+    from rosic.contracts.store import Store
+    from rosic.core.identity import PrincipalId
+    from rosic.core.language import UnitTable
+    from rosic.core.message import Chat
+    from rosic.core.record import Fact, Memory, Record
+    from rosic.core.robot import Profile, RobotId
+    from rosic.organiser.organiser import Organiser
+    from rosic.pipeline import Pipeline
+    from rosic.pipeline.languages import Languages
+    from rosic.pipeline.rooms import Rooms
+
+PERSON = re.compile("p[0-9a-f]{16}")  # how ids of people look
+
+
+class Making(Protocol):
+    """What the books are made with."""
+
+    @property
+    def units(self) -> UnitTable:
+        """Return the units that people may say."""
+
+    @property
+    def entropy(self) -> Entropy:
+        """Return the source of chance."""
+
+
+class Holding:
+    """The container room's books of one gateway.
+
+    Attributes:
+        archive: Which chats are kept.
+        preferences: What people set for themselves.
+        erasing: Erases somebody; None while the record cannot look into containers.
+        holdings: What is kept in containers; likewise.
+        receiving: Takes in files that people send; likewise.
+        also_ends, also_ended: What else `Sides.ends` and `Sides.ended` ask of other rooms.
+    """
+
+    def __init__(
+        self,
+        rooms: Rooms,
+        access: Access,
+        authority: Authority,
+        clock: Clock,
+        languages: Languages,
+        room: Room,
+    ) -> None:
+        self._room = room
+        self._languages = languages
+        self._rooms = rooms
+        self._access = access
+        self._authority = authority
+        self._clock = clock
+        self.holdings: Holdings | None = None
+        self.receiving: Receiving | None = None
+        self.erasing: Erasing | None = None
+        self._aside: Aside | None = None
+        self._folders = folders_of(rooms)
+        self.also_ends: list[Callable[[PrincipalId], Iterable[Record]]] = []
+        self.also_ended: list[Callable[[PrincipalId], Awaitable[object]]] = []
+
+    def record(self, messengers: Sequence[Messenger], store: Store) -> tuple[Messenger, ...]:
+        """Return messengers whose chats can be kept."""
+        self.archive = Archive(self._clock)
+        author_of = partial(_author_of, self._rooms.authoriser)
+        return tuple(Recorded(m, self.archive, store, author_of) for m in messengers)
+
+    async def furnish(
+        self,
+        pipeline: Pipeline,
+        furnishing: Furnishing,
+        vault: Vault,
+        memory: Memory,
+        parts: Making,
+    ) -> None:
+        """Say who keeps what, take over what was, and finish what an erasure left."""
+        rooms = self._rooms
+        around = Around(
+            self._access, rooms.authoriser, rooms.organiser, rooms.profiles, self._clock,
+            furnishing.reach.tell, pipeline.habits,
+        )  # fmt: skip
+        holdings = holdings_of(around, vault, self.archive, parts, self._room)
+        self.holdings, self.preferences = holdings, holdings.preferences
+        erasing = self.erasing = Erasing(holdings, self._sides(pipeline, furnishing))
+        filing = employ_clerks(pipeline.reception.office, holdings, erasing)
+        take_over(memory.facts, holdings, erasing)
+        self._follow_settings()
+        if memory.facts.get(PREFERENCE):
+            rooms.container.usual = self._usual
+        furnishing.admitting.forget = erasing.stranger
+        self.receiving = Receiving(holdings, pipeline.answer, pipeline.plain)
+        pipeline.reception.enclosed = self.receiving.take
+        self._aside = Aside(pipeline.answer, pipeline.plain, self._clock)
+        handing = handing_of(rooms, holdings, pipeline, self._aside, self._folders)
+        filing.take_time(self._aside, pipeline.plain)
+        filing.hand_over(handing)
+        self.receiving.offer = handing.offer
+        await self.receiving.finish()
+        await erasing.finish()
+
+    async def finish(self) -> None:
+        """Finish erasing whoever still had an order under way, and keep what people often ask.
+
+        Meant for every minute or so, and for the end.
+
+        Raises:
+            RecordUnavailable: Not all could be written; the rest is tried the next time.
+        """
+        if self.holdings is not None and (habits := self.holdings.habits.unwritten()):
+            async with self.holdings.changes.turn() as turn:
+                await turn.write(habits)
+        if self.erasing is not None and self.erasing.unfinished:
+            await self.erasing.finish()
+
+    async def leave(self) -> None:
+        """Keep what people often ask; at the end, and as far as it can be."""
+        if self.receiving is not None:
+            await self.receiving.close()
+        if self._aside is not None:
+            await self._aside.close()
+        with suppress(Refusal):
+            await self.finish()
+
+    async def tidy(self) -> None:
+        """Forget what was kept as long as was said; meant for once a day.
+
+        Raises:
+            RecordUnavailable: Not all was forgotten; the rest is tried the next time.
+        """
+        if self.holdings is not None and self.erasing is not None:
+            await tidy(self.holdings, self.erasing)
+
+    def _usual(self, principal: PrincipalId) -> str:
+        return self.preferences.of(principal).robot
+
+    def _follow_settings(self) -> None:
+        """Let what people set for themselves count: a cap on their speed, their usual robot."""
+        authority, preferences = self._authority, self.preferences
+        authority.roster.own_limits = preferences.limits
+        for principal in authority.roster.everybody():
+            self._speak_to(principal)
+            if preferences.limits(principal):
+                authority.renew(principal)
+
+        def changed(fact: Fact) -> None:
+            preferences.apply(fact)
+            self._speak_to(fact.key)
+            self._rooms.container.usual = self._usual
+            authority.renew(fact.key)
+
+        self._access.changes.keep(PREFERENCE, changed)
+
+    def enlist(self, profile: Profile) -> None:
+        """Know the folders of one more robot, and let people's own speed hold for it.
+
+        After the rights reach it.
+        """
+        if profile.files is not None:
+            self._folders.enlist(profile.id, profile.files)
+        if self.holdings is not None:
+            for principal in self.preferences.enlist(profile.id, skills_of(profile)):
+                self._authority.renew(principal)
+
+    def _speak_to(self, principal: PrincipalId) -> None:
+        kept = self.preferences.of(principal)
+        imperial = kept.units == IMPERIAL
+        self._languages.choose(principal, kept.language, imperial=imperial)
+
+    async def _break_off(self, principal: PrincipalId) -> None:
+        """Let no file of somebody come or go any more."""
+        if self.receiving is not None:
+            await self.receiving.end(principal)
+        if self._aside is not None:
+            await self._aside.end(principal)
+
+    def _sides(self, pipeline: Pipeline, furnishing: Furnishing) -> Sides:
+        rooms, access, authority = self._rooms, self._access, self._authority
+        directory = rooms.authoriser.directory
+
+        def ends(principal: PrincipalId, by: PrincipalId) -> Iterable[Record]:
+            good = (key for key in access.keys.of(principal) if key.revoked_ns is None)
+            made = [i for i in access.enrolment.invitations.open() if i.issuer == principal]
+            phone = access.stepup.reset(principal, by) if access.stepup.is_set_up(principal) else ()
+            return (
+                *(r for i in made for r in access.enrolment.invitations.withdraw(i.id, by)),
+                *phone,
+                *authority.roster.take(principal, by),
+                *rooms.organiser.calendar.end_all(principal),
+                *access.waiting.leave_all(principal),
+                *access.wishes.end_all(principal),
+                *furnishing.live_cards.end_all(principal),
+                *furnishing.fleet.end_all(principal),
+                *(record for end in self.also_ends for record in end(principal)),
+                *(r for key in good for r in access.keys.revoke(key.id, by).records),
+            )
+
+        def forget(principal: PrincipalId) -> None:
+            directory.enrol(Principal(id=principal, name=SOMEBODY))
+            rooms.authoriser.forget(principal)
+            rooms.container.forget(principal)
+            pipeline.habits.forget(principal)
+
+        async def ended(principal: PrincipalId) -> None:
+            authority.enforce()
+            await self._break_off(principal)
+            for end in self.also_ended:
+                await end(principal)
+
+        def theirs(principal: PrincipalId, chat: Chat) -> bool:
+            person = directory.person(principal)
+            return person is not None and Address(chat.platform, chat.id) in person.addresses
+
+        def in_use(robot: RobotId) -> str:
+            holder = rooms.organiser.holder(robot)
+            return directory.name(holder) if holder else rooms.linker.presence(robot).doing
+
+        def stray(container: str) -> bool:
+            asking = {a.pending.principal for a in access.enrolment.applicants.all()}
+            newcomer = PERSON.fullmatch(container) is not None and container not in asking
+            return newcomer and directory.person(container) is None
+
+        return Sides(
+            known=lambda who: directory.person(who) is not None,
+            is_last_admin=access.is_only_admin,
+            ends=ends,
+            ended=ended,
+            busy=pipeline.lives.busy,
+            in_use=in_use,
+            stray=stray,
+            forget=forget,
+            theirs=theirs,
+        )
+
+
+def folders_of(rooms: Rooms) -> RobotFolders:
+    """Return the folders that robots' profiles name."""
+    robots = {p.id: p.files for p in rooms.profiles.values() if p.files is not None}
+    return RobotFolders(robots)
+
+
+def handing_of(
+    rooms: Rooms,
+    holdings: Holdings,
+    pipeline: Pipeline,
+    aside: Aside,
+    folders: RobotFolders,
+) -> Handing:
+    """Return the clerk who brings files to robots, and robots' files to people."""
+    ways = Ways(folders, rooms.linker.deliver, lambda robot: rooms.board[robot].latched)
+    return Handing(holdings, rooms.organiser, rooms.profiles, ways, pipeline.plain, aside)
+
+
+class Around(NamedTuple):
+    """What stands around the books of containers."""
+
+    access: Access
+    authoriser: Authoriser
+    organiser: Organiser
+    profiles: Mapping[RobotId, Profile]
+    clock: Clock
+    tell: Callable[[tuple[PrincipalId, ...], str], object]
+    habits: Habits
+
+
+def holdings_of(
+    around: Around, vault: Vault, archive: Archive, parts: Making, room: Room
+) -> Holdings:
+    """Return the books, empty still."""
+    organiser, clock, profiles = around.organiser, around.clock, around.profiles
+    skills = {profile.id: skills_of(profile) for profile in profiles.values()}
+    preferences = PreferenceBook(clock, Caps(skills, unit_converter(parts.units)), LANGUAGES)
+    shelf = Shelf(clock, parts.entropy)
+    shelf.is_robot = profiles.__contains__
+    shelf.sees = lambda who, robot: robot in organiser.visible(who)
+    shelf.works_with = lambda who, robot: organiser.holder(robot) == who
+    place = organiser.calendar.zone_of
+    return Holdings(
+        preferences=preferences,
+        shelf=shelf,
+        files=Drawer(clock, room),
+        habits=around.habits,
+        archive=archive,
+        vault=vault,
+        changes=around.access.changes,
+        clock=clock,
+        name=around.authoriser.directory.name,
+        shown=lambda robot: profiles[robot].shown if robot in profiles else robot,
+        visible=organiser.visible,
+        choices=organiser.visible,
+        zone_of=lambda who: zone_named(preferences.of(who).zone or place(who)),
+        may_archive=lambda who: organiser.rights.holds(who, FLEET, "archive", clock.wall_ns()),
+        robots=profiles.keys(),
+        find=partial(_called, around.authoriser),
+        tell=around.tell,
+    )
+
+
+def _called(authoriser: Authoriser, name: str) -> tuple[PrincipalId, ...]:
+    """Return everybody with a good key who is called so, or has that id."""
+    directory = authoriser.directory
+    by_id = directory.person(name)
+    found = (by_id,) if by_id is not None else directory.named(name)
+    return tuple(person.id for person in found if directory.has_good_key(person.id))
+
+
+def _author_of(authoriser: Authoriser, address: Address) -> Author:
+    found = authoriser.directory.at(address)
+    return NOBODY if found is None else Author(found[0].id, found[0].name)

@@ -1,0 +1,119 @@
+"""``/robot add PROFILE.yaml``: an admin adds a robot from a file that they sent into the chat."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from rosic.app.placing.enlisted import TEXT_BYTES, Draft
+from rosic.core import words as core_words
+from rosic.core.reach import FLEET, GRANT
+from rosic.core.saying import joined
+from rosic.errors import NotPermitted, NotUnderstood
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.files.reading import content_of
+from rosic.pipeline.fleet import words_newcomers as words
+from rosic.pipeline.fleet.clerks import ASSIGN
+from rosic.pipeline.office import check_private
+
+if TYPE_CHECKING:
+    from rosic.app.gateway import Gateway
+    from rosic.app.placing.enlisting import Enlisting
+    from rosic.container.drawer import Filed
+    from rosic.core.identity import PrincipalId
+    from rosic.core.message import Button
+    from rosic.core.robot import Profile
+    from rosic.organiser.organiser import Organiser
+    from rosic.pipeline.containers.parts import Holdings
+    from rosic.pipeline.files.receiving import Offer
+    from rosic.pipeline.office import Asked
+
+DIGEST_LETTERS: Final = 16
+_SAID: Final = re.compile(rf"(.+?)(?:\s+([0-9a-f]{{{DIGEST_LETTERS}}}))?\s*\Z", re.IGNORECASE)
+
+
+class Newcomers:
+    """Adds robots for whoever may both assign tasks and give rights: rights reach it at once.
+
+    Args:
+        enlisting: Adds them.
+        holdings: Where people's files are.
+        organiser: Says who may.
+    """
+
+    def __init__(self, enlisting: Enlisting, holdings: Holdings, organiser: Organiser) -> None:
+        self._enlisting = enlisting
+        self._holdings = holdings
+        self._organiser = organiser
+
+    def offering(self, others: Offer) -> Offer:
+        """Return what may be done with a file that was sent, besides what others offer."""
+
+        def offer(principal: PrincipalId, filed: Filed) -> list[Button]:
+            mine = filed.name.casefold().endswith(words.SUFFIXES) and self._may(principal)
+            added = [words.add_button(filed.name)] if mine else []
+            return [*others(principal, filed), *added]
+
+        return offer
+
+    async def add(self, asked: Asked, said: str) -> Reply:
+        """Show what a profile would add, or add what was shown.
+
+        Args:
+            asked: By whom.
+            said: The name of a file of theirs, and the beginning of its digest once it was shown.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        check_private(asked)
+        principal = asked.caller.principal
+        if not self._may(principal):
+            raise NotPermitted(words.MAY_NOT)
+        found = _SAID.match(said.strip())
+        filed = self._holdings.files.find(principal, found[1] if found else said)
+        draft = await self._draft(filed)
+        profile, advice = await self._enlisting.check(draft)
+        _check_folders(profile)
+        digest = filed.digest.hex()[:DIGEST_LETTERS]
+        shown = found[2] if found else None
+        if shown is None:
+            text = joined("\n", (words.would_add(profile), core_words.help_for(profile), *advice))
+            return Reply(text, words.confirm_buttons(filed.name, digest))
+        if shown.casefold() != digest:
+            raise NotUnderstood(words.CHANGED, offers=(f"/robot add {filed.name}",))
+        return Reply(await self._enlisting.add(draft, principal), about=profile.id)
+
+    def _may(self, principal: PrincipalId) -> bool:
+        organiser = self._organiser
+        now_ns = organiser.wall_ns()
+        return all(organiser.rights.holds(principal, FLEET, w, now_ns) for w in (ASSIGN, GRANT))
+
+    async def _draft(self, filed: Filed) -> Draft:
+        if filed.size > TEXT_BYTES:
+            raise NotUnderstood(words.TOO_LONG)
+        content = await content_of(self._holdings.vault, filed)
+        try:
+            return Draft(text=content.decode("utf-8-sig"), name=filed.name)
+        except UnicodeDecodeError:
+            raise NotUnderstood(words.NO_TEXT) from None
+
+
+def newcomers_of(gateway: Gateway) -> None:
+    """Let robots be added from files, where files are kept."""
+    holding = gateway.holding
+    if holding.holdings is not None and holding.receiving is not None:
+        newcomers = Newcomers(gateway.enlisting, holding.holdings, gateway.rooms.organiser)
+        gateway.furnishing.fleet.robots.newcomer = newcomers.add
+        holding.receiving.offer = newcomers.offering(holding.receiving.offer)
+
+
+def _check_folders(profile: Profile) -> None:
+    """See that a profile from a chat names no folder of this computer.
+
+    Raises:
+        NotPermitted: It does; whoever may that in a chat could write anywhere here.
+    """
+    files = profile.files
+    if files is not None and (files.inbox or files.outbox):
+        raise NotPermitted(words.names_folders(profile.shown))
