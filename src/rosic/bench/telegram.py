@@ -65,8 +65,13 @@ def measure(*, quick: bool = False) -> Report:
 
 def measured(asked: Asked) -> Report:
     """Measure all that is asked, whatever did not hold of it."""
-    logging.getLogger("rosic").setLevel(logging.ERROR)
-    cases, failures, seen = loop.run(_run(asked))
+    log = logging.getLogger("rosic")
+    level = log.level
+    log.setLevel(logging.ERROR)
+    try:
+        cases, failures, seen = loop.run(_run(asked))
+    finally:
+        log.setLevel(level)
     method = METHOD.format(round_trip_ms=ROUND_TRIP_S * 1e3, loop=loop.name(), orders=asked.orders)
     return Report(
         machine=machine(), method=method, cases=tuple(cases), findings=seen,

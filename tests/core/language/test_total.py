@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import itertools
 import sys
 from random import Random
@@ -187,7 +188,12 @@ def test_any_lines_of_commands_and_oddities(lines: list[str], context: Context) 
 
 
 def steps(work: Callable[[], object]) -> int:
-    """Count the lines of Python executed and the functions called, built-in ones included."""
+    """Count the lines of Python executed and the functions called, built-in ones included.
+
+    Not what is remembered for everybody at the first time, nor what ends because somebody else's
+    objects are collected meanwhile.
+    """
+    work()
     count = 0
 
     def trace(_: FrameType, event: str, __: object) -> TraceFunction:
@@ -200,6 +206,8 @@ def steps(work: Callable[[], object]) -> int:
         count += event in ("call", "c_call")
 
     before, before_profile = sys.gettrace(), sys.getprofile()
+    gc.collect()
+    gc.disable()
     sys.settrace(trace)
     sys.setprofile(profile)
     try:
@@ -207,6 +215,7 @@ def steps(work: Callable[[], object]) -> int:
     finally:
         sys.settrace(before)
         sys.setprofile(before_profile)
+        gc.enable()
     return count
 
 
