@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import signal
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,12 @@ if TYPE_CHECKING:
 CLOSE_WITHIN_S = 4.3
 
 log = logging.getLogger("rosic.gateway")
+
+
+def on_signals(leave: Callable[[], object]) -> None:
+    """Call this when somebody asks this process to end: SIGTERM, SIGINT or SIGHUP."""
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        asyncio.get_running_loop().add_signal_handler(number, leave)
 
 
 async def close_in_time(

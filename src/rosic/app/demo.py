@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import signal
 import sys
 from typing import TYPE_CHECKING
 
 from rosic.app.adapters import robot_factory
-from rosic.app.closing import close_in_time
+from rosic.app.closing import close_in_time, on_signals
 from rosic.app.desk.operating import Operating
 from rosic.app.documents.profiles import known_units, read_profile, shipped_profiles
 from rosic.app.face import face_of
@@ -143,14 +142,13 @@ async def _until_over(
     gateway: Gateway, messenger: TerminalMessenger, script: Script | None
 ) -> None:
     """Listen until the input ends, somebody leaves, or a signal comes."""
-    loop, left = asyncio.get_running_loop(), asyncio.Event()
+    left = asyncio.Event()
 
     def leave() -> None:
         left.set()
         messenger.ended.set()
 
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        loop.add_signal_handler(number, leave)
+    on_signals(leave)
     listening = asyncio.create_task(gateway.run())
     ended = asyncio.create_task(messenger.ended.wait())
     await asyncio.wait((listening, ended), return_when=asyncio.FIRST_COMPLETED)

@@ -10,6 +10,7 @@ from rosic.core.rate import RateLimit
 
 if TYPE_CHECKING:
     import asyncio
+    from collections.abc import Callable
 
     from rosic.app.gateway import Gateway
     from rosic.contracts.clock import Clock
@@ -23,12 +24,7 @@ it came too fast would be missed by nobody until it matters."""
 
 async def until_quiet(gateway: Gateway, clock: Clock, *, seconds: float) -> bool:
     """Wait until everything has ended and was told. Return whether it has, in time."""
-    deadline_ns = clock.monotonic_ns() + int(seconds * 1e9)
-    while not gateway.quiet:
-        if clock.monotonic_ns() > deadline_ns:
-            return False
-        await clock.sleep(EVERY_S)
-    return True
+    return await _until(lambda: gateway.quiet, clock, seconds)
 
 
 async def until_done(
@@ -42,8 +38,16 @@ async def until_done(
         seconds: At most.
         unless: Set it, and nothing is waited for any more.
     """
+
+    def holds() -> bool:
+        return unless.is_set() or (gateway.quiet and not tasks_go_on(gateway))
+
+    return await _until(holds, clock, seconds)
+
+
+async def _until(holds: Callable[[], bool], clock: Clock, seconds: float) -> bool:
     deadline_ns = clock.monotonic_ns() + int(seconds * 1e9)
-    while not unless.is_set() and not (gateway.quiet and not tasks_go_on(gateway)):
+    while not holds():
         if clock.monotonic_ns() > deadline_ns:
             return False
         await clock.sleep(EVERY_S)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
-import signal
 from typing import TYPE_CHECKING
 
 from rosic.app import heap
-from rosic.app.closing import CLOSE_WITHIN_S, close_in_time
+from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, on_signals
 from rosic.app.desk.books import books_of
 from rosic.app.desk.control import ControlServer, socket_path
 from rosic.app.desk.operating import Operating
@@ -77,8 +76,7 @@ class Serving:
             RosicError: It could not start, or a messenger failed for good. Whatever was opened is
                 closed again, robots are at rest.
         """
-        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-            asyncio.get_running_loop().add_signal_handler(number, self._end)
+        on_signals(self._end)
         try:
             if await self._open():
                 try:

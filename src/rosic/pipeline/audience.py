@@ -24,14 +24,9 @@ class Audience:
     def __init__(self, organiser: Organiser) -> None:
         self._organiser = organiser
         self._chats: dict[RobotId, OrderedDict[tuple[str, str], tuple[Ear, PrincipalId]]] = {}
-        self._newest: dict[RobotId, tuple[Messenger, Chat, PrincipalId]] = {}
 
     def note(self, robot: RobotId, messenger: Messenger, chat: Chat, who: PrincipalId) -> None:
         """Remember that somebody spoke to a robot from a chat."""
-        spoke = (messenger, chat, who)
-        if self._newest.get(robot) == spoke:
-            return  # mostly one person goes on with one robot
-        self._newest[robot] = spoke
         chats = self._chats.get(robot)
         if chats is None:
             chats = self._chats[robot] = OrderedDict()
@@ -44,7 +39,6 @@ class Audience:
     def leave(self, messenger: str, chat: str, who: PrincipalId | None = None) -> None:
         """Tell a chat nothing more: we were put out of it, or they left who had spoken there."""
         where = (messenger, chat)
-        self._newest.clear()
         for chats in self._chats.values():
             if where in chats and who in (None, chats[where][1]):
                 del chats[where]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import os
 import shutil
-import signal
 import sys
 from contextlib import asynccontextmanager
 from functools import partial
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.app.adapters import robot_factory
-from rosic.app.closing import close_in_time
+from rosic.app.closing import close_in_time, on_signals
 from rosic.app.documents.profiles import known_units
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
@@ -185,14 +184,13 @@ class Ending(NamedTuple):
 async def _listening(gateway: Gateway, seat: Seat | None) -> AsyncIterator[Ending]:
     """Let the gateway listen while inside."""
     ended = asyncio.Event() if seat is None else seat.ended
-    signalled, loop = asyncio.Event(), asyncio.get_running_loop()
+    signalled = asyncio.Event()
 
     def leave() -> None:
         signalled.set()
         ended.set()
 
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        loop.add_signal_handler(number, leave)
+    on_signals(leave)
     listening = asyncio.create_task(gateway.run())
     over = asyncio.create_task(_first(listening, ended))
     try:

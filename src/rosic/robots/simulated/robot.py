@@ -200,7 +200,7 @@ class SimulatedRobot:
             age_s=0.0,
             doing=self._doing,
             at_rest=machine.at_rest(),
-            holds=machine.holding if isinstance(machine, Crazyflie) else None,
+            holds=machine.holding,
             values=_described(machine.telemetry(), self.profile),
             pose=self._pose() if self.profile.pose is not None else None,
         )

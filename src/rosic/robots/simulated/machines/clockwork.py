@@ -102,6 +102,11 @@ class SteppedMachine(abc.ABC):
         """True while `step` has something to do."""
         return self._recipe is not None or self._unsettled or self._in_motion()
 
+    @property
+    def holding(self) -> bool | None:
+        """None: a machine on the ground keeps its place at rest."""
+        return None
+
     def begin(
         self,
         skill: str,

@@ -32,6 +32,11 @@ class Machine(Protocol):
         """True while `step` has something to do; a hovering drone moves."""
         ...
 
+    @property
+    def holding(self) -> bool | None:
+        """Whether it keeps its place without being at rest; None: it only ever does so at rest."""
+        ...
+
     def begin(
         self,
         skill: str,
