@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from array import array
+from math import isnan, nan
 from time import perf_counter_ns
 from typing import TYPE_CHECKING, cast
 
@@ -25,32 +27,38 @@ LENGTH_BYTES = 2
 
 
 class Latest:
-    """What a robot last said.
+    """What robots last said, as numbers side by side: told as more when somebody looks.
+
+    A message touches one line of memory here, however many robots there are.
 
     Attributes:
-        at_ns: When, on the clock of ``perf_counter_ns``; 0: it has said nothing.
+        places: Where each robot's begin in both rows.
+        heard_ns: When each last said anything, on the clock of ``perf_counter_ns``; 0: never.
+        reported: Battery in percent, and place in m: three for each robot.
     """
 
-    __slots__ = ("at_ns", "pose", "values")
+    def __init__(self, names: Iterable[RobotId]) -> None:
+        self.places = {name: place for place, name in enumerate(names)}
+        self.heard_ns = array("q", bytes(8 * len(self.places)))
+        self.reported = array("d", [nan, 0.0, 0.0] * len(self.places))
 
-    def __init__(self) -> None:
-        self.at_ns = 0
-        self.pose: Pose | None = None
-        self.values: dict[str, float | str] = {}
+    def has_reported(self, place: int) -> bool:
+        """Whether a robot has said more than that it lives."""
+        return not isnan(self.reported[3 * place])
 
 
 class FedRobot(MemoryRobot):
     """Knows of itself what it last said, and is absent when it has said nothing for too long.
 
     Attributes:
-        latest: What it last said.
+        latest, place: What all last said, and where in it this one's is.
         handed_ns: When it was last told to stop, on the clock of ``perf_counter_ns``.
         within_s: It says something at least so often.
     """
 
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
         super().__init__(profile, gate, clock)
-        self.latest = Latest()
+        self.latest, self.place = Latest((profile.id,)), 0
         self.within_s = profile.link.heartbeat_s
         self.handed_ns = 0
 
@@ -61,25 +69,22 @@ class FedRobot(MemoryRobot):
 
     def presence(self) -> Presence:
         """Return what it last said."""
-        latest = self.latest
-        age_s = (perf_counter_ns() - latest.at_ns) / 1e9 if latest.at_ns else None
-        doing = self._doing.skill.id if self._doing else ""
+        heard_ns = self.latest.heard_ns[self.place]
+        age_s = (perf_counter_ns() - heard_ns) / 1e9 if heard_ns else None
+        battery, x_m, y_m = self.latest.reported[3 * self.place : 3 * self.place + 3]
+        reported = self.latest.has_reported(self.place)
         return Presence(
             online=age_s is not None and age_s <= self.within_s,
             age_s=age_s,
-            doing=doing,
+            doing=self._doing.skill.id if self._doing else "",
             at_rest=self._doing is None,
-            values=latest.values,
-            pose=latest.pose,
+            values={"battery": battery} if reported else {},
+            pose=Pose(x_m, y_m) if reported else None,
         )
 
 
 class Feed:
     """Brings to each robot what it said.
-
-    What robots said last lies side by side, and so do the names that it is found by, as they are
-    made before all else that a gateway keeps of each: a message touches little memory, and none of
-    it far from that of the next.
 
     Attributes:
         messages: How many so far.
@@ -89,24 +94,28 @@ class Feed:
     def __init__(self, names: Iterable[RobotId]) -> None:
         self.messages = 0
         self.robots: Mapping[RobotId, FedRobot] = {}
-        self._latest = {name: Latest() for name in names}
+        self.latest = Latest(names)
         self._read = msgspec.msgpack.Decoder(Beat | Values).decode
 
     def join(self, robots: Mapping[RobotId, FedRobot]) -> None:
         """Have robots know what was brought."""
         self.robots = robots
         for name, robot in robots.items():
-            robot.latest = self._latest[name]
+            robot.latest, robot.place = self.latest, self.latest.places[name]
 
     def take(self, words: bytes) -> None:
         """Take one message."""
-        said = self._read(words)
-        latest = self._latest[said.robot]
-        latest.at_ns = perf_counter_ns()
+        said, latest = self._read(words), self.latest
+        place = latest.places[said.robot]
+        latest.heard_ns[place] = perf_counter_ns()
         if type(said) is Values:
-            latest.values = {"battery": said.battery}
-            latest.pose = Pose(said.x_m, said.y_m)
+            at, reported = 3 * place, latest.reported
+            reported[at], reported[at + 1], reported[at + 2] = said.battery, said.x_m, said.y_m
         self.messages += 1
+
+    def all_have_reported(self) -> bool:
+        """Whether every robot has said more than that it lives."""
+        return all(map(self.latest.has_reported, self.latest.places.values()))
 
 
 read_wish = msgspec.msgpack.Decoder(Wish).decode

@@ -275,7 +275,7 @@ async def _see(
     robots_sent: list[Sent] = []
     people_sent: list[Sent] = []
     async with line("robots", (plan.robots,), feed.take, robots_sent):
-        await _all_heard(feed.robots.values())
+        await _all_heard(feed)
         before, stretch = feed.messages, Stretch()
         await asyncio.sleep(plan.fed_s)
         fed_cpu_s, fed_s = stretch.end()
@@ -294,9 +294,9 @@ async def _see(
     )  # fmt: skip
 
 
-async def _all_heard(robots: Iterable[FedRobot]) -> None:
+async def _all_heard(feed: Feed) -> None:
     async with asyncio.timeout(STARTING_S):
-        while not all(robot.latest.values for robot in robots):  # noqa: ASYNC110 - they tell nobody
+        while not feed.all_have_reported():  # noqa: ASYNC110 - they tell nobody
             await asyncio.sleep(LOOK_S)
 
 

@@ -310,7 +310,8 @@ class Teller:
             return
         shown = self._with_endings(card)
         ended, card.untold = card.untold, []
-        card.dirty = False
+        card.dirty = card.due = False
+        self._due.pop(card, None)  # a life that is over would lie there until the tick
         try:
             await card.messenger.edit(card.message, shown)
         except MessengerFault as fault:

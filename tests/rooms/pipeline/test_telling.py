@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
 from rosic.core.order import Report, Stage
+from rosic.pipeline.cards import Card
 from rosic.robots.memory import DONE, MemoryRobot
 from tests.rooms.pipeline.place import Place, edited, line_by_line
 
@@ -76,3 +78,19 @@ async def test_what_a_robot_reports_is_bounded_when_it_cannot_be_said() -> None:
         before = len(place.chat.told)
         await place.clock.advance(600.0)
         assert len(place.chat.told) - before < BOUND
+
+
+async def test_a_life_that_is_over_lies_nowhere_until_the_next_tick() -> None:
+    """Orders that waited their turn had progress to show; once told they were kept for 2 s."""
+    async with Place().open() as place:
+        gc.collect()
+        before = cards()
+        for _ in range(20):
+            told = await place.say("omni move 1 m\nomni move 1 m\nomni move 1 m")
+            assert "done" in told
+        gc.collect()
+        assert cards() - before < 5, "told, and still kept"
+
+
+def cards() -> int:
+    return sum(isinstance(found, Card) for found in gc.get_objects())
