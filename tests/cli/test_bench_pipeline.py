@@ -7,7 +7,7 @@ import asyncio
 import msgspec
 import pytest
 
-from rosic.bench import pipeline
+from rosic.bench import orders, pipeline
 from rosic.bench.lanes import BenchMessenger
 from rosic.core.message import Chat, Outbound
 
@@ -16,10 +16,18 @@ CHAT = Chat("bench", "0")
 
 
 async def test_every_order_that_counts_has_acted_once() -> None:
-    rate_per_s, times = await pipeline.run(BRIEF)
+    (ran,) = await orders.run(BRIEF)
 
-    assert len(times) >= BRIEF.orders
-    assert rate_per_s > 0
+    assert len(ran.times_ns) >= BRIEF.orders
+    assert ran.rate_per_s > 0
+
+
+async def test_cases_that_are_compared_take_turns_and_each_order_acts_once() -> None:
+    few, many = await orders.run(BRIEF, msgspec.structs.replace(BRIEF, people=40))
+
+    assert len(few.slices) == len(many.slices) == orders.SLICES
+    for ran in (few, many):
+        assert sum(n for n, _ in ran.slices) == len(ran.times_ns) >= BRIEF.orders
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,212 @@
+"""One case of the bench of the pipeline: a whole gateway in memory, and people who give it orders.
+
+Nothing is left out but the messenger's and the robot's own work: the message is understood, its
+author authenticated and admitted, the lease taken, the order claimed, relayed, acted on once at a
+robot, concluded and told.
+"""
+
+from __future__ import annotations
+
+import gc
+import tempfile
+from contextlib import AsyncExitStack, asynccontextmanager
+from itertools import count, cycle
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from rosic.app import heap
+from rosic.app.face import face_of
+from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.placing.people import Seed
+from rosic.app.units import compile_units
+from rosic.bench import places
+from rosic.bench.lanes import BenchMessenger, Lane, Sending, lanes_of
+from rosic.core.identity import Address
+from rosic.core.rate import RateLimit
+from rosic.core.robot import Busy, Link, Profile
+from rosic.core.skill import Parameter, Skill
+from rosic.robots.memory import MemoryRobot
+from rosic.stores.database import DatabaseStore
+from rosic.stores.latch import MemoryLatch
+from rosic.stores.memory import MemoryStore
+from rosic.system import SystemClock, SystemEntropy
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Iterator
+
+    from rosic.contracts.adapter import RobotFactory
+    from rosic.contracts.store import Latch, Store
+
+ROBOTS = 50
+SLICES = 20
+
+
+class Load(msgspec.Struct, frozen=True, kw_only=True):
+    """One case.
+
+    Attributes:
+        roles: Of the place's own, dealt out to people in turn; 0: all are operators.
+        slots: In the calendar, from the next hour on: looked at for each order, in nobody's way.
+    """
+
+    name: str
+    orders: int
+    skills: int = 500
+    people: int = 1_000
+    in_flight: int = 256
+    durable: bool = False
+    new_texts: bool = False
+    roles: int = 0
+    slots: int = 0
+
+
+class Ran(NamedTuple):
+    """What was seen of one case in one run.
+
+    Attributes:
+        times_ns: How long each order took.
+        slices: How many orders ended in each turn, and in how many seconds.
+    """
+
+    times_ns: list[int]
+    slices: list[tuple[int, float]]
+
+    @property
+    def rate_per_s(self) -> float:
+        """Orders a second."""
+        return len(self.times_ns) / sum(seconds for _, seconds in self.slices)
+
+    @property
+    def each_s(self) -> list[float]:
+        """What one order cost, in each turn."""
+        return [seconds / orders for orders, seconds in self.slices]
+
+
+async def run(*loads: Load) -> list[Ran]:
+    """Run a case once, or several in turns: a slow moment of the machine hits them alike.
+
+    Raises:
+        AssertionError: An order was not done, or not by one act: there is no result.
+    """
+    turns = SLICES if len(loads) > 1 else 1
+    found = [Ran([], []) for _ in loads]
+    async with AsyncExitStack() as stack:
+        opened = [await stack.enter_async_context(_opened(load)) for load in loads]
+        heap.settle()
+        stack.callback(gc.unfreeze)
+        for load, (gateway, sending, lanes) in zip(loads, opened, strict=True):
+            await sending.send(lanes, load.skills)
+            for robot in _robots(gateway):
+                robot.acted.clear()
+        for _ in range(turns):
+            for load, (_, sending, lanes), ran in zip(loads, opened, found, strict=True):
+                times_ns, seconds = await sending.send(lanes, load.orders // turns)
+                ran.times_ns.extend(times_ns)
+                ran.slices.append((len(times_ns), seconds))
+        for (gateway, _, _), ran in zip(opened, found, strict=True):
+            distinct = sum(len(set(robot.acted)) for robot in _robots(gateway))
+            if distinct != len(ran.times_ns):
+                raise AssertionError(f"{len(ran.times_ns)} told done, {distinct} acted")
+    return found
+
+
+@asynccontextmanager
+async def _opened(load: Load) -> AsyncIterator[tuple[Gateway, Sending, list[Lane]]]:
+    with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
+        messenger = BenchMessenger()
+        store: Store = (
+            DatabaseStore(Path(folder), clock=SystemClock()) if load.durable else MemoryStore()
+        )
+        gateway = _gateway(load, messenger, store, MemoryLatch())
+        await gateway.open()
+        try:
+            _book(gateway, load)
+            sending = Sending(gateway.pipeline, messenger, load.people, CLOCK.wall_ns)
+            yield gateway, sending, _lanes(load)
+        finally:
+            await gateway.close()
+
+
+def _book(gateway: Gateway, load: Load) -> None:
+    people = [person.id for person in gateway.rooms.authoriser.directory.people()]
+    size = places.Size(load.people, load.roles, ROBOTS, load.slots)
+    calendar = gateway.rooms.organiser.calendar
+    for slot in places.slots_of(size, CLOCK.wall_ns(), people.__getitem__):
+        calendar.apply(slot.fact())
+
+
+def _robots(gateway: Gateway) -> Iterator[MemoryRobot]:
+    for robot in gateway.robots.values():
+        if isinstance(robot, MemoryRobot):
+            yield robot
+
+
+def _lanes(load: Load) -> list[Lane]:
+    """Share what is in flight out among the robots."""
+    robots = min(ROBOTS, load.skills, load.in_flight)
+    return lanes_of(load.in_flight, [_texts(robot, load) for robot in range(robots)])
+
+
+def _texts(robot: int, load: Load) -> Iterator[str]:
+    """Return what a robot is asked for, without end."""
+    skills = [f"robot{robot} skill{n}" for n in range(max(1, load.skills // ROBOTS))]
+    if load.new_texts:
+        far = (0.01 + n % 4_990 / 1_000 for n in count())
+        return (f"{skill} {m:g} m forward" for skill, m in zip(cycle(skills), far, strict=False))
+    return cycle([f"{skill} 0.5 m forward" for skill in skills])
+
+
+CLOCK = SystemClock()
+
+
+def _gateway(load: Load, messenger: BenchMessenger, store: Store, latch: Latch) -> Gateway:
+    def factory(_kind: str) -> RobotFactory:
+        return MemoryRobot
+
+    settings = Settings(
+        profiles=tuple(_profile(robot, load) for robot in range(ROBOTS)),
+        people=tuple(
+            Seed(f"person {n}", (Address("bench", str(n)),), (_role(n, load),))
+            for n in range(load.people)
+        ),
+        rulebook=places.rulebook_of(load.roles, places.FREE),
+        limit=RateLimit(burst=1e9, per_s=1e9),
+        lease_idle_s=0.0,
+    )
+    parts = Parts(
+        messengers=(messenger,),
+        robot_factory=factory,
+        store=store,
+        latch=latch,
+        clock=CLOCK,
+        entropy=SystemEntropy(),
+        units=compile_units(),
+        face=face_of(),
+    )
+    return Gateway(settings, parts)
+
+
+def _role(person: int, load: Load) -> str:
+    return f"role{person % load.roles}" if load.roles else "operator"
+
+
+def _profile(robot: int, load: Load) -> Profile:
+    share = max(1, load.skills // ROBOTS)
+    return Profile(
+        id=f"robot{robot}",
+        link=Link(kind="memory"),
+        busy=Busy.QUEUE,
+        queue_length=64,
+        skills={
+            f"skill{n}": Skill(
+                id=f"skill{n}",
+                parameters={
+                    "direction": Parameter(choices={"forward": (), "back": ()}, default="forward"),
+                    "distance": Parameter(unit="m", min=0.01, max=5.0),
+                },
+            )
+            for n in range(share)
+        },
+    )
