@@ -82,12 +82,12 @@ class Card:
         self.adopted = False
         self.words = words
         self.dirty = self.due = self.doubted = self.ending = False
-        self.lines: list[str] = []
-        self.untold: list[CommandId] = []
-        self.cids: list[CommandId] = []
+        self.lines: tuple[str, ...] = ()
+        self.untold: tuple[CommandId, ...] = ()
+        self.cids: tuple[CommandId, ...] = ()
         self.buttons: tuple[tuple[Button, ...], ...] = ()
         self._face = face
-        self._lives: list[Life] = []
+        self._lives: tuple[Life, ...] = ()
         self.open = 0
 
     @property
@@ -103,11 +103,11 @@ class Card:
 
     def show(self, cid: CommandId, life: Life) -> None:
         """Show a life that was made elsewhere."""
-        self.cids.append(cid)
-        self._lives.append(life)
+        self.cids += (cid,)
+        self._lives += (life,)
         self.open += 1
         if not self.in_place:
-            self.lines.append(life.line(ACCEPTED))
+            self.lines += (life.line(ACCEPTED),)
 
     def step(self, life: Life, report: Report, at_ns: int) -> bool:
         """Take a report in. Return whether the chat is to hear of it.
@@ -119,17 +119,17 @@ class Card:
             self.dirty = True
             return not self.due and self.message != "" and not self.adopted
         if news and (report.stage is not Stage.RUNNING or len(self.lines) < LINES_AT_MOST):
-            self.lines.append(life.line(report))
+            self.lines += (life.line(report),)
         return bool(self.lines)
 
     def end(self, cid: CommandId, life: Life, words: str) -> None:
         """One life has ended, and that is on disk."""
         life.end(words)
         self.open -= 1
-        self.untold.append(cid)
+        self.untold += (cid,)
         self.dirty = True
         if not self.in_place:
-            self.lines.append(headed(life.where, words))
+            self.lines += (headed(life.where, words),)
 
     def text(self, *, endings: bool) -> str:
         """Return the message as it should read now, with or without how lives ended."""

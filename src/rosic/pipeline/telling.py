@@ -207,10 +207,10 @@ class Teller:
         if self.gone is not None:
             self.gone(item)
         if isinstance(item, Card):
-            item.dirty, item.lines = False, []
-            told, item.untold = item.untold, []
+            item.dirty, item.lines = False, ()
+            told, item.untold = item.untold, ()
         else:
-            told = [item.cid, *item.also] if item.cid is not None else []
+            told = (item.cid, *item.also) if item.cid is not None else ()
             if item.then is not None:
                 item.then()
         if told:
@@ -274,10 +274,10 @@ class Teller:
         while card.lines:
             text = card.lines[0]
             await card.messenger.send(Outbound(chat=card.chat, text=text))
-            card.lines.pop(0)
+            card.lines = card.lines[1:]
         if not card.open and card.untold:
             self._containers.told(*card.untold)
-            card.untold = []
+            card.untold = ()
 
     async def _show_at_once(self, card: Card) -> None:
         """Say a life that is over in one message, where more waits than the platform takes.
@@ -293,7 +293,7 @@ class Teller:
         self.subjects.note(card.messenger.name, card.chat, card.message, card.about)
         card.dirty = False
         self._containers.told(*card.untold)
-        card.untold = []
+        card.untold = ()
 
     async def _show_in_place(self, card: Card, voice: Voice | None) -> None:
         """Send once, write down which message it is, and say an ending only by editing it.
@@ -309,7 +309,7 @@ class Teller:
         if not card.dirty:
             return
         shown = self._with_endings(card)
-        ended, card.untold = card.untold, []
+        ended, card.untold = card.untold, ()
         card.dirty = card.due = False
         self._due.pop(card, None)  # a life that is over would lie there until the tick
         try:
