@@ -1,14 +1,16 @@
 """The sending side of the benchmark: people who take turns, each with several messages in flight.
 
-It runs in the thread that it measures, so it does nothing that it could have done before.
+It runs in the thread that it measures, so it does nothing that it could have done before, and keeps
+no task for a message that is under way: as many as are ready are handed over one after another.
 """
 
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from itertools import count, cycle
 from time import perf_counter_ns
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
@@ -23,6 +25,16 @@ if TYPE_CHECKING:
 TURN_MESSAGES = 4
 
 
+class Awaited(Protocol):
+    """Whoever waits for the end of an order; a future, say."""
+
+    def set_result(self, result: None, /) -> None:
+        """Hear that it is done, and was told."""
+
+    def set_exception(self, exception: Exception, /) -> None:
+        """Hear that it was refused, or ended otherwise."""
+
+
 class BenchMessenger:
     """Hands messages over and notices when their author is told the end."""
 
@@ -34,7 +46,7 @@ class BenchMessenger:
     pins = False
 
     def __init__(self) -> None:
-        self.ended: dict[str, asyncio.Future[None]] = {}
+        self.ended: dict[str, Awaited] = {}
 
     async def run(self, receive: Receive) -> None:
         """Nothing to listen to: the load calls ``receive`` itself."""
@@ -76,17 +88,45 @@ class Lane:
 
     Attributes:
         texts: What is asked for, one after another, without end.
+        slots: One for each message.
         left: How many of them have not had their share of this turn.
-        over: Done when the turn is; it says whether there is another.
+        sender, chat: Whose turn it is.
     """
 
-    __slots__ = ("left", "over", "person", "texts", "width")
+    __slots__ = ("chat", "left", "sender", "slots", "texts")
 
     def __init__(self, width: int, texts: Iterator[str]) -> None:
-        self.width = self.left = width
+        self.slots = [Slot(self) for _ in range(width)]
+        self.left = width
         self.texts = texts
-        self.person: tuple[Address, Chat] | None = None
-        self.over: asyncio.Future[bool] | None = None
+        self.sender, self.chat = address_of(0)
+
+
+class Slot:
+    """One message in flight after another.
+
+    Attributes:
+        left: How many of this turn are still to end, this one included.
+        began_ns: When it was sent.
+        sending: Hears of the end.
+    """
+
+    __slots__ = ("began_ns", "lane", "left", "sending")
+
+    sending: Sending
+
+    def __init__(self, lane: Lane) -> None:
+        self.lane = lane
+        self.left = 0
+        self.began_ns = 0
+
+    def set_result(self, _result: None) -> None:
+        """Its author was told that the order is done."""
+        self.sending.ended(self)
+
+    def set_exception(self, exception: Exception) -> None:
+        """There is no result."""
+        self.sending.fail(exception)
 
 
 class Sending:
@@ -97,6 +137,8 @@ class Sending:
         messenger: Hears of the end of each.
         people: How many take turns.
         wall_ns: The place's clock.
+        hands: How many messages may be handed over at the same time: more than one only where a
+            hand waits for something else than its turn, as for a disk.
     """
 
     def __init__(
@@ -105,69 +147,111 @@ class Sending:
         messenger: BenchMessenger,
         people: int,
         wall_ns: Callable[[], int],
+        hands: int = 1,
     ) -> None:
         self._receive = pipeline.receive
         self._messenger = messenger
-        self._orders = 0
+        self._hands = hands
+        self._orders = self._under_way = 0
         self._people = cycle([address_of(person) for person in range(people)])
         self._numbers = count(1)
         self._wall_ns = wall_ns
         self._times: list[int] = []
+        self._ready: deque[Slot] = deque()
+        self._idle: list[asyncio.Future[None]] = []
+        self._over: asyncio.Future[None] | None = None
 
     async def send(self, lanes: list[Lane], orders: int) -> tuple[list[int], float]:
         """Send until so many orders have ended, and those under way then, too.
 
         Returns:
             How long each order took, in ns, and how long all of them, in s.
+
+        Raises:
+            AssertionError: An order was not done: there is no result.
         """
-        self._orders, self._times = orders, []
-        for lane in lanes:
-            self._begin(lane)
+        self._orders, self._times, self._under_way = orders, [], len(lanes)
+        self._over = asyncio.get_running_loop().create_future()
         began_ns = perf_counter_ns()
-        await asyncio.gather(*(self._slot(lane) for lane in lanes for _ in range(lane.width)))
-        return self._times, (perf_counter_ns() - began_ns) / 1e9
+        for lane in lanes:
+            for slot in lane.slots:
+                slot.sending = self
+            self._begin(lane)
+        hands = [asyncio.create_task(self._hand_over()) for _ in range(self._hands)]
+        for hand in hands:
+            hand.add_done_callback(self._see)
+        try:
+            await self._over
+            return self._times, (perf_counter_ns() - began_ns) / 1e9
+        finally:
+            for hand in hands:
+                hand.cancel()
+            await asyncio.gather(*hands, return_exceptions=True)
+            self._idle.clear()
+
+    def _see(self, hand: asyncio.Task[None]) -> None:
+        """Let an error of a hand end everything."""
+        if not hand.cancelled() and (error := hand.exception()) is not None:
+            self.fail(error)
+
+    def fail(self, error: BaseException) -> None:
+        """End everything: there is no result."""
+        if self._over is not None and not self._over.done():
+            self._over.set_exception(error)
 
     def _begin(self, lane: Lane) -> None:
-        lane.left, lane.person = lane.width, next(self._people)
-        lane.over = asyncio.get_running_loop().create_future()
+        """Let somebody else have the turn."""
+        lane.left = len(lane.slots)
+        lane.sender, lane.chat = next(self._people)
+        for slot in lane.slots:
+            slot.left = TURN_MESSAGES
+        self._ready.extend(lane.slots)
 
-    async def _slot(self, lane: Lane) -> None:
-        """Send one message after another, each once the one before has ended."""
-        future = asyncio.get_running_loop().create_future
-        receive, messenger, ends = self._receive, self._messenger, self._messenger.ended
-        numbers, texts, wall_ns, times = self._numbers, lane.texts, self._wall_ns, self._times
-        while True:
-            assert lane.person is not None  # noqa: S101 - a turn has begun
-            sender, chat = lane.person
-            for _ in range(TURN_MESSAGES):
-                message, now_ns = str(next(numbers)), wall_ns()
-                inbound = Inbound(
-                    sender=sender, chat=chat, message=message, text=next(texts),
-                    sent_ns=now_ns, received_ns=now_ns,
-                )  # fmt: skip
-                ends[message] = ended = future()
-                began_ns = perf_counter_ns()
-                await receive(messenger, inbound)
-                await ended
-                times.append(perf_counter_ns() - began_ns)
-            if not await self._turn_is_over(lane):
-                return
-
-    async def _turn_is_over(self, lane: Lane) -> bool:
-        """Wait until everybody in a lane has had their share; the last begins the next turn.
-
-        Returns:
-            Whether there is one.
-        """
-        over = lane.over
-        assert over is not None  # noqa: S101 - a turn has begun
+    def _end_turn(self, lane: Lane) -> None:
+        """Begin the next turn once everybody in a lane has had their share, if there is one."""
         lane.left -= 1
         if lane.left:
-            return await over
-        more = len(self._times) < self._orders
-        self._begin(lane)
-        over.set_result(more)
-        return more
+            return
+        if len(self._times) < self._orders:
+            self._begin(lane)
+            return
+        self._under_way -= 1
+        if not self._under_way and self._over is not None and not self._over.done():
+            self._over.set_result(None)
+
+    async def _hand_over(self) -> None:
+        """Hand messages over as they are ready, one after another."""
+        create_future = asyncio.get_running_loop().create_future
+        receive, messenger, ends, ready = (
+            self._receive, self._messenger, self._messenger.ended, self._ready,
+        )  # fmt: skip
+        numbers, wall_ns = self._numbers, self._wall_ns
+        while True:
+            while ready:
+                slot = ready.popleft()
+                lane = slot.lane
+                message, now_ns = str(next(numbers)), wall_ns()
+                inbound = Inbound(
+                    sender=lane.sender, chat=lane.chat, message=message, text=next(lane.texts),
+                    sent_ns=now_ns, received_ns=now_ns,
+                )  # fmt: skip
+                ends[message] = slot
+                slot.began_ns = perf_counter_ns()
+                await receive(messenger, inbound)
+            idle = create_future()
+            self._idle.append(idle)
+            await idle
+
+    def ended(self, slot: Slot) -> None:
+        """Count one order; whoever has had their share waits for the others of their lane."""
+        self._times.append(perf_counter_ns() - slot.began_ns)
+        slot.left -= 1
+        if slot.left:
+            self._ready.append(slot)
+        else:
+            self._end_turn(slot.lane)
+        if self._ready and self._idle:
+            self._idle.pop().set_result(None)
 
 
 def lanes_of(in_flight: int, texts: Sequence[Iterator[str]]) -> list[Lane]:

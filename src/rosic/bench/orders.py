@@ -123,7 +123,8 @@ async def _opened(load: Load) -> AsyncIterator[tuple[Gateway, Sending, list[Lane
         await gateway.open()
         try:
             _book(gateway, load)
-            sending = Sending(gateway.pipeline, messenger, load.people, CLOCK.wall_ns)
+            hands = load.in_flight if load.durable else 1
+            sending = Sending(gateway.pipeline, messenger, load.people, CLOCK.wall_ns, hands)
             yield gateway, sending, _lanes(load)
         finally:
             await gateway.close()
