@@ -86,6 +86,7 @@ OF_FLEET = (
 TASKS = "tests/rooms/pipeline/test_tasks.py"
 EDGES = "tests/rooms/pipeline/test_tasks_at_the_edges.py"
 ROBOTS = "tests/rooms/pipeline/test_fleet.py"
+COMPLETIONS = "tests/rooms/pipeline/test_task_completions.py"
 
 DISABLED = (
     f"{ROBOTS}::test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_stays_stopped"
@@ -135,6 +136,20 @@ OF_TASKS = (
         guard="            self._check_not_barred(robot)\n",
         without="",
         caught_by=(DISABLED,),
+    ),
+    Fault(
+        name="people are told to resume a robot that must stay stopped",
+        file="organiser/refusing.py",
+        guard="        if barred is not None:\n",
+        without="        if False:\n",
+        caught_by=(f"{ROBOTS}::test_nobody_is_offered_to_resume_what_has_to_stay_stopped",),
+    ),
+    Fault(
+        name="what is offered for a task is a direct order",
+        file="pipeline/fleet/completing.py",
+        guard="offers=(*map(typed, lacking.instead), *lacking.other)",
+        without="offers=why.offers",
+        caught_by=(f"{COMPLETIONS}::test_where_to_is_asked_for_the_task_and_a_tap_gives_it",),
     ),
     Fault(
         name="one that is not ready, and the others begin",

@@ -44,6 +44,33 @@ async def test_a_retired_robot_is_given_nothing_also_after_a_restart_until_it_is
         assert "distance 0.01 to 5 m" in told
 
 
+async def test_nobody_is_offered_to_resume_what_has_to_stay_stopped() -> None:
+    async with warehouse().open() as here:
+
+        def offered() -> list[str]:
+            return [button.command for row in here.last()[1].buttons for button in row]
+
+        await here.say("/robot retire w1")
+        told = await here.say("w1 wave")
+        assert told == (
+            "w1 is retired, so it stays stopped. Whoever may assign tasks can change that. "
+            "Nothing was done."
+        )
+        assert not offered()
+        await here.say("/robot disable w2")
+        assert "w1 is retired" in await here.say("resume")
+        assert not offered()
+        await here.say("stop w3")
+        assert "Say which one may go on" in await here.say("resume")
+        assert offered() == ["resume w3"]
+        old_ns = here.clock.wall_ns() - 3_600 * 1_000_000_000
+        assert "w1 is retired" in await here.say("resume w1", sent_ns=old_ns)
+        assert not offered()
+        await here.say("/robot add w1")
+        assert "is stopped, by Ada" in await here.say("w1 wave")
+        assert offered() == ["resume w1"]
+
+
 async def test_of_a_group_whose_robots_are_all_retired_nobody_is_waited_for() -> None:
     async with warehouse().open() as here:
         for robot in ("w1", "w2"):

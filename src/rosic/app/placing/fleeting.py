@@ -98,7 +98,7 @@ class Fleeting:
         self._furnish_missions(tasks, memory, settings, pipeline)
         robots = self.robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
         robots.employ(office)
-        pipeline.resuming.barred = robots.barred
+        rooms.board.barred = robots.barred
         pipeline.resuming.begins = robots.begins
         HandoverClerk(rooms, dispatching, self._hands.reach, self._clock).employ(office)
         CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
