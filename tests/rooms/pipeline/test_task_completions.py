@@ -41,6 +41,7 @@ def carrier(name: str) -> Profile:
     )
 
 
+LONG = " then ".join(["goto far end"] * 10)
 CARRIERS = (carrier("carrier1"), carrier("carrier2"))
 ARM = Profile(id="arm", link=Link(kind="memory"), skills={"wave": WAVE})
 
@@ -108,6 +109,7 @@ async def test_nothing_that_is_offered_is_a_direct_order(said: str, offered: str
         ("/task carriers drive", "/task carriers drive x=1 m y=1 m"),
         ("/task carrier2 tell", "/task carrier2 tell ..."),
         ("/task carrier2 goto then goto", "/task carrier2 goto dock then goto dock"),
+        (f"/task carrier2 {LONG} then goto", f"/task carrier2 {LONG} then goto dock"),
     ],
 )
 async def test_where_values_are_free_an_example_of_the_whole_line_is_said(

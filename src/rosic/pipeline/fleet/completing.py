@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.rooms import Rooms
 
 ANYTHING: Final = "..."
+LONGEST_OFFER: Final = 128
+"""What is longer fits on no button; it is an example."""
 
 Lines = tuple[str, ...]
 
@@ -129,8 +131,10 @@ def refused(lacking: Lacking, sentence: str, typed: Callable[[Sequence[str]], st
     """
     why = lacking.why
     kind = type(why) if isinstance(why, OutOfBounds | NotPermitted) else NotUnderstood
-    text = words.for_example(sentence, typed(lacking.like)) if lacking.like else sentence
-    return kind(text, offers=(*map(typed, lacking.instead), *lacking.other), petition=why.petition)
+    found = [line for line in map(typed, lacking.instead) if len(line) <= LONGEST_OFFER]
+    like = lacking.like or (() if found else next(iter(lacking.instead), ()))
+    text = words.for_example(sentence, typed(like)) if like else sentence
+    return kind(text, offers=(*found, *lacking.other), petition=why.petition)
 
 
 def _some_value(parameter: CompiledParameter) -> str:
