@@ -86,6 +86,8 @@ OF_FLEET = (
 TASKS = "tests/rooms/pipeline/test_tasks.py"
 EDGES = "tests/rooms/pipeline/test_tasks_at_the_edges.py"
 ROBOTS = "tests/rooms/pipeline/test_fleet.py"
+USAGE = "tests/rooms/pipeline/test_usage.py"
+COMPLETIONS = "tests/rooms/pipeline/test_task_completions.py"
 
 DISABLED = (
     f"{ROBOTS}::test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_stays_stopped"
@@ -135,6 +137,27 @@ OF_TASKS = (
         guard="            self._check_not_barred(robot)\n",
         without="",
         caught_by=(DISABLED,),
+    ),
+    Fault(
+        name="people are told to resume a robot that must stay stopped",
+        file="organiser/refusing.py",
+        guard="        if barred is not None:\n",
+        without="        if False:\n",
+        caught_by=(f"{ROBOTS}::test_nobody_is_offered_to_resume_what_has_to_stay_stopped",),
+    ),
+    Fault(
+        name="what is offered for a task is a direct order",
+        file="pipeline/fleet/completing.py",
+        guard="offers=(*found, *lacking.other)",
+        without="offers=why.offers",
+        caught_by=(f"{COMPLETIONS}::test_where_to_is_asked_for_the_task_and_a_tap_gives_it",),
+    ),
+    Fault(
+        name="a robot rests when its order ends, though it has a task",
+        file="pipeline/fleet/usage.py",
+        guard="            if robot not in self._held:\n",
+        without="            if True:\n",
+        caught_by=(f"{USAGE}::test_each_second_counts_once_whatever_begins_and_ends_in_it",),
     ),
     Fault(
         name="one that is not ready, and the others begin",

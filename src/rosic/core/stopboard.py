@@ -9,10 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
+    from rosic.errors import Refusal
 
 
 class Stopped:
@@ -28,9 +29,15 @@ class Stopped:
 
 
 class StopBoard(dict["RobotId", Stopped]):
-    """Every robot's entry; read for every order, so that it is a plain table."""
+    """Every robot's entry; read for every order, so that it is a plain table.
+
+    Attributes:
+        barred: Returns why a robot must stay stopped, whoever asks; None if it need not. Asked
+            before anybody is told to resume it.
+    """
 
     def __init__(self, robots: Iterable[RobotId], found: dict[RobotId, tuple[int, bool]]) -> None:
+        self.barred: Callable[[RobotId], Refusal | None] = _not_barred
         for robot in robots:
             self.enlist(robot, found.get(robot, (0, False)))
 
@@ -62,3 +69,7 @@ class StopBoard(dict["RobotId", Stopped]):
     def latched(self) -> tuple[RobotId, ...]:
         """Return the robots that are stopped."""
         return tuple(robot for robot, entry in self.items() if entry.latched)
+
+
+def _not_barred(_robot: RobotId) -> None:
+    """Bar no robot."""

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
 
 LOCKED = said("Your access is locked. The admin of this place can unlock it. Stop still works.")
+NOTHING_DONE = said("Nothing was done.")
 ENDED = said("Your access here has ended. The admin of this place can renew it.")
 CLOCK_SET_BACK = said(
     "The clock of this computer was set back, so nothing new moves until its owner has said that "
@@ -223,7 +224,9 @@ class Refusing:
 
     def _stopped(self, denied: Denied) -> Refusal:
         robot = denied.ask.robot
-        stopped = self._stops[robot]
+        barred, stopped = self._stops.barred(robot), self._stops[robot]
+        if barred is not None:
+            return RobotStopped(joined(" ", (barred.sentence, NOTHING_DONE)))
         shown = self._shown(robot)
         if stopped.by:
             sentence = said(

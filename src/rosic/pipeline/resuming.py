@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from rosic.core.message import Inbound
     from rosic.core.robot import RobotId
     from rosic.core.stopboard import StopBoard
-    from rosic.errors import Refusal
     from rosic.linker.linker import Linker
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.said import Said
@@ -32,14 +31,12 @@ class Resuming:
     """Undoes stops.
 
     Attributes:
-        barred: Returns why a robot must stay stopped, whoever asks; None if it need not.
         begins: Returns what some robots may begin by themselves once they are resumed; mostly "".
     """
 
     def __init__(
         self, organiser: Organiser, container: Containers, linker: Linker, board: StopBoard
     ) -> None:
-        self.barred: Callable[[RobotId], Refusal | None] | None = None
         self.begins: Callable[[Collection[RobotId]], str] = _nothing
         self._organiser = organiser
         self._container = container
@@ -60,8 +57,9 @@ class Resuming:
         stopped = self._stopped(caller, line)
         for robot in stopped:
             self._organiser.check_word(caller, robot, RESUME, asked.grounds())
-            self._check_later(inbound, robot)
+            # Before the time is looked at: said again, it would be refused again.
             self._check_not_barred(robot)
+            self._check_later(inbound, robot)
         # As they were when this was asked: what is stopped meanwhile stays stopped.
         generations = {robot: self._board[robot].generation for robot in stopped}
         for robot, generation in generations.items():
@@ -86,7 +84,7 @@ class Resuming:
         return joined("\n", filter(None, (text, self.begins(stopped))))
 
     def _check_not_barred(self, robot: RobotId) -> None:
-        why = None if self.barred is None else self.barred(robot)
+        why = self._board.barred(robot)
         if why is not None:
             raise why
 
@@ -110,9 +108,11 @@ class Resuming:
         visible = self._organiser.visible(caller.principal)
         stopped = [r for r in line.robots or sorted(visible) if self._board[r].latched]
         if not line.robots and len(stopped) > 1:
+            offers = tuple(f"resume {r}" for r in stopped if self._board.barred(r) is None)
+            if not offers:
+                self._check_not_barred(stopped[0])
             raise NotUnderstood(
-                said("Several robots are stopped. Say which one may go on."),
-                offers=tuple(f"resume {robot}" for robot in stopped),
+                said("Several robots are stopped. Say which one may go on."), offers=offers
             )
         return stopped
 

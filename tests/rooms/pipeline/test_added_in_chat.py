@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.core.identity import ROBOT, Address
 from rosic.core.message import ChatKind
 from rosic.core.record import Decided
-from tests.rooms.pipeline.place import ADA, BO, VI, Place
+from tests.rooms.pipeline.among.fellows import Fellows
+from tests.rooms.pipeline.place import ADA, BO, PEOPLE, VI, Place
 from tests.rooms.pipeline.rover import CAN, ROVER
 
 if TYPE_CHECKING:
@@ -92,6 +94,69 @@ async def test_two_taps_add_a_robot_that_was_sent_as_a_file() -> None:
         await place.tap(*button)  # once
         assert "done" in await place.say("rover wiggle")
         await say(place, "/robot add rover.yaml", "called rover here already")
+
+
+class Alone(Fellows):
+    """No robot is anybody here yet."""
+
+    people = PEOPLE  # type: ignore[assignment]  # fewer
+
+
+async def test_an_admin_lets_it_speak_with_the_others_under_a_key_that_is_theirs_to_give() -> None:
+    async with Alone().open() as place:
+        assert "/robot add rover.yaml as ROLE; /role names" in await say_sent(place)
+        asked = "It may speak with the other robots then, as fellow."
+        assert "Add Rover 3, as rover?" in await say(
+            place, "/robot add rover.yaml as fellow", asked
+        )
+        assert "rover" not in place.gateway.robots
+        await tap(place, "Add it", "Rover 3 may speak with the other robots, as fellow.")
+        found = place.gateway.rooms.authoriser.directory.at(Address(ROBOT, "rover"))
+        assert found is not None
+        rover, key = found
+        assert rover.roles == ("fellow",)
+        assert key.issuer == ada(place)
+        assert (await place.says("rover", "share", topic="road", data="wet"))["ok"] is True
+
+
+async def test_a_role_that_is_none_is_said_before_anything_is_asked() -> None:
+    async with Alone().open() as place:
+        await send(place)
+        said = await say(place, "/robot add rover.yaml as dancer", "There is no role dancer here.")
+        assert "Nothing was changed." in said
+        await say(place, "/robot add rover.yaml as fellow", "as fellow")
+        button = place.button("Add it")
+        await send(place, ROVER.replace("Rover 3", "Bo").replace("rover", "bo"), name="bo.yaml")
+        await say(place, "/robot add bo.yaml as fellow", "Somebody here is called bo already")
+        await place.say("/files delete rover.yaml")
+        await send(place, ROVER.replace("Rover 3", "Other"))
+        before = len(place.chat.told)
+        await place.tap(*button)
+        await heard(place, before, "changed since I showed it")
+        assert [b.command for row in place.last()[1].buttons for b in row] == [
+            "/robot add rover.yaml as fellow"
+        ]
+        assert "rover" not in place.gateway.robots
+
+
+async def test_whoever_may_add_no_robot_gives_none_a_role() -> None:
+    async with Alone().open() as place:
+        await send(place, account=BO)
+        said = await place.say("/robot add rover.yaml as fellow", account=BO, chat=BO)
+        assert said.startswith("Only somebody who may assign tasks and give rights here")
+
+
+async def say_sent(place: Place) -> str:
+    """Send the rover, tap, and return what is asked."""
+    await send(place)
+    return await tap(place, "Add this robot", "Add Rover 3")
+
+
+def ada(place: Place) -> str:
+    """Return the admin's id."""
+    found = place.gateway.rooms.authoriser.directory.at(Address("memory", ADA))
+    assert found is not None
+    return found[0].id
 
 
 async def test_leaving_it_adds_nothing() -> None:

@@ -44,6 +44,33 @@ async def test_a_retired_robot_is_given_nothing_also_after_a_restart_until_it_is
         assert "distance 0.01 to 5 m" in told
 
 
+async def test_nobody_is_offered_to_resume_what_has_to_stay_stopped() -> None:
+    async with warehouse().open() as here:
+
+        def offered() -> list[str]:
+            return [button.command for row in here.last()[1].buttons for button in row]
+
+        await here.say("/robot retire w1")
+        told = await here.say("w1 wave")
+        assert told == (
+            "w1 is retired, so it stays stopped. Whoever may assign tasks can change that. "
+            "Nothing was done."
+        )
+        assert not offered()
+        await here.say("/robot disable w2")
+        assert "w1 is retired" in await here.say("resume")
+        assert not offered()
+        await here.say("stop w3")
+        assert "Say which one may go on" in await here.say("resume")
+        assert offered() == ["resume w3"]
+        old_ns = here.clock.wall_ns() - 3_600 * 1_000_000_000
+        assert "w1 is retired" in await here.say("resume w1", sent_ns=old_ns)
+        assert not offered()
+        await here.say("/robot add w1")
+        assert "is stopped, by Ada" in await here.say("w1 wave")
+        assert offered() == ["resume w1"]
+
+
 async def test_of_a_group_whose_robots_are_all_retired_nobody_is_waited_for() -> None:
     async with warehouse().open() as here:
         for robot in ("w1", "w2"):
@@ -76,7 +103,7 @@ async def test_the_view_shows_every_robot_every_task_and_what_is_not_as_it_shoul
         told = await here.say("/fleet warehouse")
         assert "one robot at work, 0 free, 2 not ready" in told
         assert "one task running, one waits, the longest for 1 min" in told
-        assert "At tasks 17 % of the time" in told
+        assert "At work 17 % of the time" in told
         assert "w1: one task waits; 0 of 1 robots are free." in told
         lines = told.splitlines()
         assert lines.pop().startswith("updated 12:00:00")
@@ -93,6 +120,35 @@ async def test_the_view_shows_every_robot_every_task_and_what_is_not_as_it_shoul
         await here.say("/fleet off")
         await heard(here, 8)
         assert "w1:" not in here.chat.shown(message).text
+
+
+async def test_what_people_order_themselves_is_work_too_and_counts_once() -> None:
+    async with warehouse().open() as here:
+        await here.clock.advance(60)
+        await here.say("w1 wave", account=BO)
+        await heard(here, 20)
+        told = await here.say("/fleet w1")
+        assert "one robot at work, 0 free" in told
+        assert "At work 25 % of the time; idle for 0 s on the average." in told
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here, 20)
+        told = await here.say("/fleet w1")
+        assert "0 robots at work" in told
+        assert "At work 20 % of the time; idle for 20 s on the average." in told
+        await here.say("w1 look", account=BO)
+        await heard(here, 10)
+        assert "0 robots at work" in await here.say("/fleet w1"), "to be asked is no work"
+        worker(here, "w1").end(Ending.DONE)
+        await here.clock.advance(60)  # nobody's any more
+        await here.say("/task w1 wave then wave")
+        await heard(here, 15)
+        worker(here, "w1").end(Ending.DONE)  # and the second step begins
+        await heard(here, 15)
+        told = await here.say("/fleet w1")
+        assert "At work 25 % of the time" in told, "50 s of 200, no second of them twice"
+        worker(here, "w1").end(Ending.DONE)
+        await heard(here)
+        assert "0 robots at work, one free" in await here.say("/fleet w1")
 
 
 async def test_a_shift_is_handed_over_only_when_it_is_accepted_and_rights_are_the_others() -> None:

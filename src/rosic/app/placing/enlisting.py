@@ -128,17 +128,23 @@ class Enlisting:
         task.add_done_callback(self._adding.discard)
         return await asyncio.shield(task)
 
-    async def check(self, draft: Draft) -> tuple[Profile, Sequence[str]]:
+    async def check(self, draft: Draft, role: str = "") -> tuple[Profile, Sequence[str]]:
         """Return the robot of a profile that nobody would take for another, and advice about it.
 
+        Args:
+            draft: Its profile.
+            role: In which it is to speak with the other robots; empty: it does not.
+
         Raises:
-            NotUnderstood: Everything that is wrong with it, or whom it would be taken for.
+            NotUnderstood: Everything that is wrong with it, or whom it would be taken for; or it
+                cannot become somebody in that role.
         """
         profile, advice = await asyncio.to_thread(check_draft, draft, self._parts.units)
         rooms = self._gateway.rooms
         if profile.id in rooms.profiles and self._standing(profile.id) is not Standing.ACTIVE:
             raise NotUnderstood(words.retired_id(profile.id))
         check_distinct(profile, rooms.profiles.values())
+        self._check_role(profile, role)
         return profile, advice
 
     def _standing(self, robot: str) -> Standing:
@@ -157,8 +163,7 @@ class Enlisting:
     async def _add(self, wanted: Wanted, by: PrincipalId) -> str:
         async with self._one:
             stops, _ = self._gateway.rooms.board.newest()
-            profile, advice = await self.check(wanted.draft)
-            self._check_role(profile, wanted.role)
+            profile, advice = await self.check(wanted.draft, wanted.role)
             newcomer = await self._make(profile)
             await self._open(newcomer.robot)
             stopped = await self._decide(newcomer, wanted, by, stops)
@@ -181,12 +186,12 @@ class Enlisting:
         if directory.at(Address(ROBOT, profile.id)) or directory.named(profile.id):
             raise NotUnderstood(words.is_somebody(profile.id))
 
-    def _somebody(self, robot: RobotId, role: str) -> list[Record]:
+    def _somebody(self, robot: RobotId, role: str, by: PrincipalId) -> list[Record]:
         """Return what gives a robot a key of its own and a role; nothing without one."""
         if not role:
             return []
         fellow = Seed(robot, (Address(ROBOT, robot),), (role,))
-        return admitted(fellow, self._gateway.access.time, self._parts.entropy)[2]
+        return admitted(fellow, self._gateway.access.time, self._parts.entropy, by)[2]
 
     async def _decide(
         self, newcomer: Newcomer, wanted: Wanted, by: PrincipalId, stops: int
@@ -204,7 +209,7 @@ class Enlisting:
         try:
             async with gateway.access.changes.turn() as turn:
                 outlook = await gateway.authority.foresee((*gateway.profiles.values(), profile))
-                somebody = self._somebody(profile.id, wanted.role)
+                somebody = self._somebody(profile.id, wanted.role, by)
                 await turn.write((decided, fact_of(profile.id, wanted.draft), *somebody))
                 here = True
                 return self._enlist(newcomer, outlook, stops)

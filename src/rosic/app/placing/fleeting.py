@@ -13,6 +13,7 @@ from rosic.core.order import Ending
 from rosic.core.record import Refused, Told
 from rosic.errors import Repeated, StoreFault
 from rosic.organiser.zones import zone_named
+from rosic.pipeline.benchmarks.judging import follow
 from rosic.pipeline.fleet.attempting import Attempting, attempt_id
 from rosic.pipeline.fleet.cards import FLEET_CARD, FleetCards
 from rosic.pipeline.fleet.clerks import TaskClerk
@@ -79,7 +80,7 @@ class Fleeting:
         self.dispatching.tell = self.telling.tell
         self.dispatching.changed = self._changed
         self.dispatching.behind = lambda: any(map(catching_up, hands.reach.messengers))
-        self._usage = Usage(clock.monotonic_ns())
+        self._usage = Usage(clock.monotonic_ns)
         self._hands = hands
         self.overview = Overview(rooms, self.dispatching, self.watching, self.telling, self._usage)
         self._planning: asyncio.Task[None] | None = None
@@ -92,13 +93,14 @@ class Fleeting:
         for kind, keeper in kept:
             keeper.restore(memory.facts.get(kind, ()))
             self._changes.keep(kind, keeper.apply)
+        follow(pipeline.lives, self._usage)
         office, rooms, dispatching = pipeline.reception.office, self._rooms, self.dispatching
         tasks = TaskClerk(rooms, dispatching, self.telling, zone_named(settings.zone))
         tasks.employ(office)
         self._furnish_missions(tasks, memory, settings, pipeline)
         robots = self.robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
         robots.employ(office)
-        pipeline.resuming.barred = robots.barred
+        rooms.board.barred = robots.barred
         pipeline.resuming.begins = robots.begins
         HandoverClerk(rooms, dispatching, self._hands.reach, self._clock).employ(office)
         CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
@@ -165,7 +167,7 @@ class Fleeting:
     # ---- while it runs ----
 
     def _changed(self) -> None:
-        self._usage.note(self.dispatching.fleet.holds, self._clock.monotonic_ns())
+        self._usage.note(self.dispatching.fleet.holds)
         self.watching.begin()
         if self._planning is None:
             self._planning = asyncio.create_task(self._plan())

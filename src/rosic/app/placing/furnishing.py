@@ -289,6 +289,7 @@ class Furnishing:
             zone_of=lambda _principal: here,
             lease=organiser.lease,
             ready=self._ready,
+            barred=lambda robot: rooms.board.barred(robot),  # noqa: PLW0108 - replaced
             handover=self.handover.end,
             may_stay=lambda who, slot: self.handover.outranks(who, slot.principal, slot.robot),
         )

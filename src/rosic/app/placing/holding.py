@@ -289,7 +289,7 @@ def handing_of(
     folders: RobotFolders,
 ) -> Handing:
     """Return the clerk who brings files to robots, and robots' files to people."""
-    ways = Ways(folders, rooms.linker.deliver, lambda robot: rooms.board[robot].latched)
+    ways = Ways(folders, rooms.linker.deliver, rooms.board)
     return Handing(holdings, rooms.organiser, rooms.profiles, ways, pipeline.plain, aside)
 
 

@@ -29,7 +29,10 @@ if TYPE_CHECKING:
     from rosic.pipeline.office import Asked
 
 DIGEST_LETTERS: Final = 16
-_SAID: Final = re.compile(rf"(.+?)(?:\s+([0-9a-f]{{{DIGEST_LETTERS}}}))?\s*\Z", re.IGNORECASE)
+_SAID: Final = re.compile(
+    rf"(?P<name>.+?)(?:\s+as\s+(?P<role>[^\s.]+))?(?:\s+(?P<digest>[0-9a-f]{{{DIGEST_LETTERS}}}))?\s*\Z",
+    re.IGNORECASE,
+)
 
 
 class Newcomers:
@@ -61,7 +64,8 @@ class Newcomers:
 
         Args:
             asked: By whom.
-            said: The name of a file of theirs, and the beginning of its digest once it was shown.
+            said: The name of a file of theirs; ``as`` a role, if the robot is to speak with the
+                others; and the beginning of its digest once it was shown.
 
         Raises:
             Refusal: Why not; nothing was changed.
@@ -70,19 +74,19 @@ class Newcomers:
         principal = asked.caller.principal
         if not self._may(principal):
             raise NotPermitted(words.MAY_NOT)
-        found = _SAID.match(said.strip())
-        filed = self._holdings.files.find(principal, found[1] if found else said)
+        name, role, shown = _read(said)
+        filed = self._holdings.files.find(principal, name)
         draft = await self._draft(filed)
-        profile, advice = await self._enlisting.check(draft)
+        profile, advice = await self._enlisting.check(draft, role)
         _check_folders(profile)
         digest = filed.digest.hex()[:DIGEST_LETTERS]
-        shown = found[2] if found else None
-        if shown is None:
-            text = joined("\n", (words.would_add(profile), core_words.help_for(profile), *advice))
-            return Reply(text, words.confirm_buttons(filed.name, digest))
-        if shown.casefold() != digest:
-            raise NotUnderstood(words.CHANGED, offers=(f"/robot add {filed.name}",))
-        return Reply(await self._enlisting.add(draft, principal), about=profile.id)
+        if not shown:
+            asks = (words.would_add(profile), words.would_speak(filed.name, role))
+            text = joined("\n", (*asks, core_words.help_for(profile), *advice))
+            return Reply(text, words.confirm_buttons(filed.name, role, digest))
+        if shown != digest:
+            raise NotUnderstood(words.CHANGED, offers=(words.add_command(filed.name, role),))
+        return Reply(await self._enlisting.add(draft, principal, role), about=profile.id)
 
     def _may(self, principal: PrincipalId) -> bool:
         organiser = self._organiser
@@ -97,6 +101,14 @@ class Newcomers:
             return Draft(text=content.decode("utf-8-sig"), name=filed.name)
         except UnicodeDecodeError:
             raise NotUnderstood(words.NO_TEXT) from None
+
+
+def _read(said: str) -> tuple[str, str, str]:
+    """Return the file, the role and the digest that were said; empty where they were not."""
+    found = _SAID.match(said.strip())
+    if found is None:
+        return said, "", ""
+    return found["name"], found["role"] or "", (found["digest"] or "").casefold()
 
 
 def newcomers_of(gateway: Gateway) -> None:

@@ -95,12 +95,12 @@ def named_in_file(
 
 
 def admitted(
-    person: Seed, clock: Clock, entropy: Entropy
+    person: Seed, clock: Clock, entropy: Entropy, by: PrincipalId = OPERATOR
 ) -> tuple[Principal, AuthorisationKey, list[Record]]:
-    """Return who becomes known, under which key, and all that makes it so."""
+    """Return who becomes known, under which key given by whom, and all that makes it so."""
     principal, now_ns = f"p{entropy.token(ID_BYTES).hex()}", clock.wall_ns()
     key = AuthorisationKey(
-        id=f"k{entropy.token(ID_BYTES).hex()}", principal=principal, issuer=OPERATOR,
+        id=f"k{entropy.token(ID_BYTES).hex()}", principal=principal, issuer=by,
         issued_ns=now_ns,
     )  # fmt: skip
     card = PersonalCard(person.name, person.addresses)

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.parcel import Receipt
     from rosic.core.robot import Files, Profile, RobotId
+    from rosic.core.stopboard import StopBoard
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.containers.parts import Holdings
     from rosic.pipeline.files.aside import Aside, Saying, Work
@@ -54,12 +55,12 @@ class Ways(NamedTuple):
 
     Attributes:
         deliver: Hands one to the robot's side; see ``contracts.robot.deliver_of``.
-        stopped: Whether a robot is.
+        board: Which robots are stopped.
     """
 
     folders: Folders
     deliver: Callable[[RobotId, Parcel], Awaitable[Receipt]]
-    stopped: Callable[[RobotId], bool]
+    board: StopBoard
 
 
 class Handing:
@@ -80,7 +81,7 @@ class Handing:
         self._folders = ways.folders
         self._outboxes = Outboxes(ways.folders, holdings)
         self._deliver = ways.deliver
-        self._stopped = ways.stopped
+        self._board = ways.board
         self._plain = plain
         self._aside = aside
 
@@ -184,7 +185,7 @@ class Handing:
         """Hand it to the robot's side, once, and return what came of it."""
         shown = self._profiles[robot].shown
         try:
-            if self._stopped(robot):
+            if self._board[robot].latched:
                 raise RobotStopped(words.is_stopped(shown))
             receipt = await self._deliver(robot, parcel)
         except RobotUnreachable as fault:
@@ -208,7 +209,10 @@ class Handing:
             most = int(takes.max_mb * words.MB)
             raise OutOfBounds(words.too_large_for(profile.shown, filed.size, most))
         # What lies in an inbox may set a robot going: what holds for moving it holds for that.
-        if self._stopped(robot):
+        if self._board[robot].latched:
+            barred = self._board.barred(robot)
+            if barred is not None:
+                raise barred
             raise RobotStopped(words.is_stopped(profile.shown), offers=(f"resume {robot}",))
         holder = self._organiser.holder(robot)
         if holder not in {None, caller.principal}:

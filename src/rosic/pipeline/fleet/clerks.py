@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet import events as e
@@ -13,17 +14,21 @@ from rosic.core.saying import joined
 from rosic.errors import NotPermitted, NotUnderstood, TooManyRequests
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_fleet as words
+from rosic.pipeline.fleet.completing import refused
 from rosic.pipeline.fleet.letters import Said
 from rosic.pipeline.fleet.reading import able
 from rosic.pipeline.fleet.task_line import read_wish
 from rosic.pipeline.freshness import check_errand_fresh
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
     from rosic.core.fleet.state import FleetState
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
     from rosic.errors import Refusal
     from rosic.organiser.zones import Zone
+    from rosic.pipeline.fleet.completing import Lacking
     from rosic.pipeline.fleet.dispatching import Dispatching, Given
     from rosic.pipeline.fleet.task_line import Wish
     from rosic.pipeline.fleet.telling import Telling
@@ -132,7 +137,7 @@ class TaskClerk:
         lines = wish.lines(used)
         found = able(self._rooms, fleet, who, robots, lines)
         if not found.robots:
-            raise self._nobody(wanted, found.why)
+            raise self._nobody(wanted, found.lacking, partial(wish.typed, used))
         task = Task(
             id=fleet.next_id(),
             author=who,
@@ -152,12 +157,16 @@ class TaskClerk:
         decided = Decided(act="task", by=who, about=task.id, at_ns=now_ns, digest=asked.cid)
         return [(task, said)], decided
 
-    def _nobody(self, wanted: str, why: Refusal | None) -> Refusal:
-        if why is None:
+    def _nobody(
+        self, wanted: str, lacking: Lacking | None, typed: Callable[[Sequence[str]], str]
+    ) -> Refusal:
+        """Return why nobody can, and which tasks could be given instead."""
+        if lacking is None:
             return NotUnderstood(words.no_such_target(wanted or "?"))
-        if wanted in self._rooms.profiles:
-            return why
-        return NotUnderstood(words.nobody_can(wanted, why.sentence))
+        sentence = lacking.why.sentence
+        if wanted not in self._rooms.profiles:
+            sentence = words.nobody_can(wanted, sentence)
+        return refused(lacking, sentence, typed)
 
     def _target(self, wish: Wish, who: PrincipalId) -> tuple[str, tuple[RobotId, ...], int]:
         """Return whom the first words mean, and how many words they are.

@@ -6,6 +6,7 @@ itself, and one message shows of each whether it has received it, and what it do
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.container.letters import ReplyTo
@@ -18,6 +19,7 @@ from rosic.errors import NotUnderstood, Refusal
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_company as words
+from rosic.pipeline.fleet.completing import Completing, refused
 from rosic.pipeline.fleet.reading import step_for
 from rosic.pipeline.replies import reply_id
 from rosic.pipeline.requesting import Requesting
@@ -49,6 +51,10 @@ class Meant(NamedTuple):
     robots: tuple[RobotId, ...]
     line: str
 
+    def typed(self, lines: Sequence[str]) -> str:
+        """Return the whole command with another line."""
+        return " ".join(("/together", self.name, *lines))
+
 
 class CompanyClerk:
     """The clerk of commands to many."""
@@ -79,7 +85,7 @@ class CompanyClerk:
             Refusal: Why one of them may not; none has moved.
         """
         meant = self._meant(asked)
-        steps = [step_for(self._rooms, robot, meant.line) for robot in meant.robots]
+        steps = [self._step(meant, robot) for robot in meant.robots]
         states = {robot: self.why_not_ready(asked, robot) for robot in meant.robots}
         if any(states.values()):
             return self._none(meant, states)
@@ -92,6 +98,25 @@ class CompanyClerk:
         orders = await self._prepare(asked, meant, permits, requests, start_ns)
         self._begin(asked, said, meant, orders)
         return Reply("")
+
+    def _step(self, meant: Meant, robot: RobotId) -> Do:
+        """Return what one of them is to do; whatever is offered instead is for all of them.
+
+        Raises:
+            Refusal: It cannot do that.
+        """
+        try:
+            return step_for(self._rooms, robot, meant.line)
+        except Refusal as why:
+            found = Completing(self._rooms, robot, partial(self._check, robot)).lacking(
+                (meant.line,), why
+            )
+            raise refused(found, found.why.sentence, meant.typed) from why
+
+    def _check(self, robot: RobotId, lines: Sequence[str]) -> None:
+        """See that a robot understands what it is to do; rights are asked for later."""
+        for line in lines:
+            step_for(self._rooms, robot, line)
 
     def _none(self, meant: Meant, states: Mapping[RobotId, str]) -> Reply:
         """Say who is not ready, and offer to begin with the others."""

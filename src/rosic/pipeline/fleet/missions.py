@@ -276,7 +276,7 @@ class MissionClerk:
         fleet, robots = self._tasks.dispatching.fleet, self._robots(part.on, who)
         found = able(self._rooms, fleet, who, robots, leaf.steps)
         if not found.robots:
-            why = found.why.sentence if found.why is not None else ""
+            why = found.lacking.why.sentence if found.lacking is not None else ""
             raise NotUnderstood(words.nobody_can(number + 1, part.on, why))
         units = self._rooms.vocabulary.units
         return Task(

@@ -46,7 +46,10 @@ class Overview:
         tasks = [(task.id, task.state, task.leaving, task.done) for task in fleet.open()]
         return (
             tuple(tasks),
-            tuple((*self._states(r)[0], fleet.holds.get(r), whose(r)) for r in robots),
+            tuple(
+                (*self._states(r)[0], fleet.holds.get(r), whose(r), self._usage.works(r))
+                for r in robots
+            ),
         )
 
     def lines(self, robots: Sequence[RobotId], wall_ns: int, who: PrincipalId) -> Iterator[str]:
@@ -54,18 +57,17 @@ class Overview:
         fleet = self._dispatching.fleet
         states = {robot: self._states(robot, who) for robot in robots}
         unready = [robot for robot in robots if states[robot][0]]
-        held = [robot for robot in robots if robot in fleet.holds]
+        at_work = [robot for robot in robots if self._usage.works(robot)]
         free = len([r for r in robots if not states[r][0] and self._is_free(r)])
-        yield words.robots_altogether(len(held), free, len(unready))
+        yield words.robots_altogether(len(at_work), free, len(unready))
         open_tasks = [task for task in fleet.open() if not set(task.among).isdisjoint(robots)]
         yield self._tasks(open_tasks, wall_ns)
-        now_ns = self._watching.monotonic_ns()
         if robots:
-            idle_s = sum(self._usage.idle_s(robot, now_ns) for robot in robots) // len(robots)
-            yield words.use(self._usage.share(robots, now_ns), idle_s)
+            idle_s = sum(self._usage.idle_s(robot) for robot in robots) // len(robots)
+            yield words.use(self._usage.share(robots), idle_s)
         yield from self._bottlenecks(open_tasks, states)
         # What needs a look first, then what works, then what waits.
-        order = sorted(robots, key=lambda r: (not states[r][0], r not in fleet.holds, r))
+        order = sorted(robots, key=lambda r: (not states[r][0], not self._usage.works(r), r))
         for robot in order[:SHOWN_AT_MOST]:
             yield words.one(self._telling.shown(robot), [*states[robot][0], *states[robot][1]])
         if len(order) > SHOWN_AT_MOST:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.fleet.task import Standing
-from rosic.core.language import Context, Do, bind, understand
+from rosic.core.language import bind
 from rosic.errors import NotUnderstood, Refusal
 from rosic.pipeline.fleet import words_fleet as words
+from rosic.pipeline.fleet.completing import Completing, read_step
 from rosic.pipeline.fleet.words_robots import is_retired
 
 if TYPE_CHECKING:
@@ -15,10 +18,13 @@ if TYPE_CHECKING:
 
     from rosic.core.fleet.state import FleetState
     from rosic.core.identity import PrincipalId
+    from rosic.core.language import Do
     from rosic.core.robot import Profile, RobotId
     from rosic.core.skill import Argument
+    from rosic.pipeline.fleet.completing import Lacking
     from rosic.pipeline.rooms import Rooms
 
+LOOKED_AT_MOST = 50  # robots, for what one of them could do instead
 GO_TO_PARTS = 3  # of what a profile says: a skill, x and y
 
 
@@ -29,13 +35,13 @@ class Able(NamedTuple):
         robots: Those who can, in the order in which they were asked about.
         place: Where the lines lead to first; None when they lead nowhere.
         skills: By id, of the first who can.
-        why: Why the first who cannot, cannot.
+        lacking: Why the first who cannot, cannot; rather of one who could with other values.
     """
 
     robots: tuple[RobotId, ...]
     place: tuple[float, float] | None
     skills: tuple[str, ...]
-    why: Refusal | None
+    lacking: Lacking | None
 
 
 def step_for(rooms: Rooms, robot: RobotId, line: str) -> Do:
@@ -44,12 +50,9 @@ def step_for(rooms: Rooms, robot: RobotId, line: str) -> Do:
     Raises:
         Refusal: It is no single command of this robot, or a value is missing or out of bounds.
     """
-    context = Context(robot, frozenset({robot}))
-    lines = understand(f"{robot} {line}", rooms.vocabulary, context)
-    if len(lines) != 1 or not isinstance(lines[0], Do) or lines[0].robots != (robot,):
-        raise NotUnderstood(words.no_command(rooms.profiles[robot].shown, line))
-    bind(rooms.vocabulary, robot, lines[0].skills[0], lines[0].spoken)
-    return lines[0]
+    step = read_step(rooms, robot, line)
+    bind(rooms.vocabulary, robot, step.skills[0], step.spoken)
+    return step
 
 
 def able(
@@ -61,7 +64,7 @@ def able(
     One that is retired can do nothing: nobody waits for it.
     """
     found: list[RobotId] = []
-    why: Refusal | None = None
+    refused: list[tuple[RobotId, Refusal]] = []
     place: tuple[float, float] | None = None
     for robot in robots:
         try:
@@ -69,12 +72,28 @@ def able(
                 raise NotUnderstood(is_retired(rooms.profiles[robot].shown, robot))
             leads = _all(rooms, who, robot, lines)
         except Refusal as refusal:
-            why = why or refusal
+            refused.append((robot, refusal))
         else:
             found.append(robot)
             place = place or leads
-    skills = [step_for(rooms, found[0], line).skills[0].id for line in lines] if found else []
-    return Able(tuple(found), place, tuple(skills), why)
+    if not found:
+        why = (
+            Completing(rooms, robot, partial(_all, rooms, who, robot)).lacking(lines, refusal)
+            for robot, refusal in refused
+        )
+        return Able((), None, (), _rather(why))
+    skills = tuple(step_for(rooms, found[0], line).skills[0].id for line in lines)
+    return Able(tuple(found), place, skills, None)
+
+
+def _rather(found: Iterable[Lacking]) -> Lacking | None:
+    """Return the first that helps, or else the first."""
+    first: Lacking | None = None
+    for one in islice(found, LOOKED_AT_MOST):
+        if one.helps:
+            return one
+        first = first or one
+    return first
 
 
 def _all(

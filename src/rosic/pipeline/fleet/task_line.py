@@ -14,11 +14,12 @@ from rosic.pipeline.fleet import words_fleet as words
 from rosic.pipeline.people.invitation_line import length_said
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from rosic.organiser.zones import Zone
 
 LONGEST_LINE = 1_000
+THEN = " then "
 FULL = 100.0
 
 
@@ -27,10 +28,12 @@ class Wish(msgspec.Struct):
 
     Attributes:
         words: Whom and what, before the conditions.
+        conditions: As they were typed, all of them.
         until_ns: Wall clock; 0 never passes.
     """
 
     words: list[str]
+    conditions: tuple[str, ...] = ()
     priority: int = 1
     until_ns: int = 0
     expected_s: float = 0.0
@@ -58,6 +61,15 @@ class Wish(msgspec.Struct):
             raise OutOfBounds(words.too_many_steps(STEPS_AT_MOST))
         return lines
 
+    def typed(self, after: int, lines: Sequence[str]) -> str:
+        """Return the whole line for other steps, under the same conditions.
+
+        Args:
+            after: How many words say for whom.
+            lines: The steps.
+        """
+        return " ".join(["/task", *self.words[:after], THEN.join(lines), *self.conditions])
+
 
 def read_wish(text: str, now_ns: int, zone: Zone) -> Wish:
     """Read the conditions off the end of a line, as many as there are.
@@ -75,6 +87,7 @@ def read_wish(text: str, now_ns: int, zone: Zone) -> Wish:
         key, said = wish.words[at].casefold(), [word.casefold() for word in wish.words[at + 1 :]]
         if not _READ[key](wish, said, now_ns, zone):
             break
+        wish.conditions = (*wish.words[at:], *wish.conditions)
         del wish.words[at:]
     return wish
 

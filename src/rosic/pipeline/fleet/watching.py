@@ -48,7 +48,6 @@ class Watching:
     def __init__(self, rooms: Rooms, dispatching: Dispatching, clock: Clock) -> None:
         self.engaged: Callable[[RobotId], bool] = _not_engaged
         self.prefer: dict[TaskId, RobotId] = {}
-        self.monotonic_ns = clock.monotonic_ns
         self._rooms = rooms
         self._dispatching = dispatching
         self._clock = clock

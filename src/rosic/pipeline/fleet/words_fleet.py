@@ -117,6 +117,11 @@ def nobody_can(name: str, why: str) -> str:
     return said("Nobody of {name} can do that. {why}", name=name, why=why)
 
 
+def for_example(why: str, line: str) -> str:
+    """Return why a line cannot be taken as it stands, and one that could."""
+    return joined(" ", (why, said("For example: {line}", line=line)))
+
+
 def no_such_target(name: str) -> str:
     """Return that a name means no robot and no group."""
     return said("I know no robot and no group called {name}.", name=name)

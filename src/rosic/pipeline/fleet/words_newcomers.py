@@ -62,9 +62,24 @@ def would_add(profile: Profile) -> str:
     )  # fmt: skip
 
 
-def confirm_buttons(name: str, digest: str) -> tuple[tuple[Button, ...], ...]:
+def would_speak(name: str, role: str) -> str:
+    """Return whether it is to speak with the other robots, and how it would."""
+    if role:
+        return said("It may speak with the other robots then, as {role}.", role=role)
+    return said(
+        "It speaks with no other robot. To let it, say {command}; /role names the roles.",
+        command=add_command(name, "ROLE"),
+    )  # fmt: skip
+
+
+def add_command(name: str, role: str) -> str:
+    """Return what asks for a robot, as it is typed."""
+    return f"/robot add {name} as {role}" if role else f"/robot add {name}"
+
+
+def confirm_buttons(name: str, role: str, digest: str) -> tuple[tuple[Button, ...], ...]:
     """Return what answers that."""
-    yes = Button(said("Add it"), f"/robot add {name} {digest}")
+    yes = Button(said("Add it"), f"{add_command(name, role)} {digest}")
     return ((yes, Button(LEAVE_IT, LEAVE)),)
 
 

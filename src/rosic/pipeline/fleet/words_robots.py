@@ -114,9 +114,9 @@ def tasks_altogether(waiting: int, held: int, resting: int, longest_s: int) -> s
 
 
 def use(share: float, idle_s: int) -> str:
-    """Return how much the fleet is used for tasks; what people order themselves is not counted."""
+    """Return how much the fleet is used, by tasks and by what people order themselves."""
     return said(
-        "At tasks {share:.0f} % of the time; without one for {time} on the average.",
+        "At work {share:.0f} % of the time; idle for {time} on the average.",
         share=share * 100, time=length(idle_s),
     )  # fmt: skip
 

@@ -142,7 +142,11 @@ class Ending:
 
     def tell_to_wait(self, slot: Slot) -> None:
         """Tell an owner that their time has begun and the robot has not confirmed rest."""
-        shown = self._times.shown(slot.robot)
+        shown, barred = self._times.shown(slot.robot), self._times.sides.barred(slot.robot)
+        if barred is not None:
+            said_so = words_keeper.cannot_begin(shown, barred.sentence)
+            self._times.reach.tell((slot.principal,), said_so)
+            return
         resume = Button(said("Resume {shown}", shown=shown), f"/resume {slot.robot}")
         self._times.reach.tell((slot.principal,), words_keeper.wait_for_rest(shown), ((resume,),))
 

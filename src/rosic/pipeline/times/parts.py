@@ -34,6 +34,10 @@ def never_ends(_: PrincipalId, __: RobotId) -> None:
     """Say that a right has no end."""
 
 
+def never_barred(_: RobotId) -> None:
+    """Say that a robot need not stay stopped."""
+
+
 class Sides(msgspec.Struct, frozen=True, kw_only=True):
     """What other rooms say, each as a question; none of them waits for anything but `handover`.
 
@@ -49,6 +53,7 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
         handover: End what a robot does, measure rest, release its lease; the string says why, as
             it stands in the outcome of an order. False: rest was not confirmed, and the robot is
             stopped until somebody who may resumes it: not `ready`.
+        barred: Why a robot must stay stopped, whoever resumes it; None if it need not.
         may_stay: Whether a holder may go on in another's slot: a senior who took over.
     """
 
@@ -60,6 +65,7 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
     lease: Callable[[RobotId], Lease]
     ready: Callable[[RobotId], bool]
     handover: Handover
+    barred: Callable[[RobotId], Refusal | None] = never_barred
     may_stay: Callable[[PrincipalId, Slot], bool] = nobody_stays
     right_ends_ns: Callable[[PrincipalId, RobotId], int | None] = never_ends
 

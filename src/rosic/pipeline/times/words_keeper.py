@@ -79,6 +79,11 @@ def wait_for_rest(shown: str) -> str:
     )
 
 
+def cannot_begin(shown: str, why: str) -> str:
+    """The next one cannot begin, and resuming does not help."""
+    return said("It is your time with {shown}, but you cannot use it. {why}", shown=shown, why=why)
+
+
 def unused(shown: str, idle_s: float, left_s: float) -> str:
     """Before an unused slot is released."""
     return said(

@@ -163,6 +163,18 @@ async def test_a_stopped_robot_and_one_of_somebody_else_get_none(tmp_path: Path)
         assert held(tmp_path) == set()
 
 
+async def test_a_robot_that_is_out_of_the_fleet_gets_none_and_nobody_is_told_to_resume_it(
+    tmp_path: Path,
+) -> None:
+    async with place(tmp_path) as ward:
+        await send(ward)
+        await ward.say("/robot retire omni")
+        told = await asked(ward, "/files send map.png to omni")
+        assert "omni is retired, so it stays stopped." in told
+        assert not ward.last()[1].buttons
+        assert held(tmp_path) == set()
+
+
 async def test_a_name_that_is_there_is_not_replaced(tmp_path: Path) -> None:
     async with place(tmp_path) as ward:
         (tmp_path / "in" / "a.yaml").write_bytes(b"before")

@@ -91,6 +91,7 @@ class Lab:
         hidden: Robots that nobody but Ann may see.
         forbidden: Who may move no robot.
         away: Robots that are stopped or not there.
+        barred: Robots that nobody can resume, and why.
     """
 
     def __init__(self, store: MemoryStore | None = None, clock: ManualClock | None = None) -> None:
@@ -103,6 +104,7 @@ class Lab:
         self.hidden: set[str] = set()
         self.forbidden = {VI}
         self.away: set[str] = set()
+        self.barred: dict[str, Refusal] = {}
         self.zones: dict[str, Zone] = {}
         self.seniors: set[str] = set()
         self.selected: dict[str, str] = {}
@@ -157,6 +159,7 @@ class Lab:
                 lease=self.leases.__getitem__,
                 ready=lambda robot: robot not in self.away,
                 handover=self._handover,
+                barred=self.barred.get,
                 may_stay=lambda who, _: who in self.seniors,
             ),
             lease_idle_s=IDLE_S,

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pytest
+
+from rosic.errors import RobotStopped
 from tests.rooms.pipeline.times.lab import ANN, BEN, CEM, MIN, NOW, Lab
 
 BEGINS = "It is your time: KUKA iiwa is yours until 12:00."
@@ -121,6 +124,24 @@ async def test_until_somebody_has_looked_at_a_robot_nobody_has_it() -> None:
         assert await lab.told(5) == [(BEN, said)]
         said = "KUKA iiwa is free and it is your turn. Tap within 60 s to take it."
         assert (CEM, said) in await lab.told_until(130)
+
+
+async def test_nobody_is_told_to_resume_a_robot_that_has_to_stay_stopped() -> None:
+    async with Lab().open() as lab:
+        lab.confirms = False
+        lab.barred["kuka1"] = RobotStopped("KUKA iiwa is retired, so it stays stopped.")
+        await lab.book(ANN, "kuka1 11:00 1h")
+        await lab.book(BEN, "kuka1 12:00 10 min")
+        await lab.told_until(61)
+        lab.begin(ANN)
+        await lab.told_until(119.9)
+        why = (
+            "It is your time with KUKA iiwa, but you cannot use it. "
+            "KUKA iiwa is retired, so it stays stopped."
+        )
+        assert await lab.told_until(120.1) == [(ANN, NOT_AT_REST), (BEN, why)]
+        with pytest.raises(AssertionError):
+            lab._shown("Resume KUKA iiwa")
 
 
 async def test_a_robot_in_doubt_is_offered_when_somebody_has_seen_to_it() -> None:
