@@ -16,6 +16,13 @@ OF_ORDERS = (
         caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act", f"{ROBOTS}::TestMemory"),
     ),
     Fault(
+        name="what hears of a common start too late begins all the same",
+        file="core/gate.py",
+        guard=" or (together and misses_start(order, now_ns))",
+        without="",
+        caught_by=("tests/rooms/robots/test_common_start.py",),
+    ),
+    Fault(
         name="I5 a stop that is old is not applied",
         file="pipeline/way.py",
         guard="if stop is not None:\n            await self._stop_lane",

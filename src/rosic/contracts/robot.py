@@ -71,7 +71,8 @@ class Robot(Protocol):
             ``SENT`` for a robot that does not acknowledge. ``CANCELLED`` after a stop.
 
         Raises:
-            OrderVoid: The gate declined. The robot has not moved.
+            OrderVoid: The gate declined, or the common start that it would keep is over. The robot
+                has not moved.
             RobotOffline: Not there; nothing was sent.
             RobotUnreachable: Sent, and no answer in time. It may or may not have moved.
 

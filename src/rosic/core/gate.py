@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.common_start import misses_start
 from rosic.core.saying import said
 from rosic.errors import OrderVoid
 
@@ -43,12 +44,14 @@ class Gate:
         self.generation = generation
         self.latched = latched
 
-    def pass_order(self, order: Order, now_ns: int) -> None:
+    def pass_order(self, order: Order, now_ns: int, *, together: bool = False) -> None:
         """Let one order through, once, and remember its numbers.
 
         Args:
             order: Any order; one for another robot is void here.
             now_ns: Monotonic clock, the one ``order.deadline_ns`` was taken from.
+            together: Whether this robot keeps a common start; most ways to a robot have no place
+                for one, and what goes by them begins at once.
 
         Raises:
             OrderVoid: The robot must not act on it; nothing was remembered but a higher fence.
@@ -71,10 +74,8 @@ class Gate:
             raise OrderVoid(
                 said("{robot} has already acted on a later command.", robot=order.robot)
             )
-        if now_ns > order.deadline_ns:
-            raise OrderVoid(
-                said("This reached {robot} too late. Nothing was done.", robot=order.robot)
-            )
+        if now_ns > order.deadline_ns or (together and misses_start(order, now_ns)):
+            raise OrderVoid(_too_late(order, now_ns))
         self.n = order.n
 
     def still_allows(self, order: Order) -> bool:
@@ -93,3 +94,12 @@ class Gate:
         """Unlatch, if no later stop has come meanwhile."""
         if generation >= self.generation:
             self.latched = False
+
+
+def _too_late(order: Order, now_ns: int) -> str:
+    if now_ns > order.deadline_ns:
+        return said("This reached {robot} too late. Nothing was done.", robot=order.robot)
+    return said(
+        "This reached {robot} too late to begin with the others. Nothing was done.",
+        robot=order.robot,
+    )

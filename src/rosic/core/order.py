@@ -84,7 +84,8 @@ class Order(msgspec.Struct, frozen=True):
     Attributes:
         n: The robot's order number; only grows.
         deadline_ns: Monotonic clock; not acted on later.
-        start_ns: Monotonic clock of a common start for several robots; None starts at once.
+        start_ns: Monotonic clock of a common start for several robots; None starts at once. Kept
+            by robots whose way has a place for it, which do not begin much later either.
         words: How it reads: ``move, 0.50 m left``.
     """
 

@@ -1,4 +1,7 @@
-"""Robots that are told one after another begin together; `rosic bench start` has figures."""
+"""Robots that are told one after another begin together, and who hears of it too late does not.
+
+`rosic bench start` has figures.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +13,16 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.bench.start import SIMULATION, began, one_more
+from rosic.core.gate import Gate
 from rosic.core.order import Ending
+from rosic.errors import OrderVoid
 from rosic.system import SystemClock
-from tests.real.ros2.simulated import opened
+from tests.real.ros2.simulated import opened, shipped
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rosic.core.order import Order
     from rosic.core.skill import Argument
     from rosic.testing.ros2.graph import RosGraph
 
@@ -51,3 +57,38 @@ async def test_robots_that_were_told_one_after_another_begin_together(
     assert set(moments) == set(NAMES)
     assert min(moments.values()) >= agreed_ns - 5_000_000, "nobody begins early"
     assert max(moments.values()) - min(moments.values()) < TOGETHER_WITHIN_S * 1e9
+
+
+class LetsAllBegin(Gate):
+    """Lets what comes too late for a common start pass, as if that came to be on the way."""
+
+    __slots__ = ()
+
+    def pass_order(self, order: Order, now_ns: int, *, together: bool = False) -> None:  # noqa: ARG002
+        super().pass_order(order, now_ns)
+
+
+async def test_who_hears_of_a_common_start_too_late_does_not_begin(
+    graph: RosGraph, tmp_path: Path
+) -> None:
+    file, clock = tmp_path / "starts", SystemClock()
+    graph.start("-m", SIMULATION, "--starts", file, "omni", timeout_s=60.0)
+    async with opened(shipped("omni"), clock) as robot:
+
+        def late() -> Order:
+            start_ns = clock.monotonic_ns() - 200_000_000
+            return replace(robot.order("move", MOVE), start_ns=start_ns)
+
+        with pytest.raises(OrderVoid, match="too late to begin with the others"):
+            await robot.execute(late(), lambda _report: None)
+
+        strict, robot.gate = robot.gate, LetsAllBegin("omni")
+        declined = await robot.execute(late(), lambda _report: None)
+        assert declined.ending is Ending.REFUSED
+        assert declined.note == "heard of the common start too late. Nothing was done."
+        assert not file.exists() or began(file) == {}, "it has not moved"
+
+        robot.gate = strict
+        waited = replace(late(), sequel=True)
+        assert (await robot.execute(waited, lambda _report: None)).ending is Ending.DONE
+    assert set(began(file)) == {"omni"}

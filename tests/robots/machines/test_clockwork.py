@@ -117,6 +117,14 @@ def test_a_start_too_far_ahead_is_declined(start_s: float) -> None:
     assert not omni.moving
 
 
+def test_a_start_that_is_over_is_declined_unless_only_just() -> None:
+    late, just = Omni(), Omni()
+    with pytest.raises(CannotDo, match="heard of the common start too late"):
+        late.begin("move", HALF_A_METRE, 5.0, start_s=4.85)
+    assert not late.moving
+    assert just.begin("move", HALF_A_METRE, 5.0, start_s=4.95).begun_s == 5.0
+
+
 def test_time_never_runs_back() -> None:
     omni = Omni()
     omni.begin("move", HALF_A_METRE, 10.0)

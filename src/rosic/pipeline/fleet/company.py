@@ -9,6 +9,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from msgspec.structs import replace
+
 from rosic.container.letters import ReplyTo
 from rosic.core.fleet.task import Standing
 from rosic.core.identity import robot_command_id
@@ -94,8 +96,10 @@ class CompanyClerk:
         permits = self._rooms.organiser.admit(
             asked.caller, requests, self._arguments_of, said.grounds
         )
+        orders = await self._prepare(asked, meant, permits, requests)
+        # Agreed once it is on disk: a slow disk would make all of them too late.
         start_ns = self._clock.monotonic_ns() + TOGETHER_NS
-        orders = await self._prepare(asked, meant, permits, requests, start_ns)
+        orders = tuple(replace(order, start_ns=start_ns) for order in orders)
         self._begin(asked, said, meant, orders)
         return Reply("")
 
@@ -176,7 +180,7 @@ class CompanyClerk:
         permits = self._rooms.organiser.admit(
             asked.caller, requests, self._arguments_of, said.grounds
         )
-        return await self._prepare(asked, meant, permits, requests, None)
+        return await self._prepare(asked, meant, permits, requests)
 
     # ---- the way of any order ----
 
@@ -224,15 +228,14 @@ class CompanyClerk:
         return self._rooms.container.complete(request).arguments
 
     async def _prepare(
-        self, asked: Asked, meant: Meant, permits: tuple[Permit, ...],
-        requests: Sequence[Request], start_ns: int | None,
-    ) -> tuple[Order, ...]:  # fmt: skip
+        self, asked: Asked, meant: Meant, permits: tuple[Permit, ...], requests: Sequence[Request]
+    ) -> tuple[Order, ...]:
         title = f"{meant.name}: {meant.line}"
         origin = ReplyTo(asked.messenger.name, asked.inbound.chat, reply_id(asked.inbound), title)
         try:
             for request in requests:
                 self._rooms.linker.check_free(request.robot)
-            return await self._rooms.container.prepare(permits, requests, origin, start_ns=start_ns)
+            return await self._rooms.container.prepare(permits, requests, origin)
         except BaseException:
             self._rooms.organiser.abandon(permits)
             raise

@@ -7,6 +7,7 @@ import logging
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
+from rosic.core.common_start import begins_ns
 from rosic.core.order import Ending, Outcome
 from rosic.core.saying import said
 from rosic.errors import RobotUnreachable, RosicError
@@ -87,7 +88,7 @@ class ByAction:
         values = self._started(made.values, errand)
         to_message(self._cls.Goal, values)
         sent_ns = errand.side.clock.wall_ns()
-        errand.leave()
+        errand.leave(together=bool(self._binding.start))
         watch = _Watch(errand, made.fraction)
         try:
             goal = await link.send(
@@ -113,9 +114,9 @@ class ByAction:
 
     def _started(self, values: dict[str, object], errand: Errand) -> dict[str, object]:
         """Add the common start, if there is one and the action takes it."""
-        start_ns = errand.order.start_ns
+        clock = errand.side.clock
+        start_ns = begins_ns(errand.order, clock.monotonic_ns())
         if self._binding.start and start_ns is not None:
-            clock = errand.side.clock
             at_ns = start_ns + ahead_ns(clock.wall_ns, clock.monotonic_ns)
             values[f"{self._binding.start}.sec"] = at_ns // _NS
             values[f"{self._binding.start}.nanosec"] = at_ns % _NS

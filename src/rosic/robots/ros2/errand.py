@@ -112,13 +112,17 @@ class Errand:
         """Return the refusal of a robot that is not there."""
         return RobotOffline(said("{shown} is not there. Nothing was sent.", shown=self.side.shown))
 
-    def leave(self) -> None:
+    def leave(self, *, together: bool = False) -> None:
         """Pass the gate and say that it is sent. The message must leave without suspension.
+
+        Args:
+            together: Whether the message carries the common start, if there is one.
 
         Raises:
             OrderVoid: The gate declined.
         """
-        self.side.gate.pass_order(self.order, self.side.clock.monotonic_ns())
+        now_ns = self.side.clock.monotonic_ns()
+        self.side.gate.pass_order(self.order, now_ns, together=together)
         self.left = True
         _log.debug("%s: order %d is sent", self.order.robot, self.order.n)
         self._tell(Report(Stage.SENT))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.core.common_start import begins_ns
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
 from rosic.core.robot import Presence, Profile
 from rosic.core.saying import said
@@ -96,7 +97,8 @@ class SimulatedRobot:
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Carry out one order."""
-        self.gate.pass_order(order, self._clock.monotonic_ns())
+        together = order.skill.topic is None  # a stream of velocities has no place for a start
+        self.gate.pass_order(order, self._clock.monotonic_ns(), together=together)
         tell(Report(Stage.SENT))
         self._doing = order.skill.id
         self.begun += 1
@@ -115,7 +117,8 @@ class SimulatedRobot:
 
     async def _perform(self, order: Order, tell: Tell) -> Outcome:
         goal = goal_of(order.skill, order.arguments)
-        start_s = None if order.start_ns is None else order.start_ns / 1e9
+        start_ns = begins_ns(order, self._clock.monotonic_ns())
+        start_s = None if start_ns is None else start_ns / 1e9
         activity = self._machine.begin(
             order.skill.id,
             machine_arguments(self.profile.link.model, order.skill.id, goal),

@@ -7,6 +7,7 @@ from collections.abc import Callable, Generator, Mapping
 from math import inf, isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
+from rosic.core.common_start import TOO_LATE_NS
 from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import Activity, CannotDo, Failed, State
 from rosic.robots.simulated.machines.arguments import Arguments, Value
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 SUBSTEP_S = 0.01
 LONGEST_WAIT_S = 60.0
+TOO_LATE_S = TOO_LATE_NS / 1e9
 
 Recipe: TypeAlias = Generator[None, None, str]
 """A skill as it unfolds: resumed before every substep, returns the closing sentence."""
@@ -150,6 +152,8 @@ class SteppedMachine(abc.ABC):
                     longest_wait_s=LONGEST_WAIT_S,
                 ),
             )
+        if start_s < now_s - TOO_LATE_S:
+            raise CannotDo(self.id, said("heard of the common start too late"))
         return max(start_s, now_s)
 
     def halt(self, now_s: float) -> None:

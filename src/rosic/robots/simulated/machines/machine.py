@@ -50,15 +50,16 @@ class Machine(Protocol):
             skill: A key of the machine's skills.
             arguments: SI values; what is missing takes the machine's default.
             now_s: The present.
-            start_s: Motion begins at exactly this time (a common start), if it is not past;
-                at most 60 s ahead. Until then the activity runs with the stage "waiting".
+            start_s: Motion begins at exactly this time (a common start): at most 60 s ahead, or
+                0.1 s past, and then at once. Until then the activity runs with the stage "waiting".
 
         Returns:
             The activity, running (or done, when there is nothing to do).
 
         Raises:
             CannotDo: Unknown skill, bad argument, busy, not at rest after a stop, battery too
-                low, out of reach, not flying. The machine has not moved and will not.
+                low, out of reach, not flying, too late for the common start. The machine has not
+                moved and will not.
         """
         ...
 
