@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
     from rosic.core.robot import Profile
     from rosic.core.skill import Argument
+    from rosic.robots.ros2.messages import Values
+    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.ros2.services import ServiceLink
     from rosic.robots.ros2.topics import Latest
     from tests.real.ros2.simulated import TriedRobot
 
@@ -213,6 +216,34 @@ async def test_closing_brings_what_is_under_way_to_rest(
         await robot.close()
         assert await stands(odometry)
         assert (await asyncio.wait_for(running, 60.0)).ending is Ending.CANCELLED
+
+
+class HeardLast:
+    """A way to stop a robot that is slower than the others: the order has ended before it."""
+
+    def __init__(self, link: ServiceLink, ended: asyncio.Future[Outcome]) -> None:
+        self._link = link
+        self._ended = ended
+        self.ready = link.ready
+        self.close = link.close
+
+    async def call(self, values: Values, *, timeout_s: float, urgent: bool) -> RosObject:
+        await asyncio.wait((self._ended,))
+        return await self._link.call(values, timeout_s=timeout_s, urgent=urgent)
+
+
+async def test_what_closing_cuts_short_has_not_failed(clock: SystemClock) -> None:
+    """The robot's own stop is faster than the cancelling: its goal ends as aborted."""
+    async with opened(shipped("omni"), clock) as robot:
+        running = await moving(robot)
+        calls: list[object] = [
+            HeardLast(link, running) if link.name.endswith("/cancel_goal") else link
+            for link in robot._brakes.calls
+        ]
+        robot._brakes.calls[:] = calls  # type: ignore[assignment]
+        await robot.close()
+        outcome = await asyncio.wait_for(running, 60.0)
+    assert outcome.ending is Ending.CANCELLED
 
 
 async def test_a_refusal_carries_the_robots_reason(omni: Simulated, clock: SystemClock) -> None:

@@ -77,6 +77,8 @@ class Errand:
 
     Attributes:
         left: It has passed the gate: from here on the robot may move.
+        cut_off: It is being ended without a stop, as ROSIC closes: the robot is brought to rest and
+            may say that its goal came to nothing before anybody has cancelled that.
         halted: Set when a stop has done what it could; ``rest`` then says what came of it.
     """
 
@@ -84,6 +86,7 @@ class Errand:
         self.order = order
         self.side = side
         self.left = False
+        self.cut_off = False
         self.halted = asyncio.Event()
         self.rest: Resting | None = None
         self._tell = tell
@@ -128,8 +131,8 @@ class Errand:
         self._tell(Report(Stage.SENT))
 
     def allowed(self) -> bool:
-        """Tell whether it may go on: no stop has come."""
-        return self.side.gate.still_allows(self.order)
+        """Tell whether it may go on: no stop has come, and nobody is cutting it off."""
+        return not self.cut_off and self.side.gate.still_allows(self.order)
 
     def received(self) -> None:
         """The robot's side has it."""

@@ -152,8 +152,10 @@ class Ros2Robot:
 
     async def close(self) -> None:
         """Bring what is under way to rest, then leave the graph."""
-        if self._errand is not None and self._errand.left:
-            self._halted(await self._to_rest(limit_s=CLOSING_REST_S))
+        if self._errand is not None:
+            self._errand.cut_off = True
+            if self._errand.left:
+                self._halted(await self._to_rest(limit_s=CLOSING_REST_S))
         self._opened_ns = None
         closing = [*(part.close() for part in self._parts()), self._station.leave(self._look)]
         for step in closing:
