@@ -95,6 +95,13 @@ DISABLED = (
 
 OF_TASKS = (
     Fault(
+        name="of those that begin together some go on without the one that does not",
+        file="pipeline/fleet/company.py",
+        guard="                life.over = partial(pact.ended, order)\n",
+        without="                pass\n",
+        caught_by=("tests/rooms/pipeline/test_together.py",),
+    ),
+    Fault(
         name="I8 a task is carried out although whoever gave it may not any more",
         file="pipeline/fleet/attempting.py",
         guard="        caller = self.check_author(task.author)\n",

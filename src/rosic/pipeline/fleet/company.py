@@ -21,7 +21,9 @@ from rosic.errors import NotUnderstood, Refusal
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_company as words
+from rosic.pipeline.fleet.attempting import AwaitedLife
 from rosic.pipeline.fleet.completing import Completing, refused
+from rosic.pipeline.fleet.pact import Pact
 from rosic.pipeline.fleet.reading import step_for
 from rosic.pipeline.replies import reply_id
 from rosic.pipeline.requesting import Requesting
@@ -100,7 +102,8 @@ class CompanyClerk:
         # Agreed once it is on disk: a slow disk would make all of them too late.
         start_ns = self._clock.monotonic_ns() + TOGETHER_NS
         orders = tuple(replace(order, start_ns=start_ns) for order in orders)
-        self._begin(asked, said, meant, orders)
+        pact = Pact(self._rooms, self._hands.lives, self._clock, orders)
+        self._begin(asked, said, meant, orders, pact)
         return Reply("")
 
     def _step(self, meant: Meant, robot: RobotId) -> Do:
@@ -240,7 +243,10 @@ class CompanyClerk:
             self._rooms.organiser.abandon(permits)
             raise
 
-    def _begin(self, asked: Asked, said: Said, meant: Meant, orders: tuple[Order, ...]) -> None:
+    def _begin(
+        self, asked: Asked, said: Said, meant: Meant, orders: tuple[Order, ...],
+        pact: Pact | None = None,
+    ) -> None:  # fmt: skip
         hands, chat = self._hands, asked.inbound.chat
         catalogue = hands.teller.languages.of(asked.caller.principal)
         wording = ENGLISH if catalogue is None else wording_in(catalogue)
@@ -251,7 +257,11 @@ class CompanyClerk:
         for order in orders:
             shown = self._shown(order.robot)
             what = in_language(order.words, catalogue)
-            life = card.add(order.cid, shown, f"{shown}: {what}", self._clock.wall_ns())
+            at_ns = self._clock.wall_ns()
+            life = AwaitedLife(shown, f"{shown}: {what}", hands.face, at_ns, wording)
+            card.show(order.cid, life)
+            if pact is not None:
+                life.over = partial(pact.ended, order)
             hands.lives.begin(order, said, card, life)
         hands.teller.show(card)
 

@@ -34,6 +34,11 @@ def none_begins(name: str) -> str:
     return said("{name}: all or none, and not all are ready. Nobody begins.", name=name)
 
 
+def did_not_begin(shown: str) -> str:
+    """Return why the others are ended, too; it continues a sentence."""
+    return said("all or none, and {robot} did not begin", robot=shown)
+
+
 def state(shown: str, why: str) -> str:
     """Return one robot of the table."""
     return headed(shown, why or READY)
