@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.core.order import Ending, Outcome, Stage, Stop
 from rosic.errors import ConfigurationError, OrderVoid, RobotOffline, RobotUnreachable
@@ -199,6 +200,21 @@ async def test_what_is_too_late_says_so_though_nobody_is_there() -> None:
     try:
         with pytest.raises(OrderVoid, match="too late"):
             await robot.execute(robot.book.order("do", late_s=0.001), lambda _report: None)
+    finally:
+        await robot.close()
+
+
+@pytest.mark.usefixtures("interfaces")
+async def test_nobody_is_waited_for_while_the_others_move() -> None:
+    """The one that is not found in time for a common start is too late for it, and says so then."""
+    kind = "rosic_interfaces/action/Move"
+    robot = omni({"action": {"name": "/rover/move", "type": kind, "start": "start_at"}})
+    await robot.open(lambda _text: None)
+    try:
+        now_ns = SystemClock().monotonic_ns()
+        order = replace(robot.order("do"), start_ns=now_ns + 200_000_000)
+        with pytest.raises(OrderVoid, match="too late to begin with the others"):
+            await robot.execute(order, lambda _report: None)
     finally:
         await robot.close()
 

@@ -81,14 +81,15 @@ class ByAction:
         link, order = self._link, errand.order
         if link is None:
             raise errand.offline()
-        await errand.there(link.ready, link.name)
+        together = bool(self._binding.start)
+        await errand.there(link.ready, link.name, together=together)
         made = self._maker.make(errand)
         if isinstance(made, Outcome):
             return made
         values = self._started(made.values, errand)
         to_message(self._cls.Goal, values)
         sent_ns = errand.side.clock.wall_ns()
-        errand.leave(together=bool(self._binding.start))
+        errand.leave(together=together)
         watch = _Watch(errand, made.fraction)
         try:
             goal = await link.send(

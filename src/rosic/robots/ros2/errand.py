@@ -6,6 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from rosic.core.common_start import TOO_LATE_NS, begins_ns, misses_start
 from rosic.core.order import Report, Stage
 from rosic.core.saying import said
 from rosic.errors import RobotOffline
@@ -32,6 +33,8 @@ _log = logging.getLogger(__name__)
 NOTE_BYTES = 240
 DECLINED = "robot-declined"
 _MOST_FACTS = 64
+JUST_AFTER_S = 0.001
+_NS = 1_000_000_000
 # What robots' own words are called: by most, by Nav2, by ros2_control.
 MESSAGES = ("message", "error_msg", "error_string")
 
@@ -94,8 +97,14 @@ class Errand:
         self._received = False
         self._fraction: float | None = None
 
-    async def there(self, ready: Callable[[], bool], what: str) -> None:
+    async def there(self, ready: Callable[[], bool], what: str, *, together: bool = False) -> None:
         """Make sure that somebody is there.
+
+        Args:
+            ready: Whether somebody is.
+            what: Who is meant.
+            together: Whether the order keeps its common start: it is not waited for longer than
+                it may be late, as the others move meanwhile.
 
         Raises:
             OrderVoid: Nobody is, and the order's time is over.
@@ -104,12 +113,22 @@ class Errand:
         if ready():
             return
         try:
-            await wait_until(ready, what, self._patience_s)
+            await wait_until(ready, what, self._patient_s(together=together))
         except NotSent as fault:
             now_ns = self.side.clock.monotonic_ns()
-            if now_ns > self.order.deadline_ns:  # being late is why, not discovery
-                self.side.gate.pass_order(self.order, now_ns)
+            missed = together and misses_start(self.order, now_ns)
+            if missed or now_ns > self.order.deadline_ns:  # being late is why, not discovery
+                self.side.gate.pass_order(self.order, now_ns, together=together)
             raise self.offline() from fault
+
+    def _patient_s(self, *, together: bool) -> float:
+        now_ns = self.side.clock.monotonic_ns()
+        start_ns = begins_ns(self.order, now_ns) if together else None
+        if start_ns is None:
+            return self._patience_s
+        return max(
+            0.0, min(self._patience_s, (start_ns + TOO_LATE_NS - now_ns) / _NS + JUST_AFTER_S)
+        )
 
     def offline(self) -> RobotOffline:
         """Return the refusal of a robot that is not there."""
