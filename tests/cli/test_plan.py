@@ -112,6 +112,14 @@ def test_a_person_gets_no_more_than_one_may_have(place: Place) -> None:
     assert book(place, ("Bob", "omni", 10, 300)) == "Booked: 1 slot."
 
 
+def test_the_times_of_whoever_is_revoked_are_free_again(place: Place) -> None:
+    assert book(place, ("Bob", "omni", 10, 300)) == "Booked: 1 slot."
+    with pytest.raises(RobotTaken):
+        book(place, ("Ada", "omni", 10, 300))
+    assert "no access any more" in place.good("revoke", "Bob")
+    assert book(place, ("Ada", "omni", 10, 300)) == "Booked: 1 slot."
+
+
 @pytest.mark.parametrize(
     ("slots", "refusal", "sentence"),
     [

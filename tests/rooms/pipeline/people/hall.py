@@ -147,6 +147,7 @@ class Hall:
             reach=Reach(self.authoriser, self.teller, (self.chat,)),
             clock=self.clock,
             rights=lambda: self.rights,
+            ahead=self.access.ahead,
             ended=self.end,
         )
 
