@@ -154,6 +154,7 @@ class Hall:
     def _employ(self, entropy: SeededEntropy) -> None:
         registry = self.registry
         self.powers = Powers(registry)
+        self.enrolment.may_invite = self.powers.may_admit
         doorstep = Doorstep(self.teller, (self.chat,), self.clock, entropy, count=self.tally.count)
         self.admitting = Admitting(registry, self.powers, doorstep, menu=self.menu)
         self.joining = Joining(
