@@ -124,8 +124,10 @@ def test_without_a_gateway_the_data_is_looked_into_and_limited(
     monkeypatch.chdir(tmp_path)
     place = Place(tmp_path, capsys)
     place.good("key rotate", "Bob")  # takes the people of the file over
+    place.good("invite", "--role", "viewer")  # what codes are known by is sealed for the place
     listed = json.loads(place.good("container list", "--json"))
-    assert {one["name"] for one in listed} >= {"Ada", "Bob", "KUKA iiwa"}
+    assert {one["name"] for one in listed} >= {"Ada", "Bob", "KUKA iiwa", "the operator"}
+    assert place.good("container show", "operator").startswith("person the operator (operator)")
     place.good("container limit", "Bob", "--names", "3")
     assert " of 3 names, " in place.good("container show", "Bob")
     assert "1 entry in bob.jsonl." in place.good("container export", "Bob", "-o", "bob.jsonl")

@@ -15,7 +15,14 @@ from rosic.app.desk.asked import Ask, Verb
 from rosic.app.desk.offline import Alone, Seeding
 from rosic.app.desk.planning import BookAsk, Booking, Who
 from rosic.app.desk.wishes import merged_who
-from rosic.errors import NotUnderstood, OutOfBounds, Refusal, RobotTaken, TooManyRequests
+from rosic.errors import (
+    NotPermitted,
+    NotUnderstood,
+    OutOfBounds,
+    Refusal,
+    RobotTaken,
+    TooManyRequests,
+)
 from rosic.organiser.allocation import NS_PER_MIN
 from rosic.organiser.occasions import Limits
 from rosic.system import SystemClock, SystemEntropy
@@ -110,6 +117,23 @@ def test_a_person_gets_no_more_than_one_may_have(place: Place) -> None:
         book(place, *[("Bob", "omni", 10 * i, 300) for i in range(1, most + 2)])
 
     assert book(place, ("Bob", "omni", 10, 300)) == "Booked: 1 slot."
+
+
+def test_nobody_is_booked_who_may_not_move_the_robot(place: Place) -> None:
+    place.config.write_text(place.config.read_text().replace('"operator"', '"viewer"'))
+    with pytest.raises(NotPermitted, match=r"Bob may not move omni now. Nothing was booked."):
+        book(place, ("Ada", "kuka1", 10, 300), ("Bob", "omni", 10, 300))
+    place.good("lock", "Ada")
+    with pytest.raises(NotPermitted, match="Ada may not move KUKA iiwa now"):
+        book(place, ("Ada", "kuka1", 10, 300))
+
+
+def test_the_times_of_whoever_is_revoked_are_free_again(place: Place) -> None:
+    assert book(place, ("Bob", "omni", 10, 300)) == "Booked: 1 slot."
+    with pytest.raises(RobotTaken):
+        book(place, ("Ada", "omni", 10, 300))
+    assert "no access any more" in place.good("revoke", "Bob")
+    assert book(place, ("Ada", "omni", 10, 300)) == "Booked: 1 slot."
 
 
 @pytest.mark.parametrize(

@@ -307,6 +307,7 @@ class Gateway:
                 (
                     *(r for key in good for r in access.keys.revoke(key.id, by).records),
                     *(r for i in made for r in access.enrolment.invitations.withdraw(i.id, by)),
+                    *access.ahead(principal),
                     *self.authority.roster.take(principal, by),
                 )
             )

@@ -20,12 +20,12 @@ from rosic.core.record import Decided
 from rosic.errors import Expired, NotPermitted
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from rosic.authoriser.admission import Redeemed
     from rosic.authoriser.directory import Directory
     from rosic.authoriser.highwater import HighWater
-    from rosic.authoriser.invitation import Invitation, Offer
+    from rosic.authoriser.invitation import Given, Invitation, Offer
     from rosic.authoriser.locks import Locks
     from rosic.authoriser.tally import Tally
     from rosic.contracts.entropy import Entropy
@@ -49,6 +49,7 @@ class Enrolment:
     Attributes:
         invitations: What codes give.
         applicants: Who waits for a tap.
+        may_invite: Whether somebody may let a person in with that, at the moment.
     """
 
     def __init__(
@@ -68,6 +69,7 @@ class Enrolment:
         self._time = time
         self._tally = tally
         self._guessing = Guessing(limits or GuessLimits())
+        self.may_invite: Callable[[PrincipalId, Given], bool] = _anybody
 
     def restore(self, facts: Iterable[Fact]) -> None:
         """Take over what earlier runs wrote."""
@@ -172,8 +174,8 @@ class Enrolment:
     def _fault(self, invitation: Invitation | None) -> str:
         """Return why a code is not good; empty if it is.
 
-        An invitation is good only while its issuer is: whoever took an admin's phone may have
-        made some.
+        An invitation is good only while its issuer is, and may still give what it gives: whoever
+        took an admin's phone may have made some, and whoever was admin for an hour.
         """
         if invitation is None:
             return "code-unknown"
@@ -182,7 +184,9 @@ class Enrolment:
         if invitation.first_admin:
             return "code-withdrawn" if self._has_admin() else ""
         issuer = invitation.issuer
-        trusted = issuer == OPERATOR or self._directory.has_good_key(issuer)
+        trusted = issuer == OPERATOR or (
+            self._directory.has_good_key(issuer) and self.may_invite(issuer, invitation.given)
+        )
         return "" if trusted and not self._locks.locked(issuer) else "code-withdrawn"
 
     def _used_by(self, invitation: Invitation, address: Address) -> bool:
@@ -281,3 +285,7 @@ class Enrolment:
 
     def _decided(self, act: str, by: PrincipalId, about: str) -> Decided:
         return Decided(act=act, by=by, about=about, at_ns=self._time.wall_ns())
+
+
+def _anybody(_principal: PrincipalId, _given: Given) -> bool:
+    return True

@@ -209,7 +209,7 @@ class Refusing:
 
     def _over_limit(self, denied: Denied) -> Refusal:
         limit = denied.limit
-        within = limit.said if limit is not None else said("a limit")
+        within = _bound(limit.said) if limit is not None else said("a limit")
         what, shown = _spoken(denied.ask.skill), self._shown(denied.ask.robot)
         return OutOfBounds(
             said(
@@ -278,6 +278,12 @@ class Refusing:
 def _petition(denied: Denied) -> str:
     """Return how to ask for what is missing; nothing when there is nobody to ask."""
     return f"/ask {denied.ask.robot} {_spoken(denied.ask.skill)}" if denied.who else ""
+
+
+def _bound(limit: str) -> str:
+    """Return a limit without the skills it is for: whoever reads it has just named one."""
+    head, _, bound = limit.partition(" ")
+    return bound if ":" in head else limit
 
 
 def _spoken(skill: str) -> str:

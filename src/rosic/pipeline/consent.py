@@ -17,6 +17,8 @@ from rosic.pipeline.desk import Reply
 from rosic.pipeline.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.organiser.organiser import Organiser
@@ -46,7 +48,11 @@ class Request(msgspec.Struct):
 
 
 class Consent:
-    """Asks for what a skill wants besides the right to it; remembers who agreed, for minutes."""
+    """Asks for what a skill wants besides the right to it; remembers who agreed, for minutes.
+
+    Attributes:
+        has_phone: Whether somebody has set up an authenticator that could show a code.
+    """
 
     def __init__(self, organiser: Organiser, reach: Reach, clock: Clock, entropy: Entropy) -> None:
         self._organiser = organiser
@@ -54,6 +60,7 @@ class Consent:
         self._clock = clock
         self._entropy = entropy
         self._requests: OrderedDict[str, Request] = OrderedDict()
+        self.has_phone: Callable[[PrincipalId], bool] = lambda _: True
 
     def ask(self, caller: Caller, skill: str, needed: FirstNeeded) -> Reply:
         """Return what to say to somebody who may, once something else has happened."""
@@ -61,6 +68,14 @@ class Consent:
             return Reply(needed.sentence, _do_it(f"{CONFIRMED}{needed.text}"))
         if needed.need == Need.SECOND_PERSON.value:
             return Reply(self._ask_others(caller, skill, needed))
+        if needed.need == Need.STEP_UP.value and not self.has_phone(caller.principal):
+            return Reply(
+                said(
+                    "{needed} You have not set one up yet: send /authenticator in a private chat "
+                    "with me.",
+                    needed=needed.sentence,
+                )
+            )
         return Reply(needed.sentence)
 
     def _ask_others(self, caller: Caller, skill: str, needed: FirstNeeded) -> str:

@@ -6,6 +6,7 @@ from base64 import b32decode
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
+import pytest
 from msgspec.structs import replace
 
 from rosic.authoriser.totp import hotp, step_at
@@ -47,8 +48,10 @@ def who(place: Place, name: str) -> str:
     return place.gateway.rooms.authoriser.directory.named(name)[0].id
 
 
-async def test_a_limit_of_a_role_is_said_and_kept() -> None:
-    async with lab(rules(junior=JUNIOR), {"Bo": "junior"}) as place:
+@pytest.mark.parametrize("skills", ["", "omni:move ", "*:* "])
+async def test_a_limit_of_a_role_is_said_and_kept(skills: str) -> None:
+    junior = replace(JUNIOR, limits=(f"{skills}distance <= 1 m",))
+    async with lab(rules(junior=junior), {"Bo": "junior"}) as place:
         told = await place.say("omni move 2 m", account=BO, chat="2")
         assert place.acted() == 0
         assert "for you, move is allowed with distance <= 1 m. Nothing was done." in told
@@ -328,7 +331,9 @@ def phone_code(text: str, place: Place) -> str:
 
 async def test_a_second_factor_is_asked_again_after_an_idle_hour_and_no_sooner() -> None:
     async with lab(rules(Care(scopes=("omni:wave",), step_up=True))) as place:
-        assert "needs your second factor first" in await place.say("omni wave")
+        asked = await place.say("omni wave")
+        assert "needs your second factor first" in asked
+        assert "You have not set one up yet: send /authenticator" in asked
         shown = await place.say("/authenticator")
         assert "Your phone is set up" in await place.say(f"/code {phone_code(shown, place)}")
         for waves in (1, 2, 3):  # each use begins the hour anew

@@ -203,7 +203,7 @@ class OperatingAccess:
     async def revoke(self, name: str) -> str:
         """Take somebody's access back, at once and for ever. Return what was done.
 
-        What they were given, and codes they handed out, end with it.
+        What they were given, times they booked, and codes they handed out, end with it.
 
         Raises:
             NotUnderstood: Nobody, or more than one, is called so.
@@ -222,7 +222,8 @@ class OperatingAccess:
         codes = [made for made in invitations.open() if made.issuer == person.id]
         ended = [record for made in codes for record in invitations.withdraw(made.id, OPERATOR)]
         taken = self._books.authority.roster.take(person.id, OPERATOR)
-        return (*ended, *taken, *self._keys_end(person))
+        ahead = self._access.ahead(person.id)
+        return (*ended, *ahead, *taken, *self._keys_end(person))
 
     async def lock(self, name: str) -> str:
         """Lock somebody at once, whoever else is changing something; what they move stops.

@@ -8,6 +8,7 @@ import msgspec
 
 from rosic.app.desk.naming import the_one
 from rosic.core.identity import OPERATOR
+from rosic.core.saying import plain
 from rosic.errors import NotUnderstood
 from rosic.pipeline.containers import inspecting
 
@@ -25,7 +26,8 @@ NEEDS_A_GATEWAY = (
     "rosic run, then ask again."
 )
 
-_encode = msgspec.json.Encoder().encode
+# A container of nobody who is known is named by a sentence, which is more than `str`.
+_encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 
 class LimitAsk(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -14,7 +14,7 @@ import msgspec
 from rosic.core.identity import OPERATOR, PrincipalId
 from rosic.core.record import Decided, Fact
 from rosic.core.robot import RobotId
-from rosic.errors import NotUnderstood, RobotTaken, TooManyRequests
+from rosic.errors import NotPermitted, NotUnderstood, RobotTaken, TooManyRequests
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -108,6 +108,7 @@ class Planning:
 
         Raises:
             NotUnderstood: Somebody or a robot that is not there.
+            NotPermitted: Somebody would keep a robot from the others that they may not move.
             RobotTaken, OutOfBounds, TooManyRequests: One of them cannot be. Nothing was booked.
             RecordUnavailable: Not written; nothing was booked.
         """
@@ -129,6 +130,9 @@ class Planning:
             raise NotUnderstood(f"There is no robot called {slot.robot}. Nothing was booked.")
         if not books.authoriser.directory.has_good_key(slot.principal):
             raise NotUnderstood("Somebody of this plan has no access any more. Plan again.")
+        if books.organiser.why_not_move(slot.principal, slot.robot) is not None:
+            who, shown = books.name(slot.principal), books.shown(slot.robot)
+            raise NotPermitted(f"{who} may not move {shown} now. Nothing was booked.")
         facts = self._calendar.book(
             slot.principal, slot.robot, slot.start_ns, slot.length_s, OPERATOR
         )

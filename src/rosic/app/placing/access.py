@@ -74,6 +74,7 @@ class Access:
         self.petitions = Petitions(self.time.wall_ns, entropy)
         self._authoriser = authoriser
         self._authority = authority
+        self._calendar: Calendar | None = None
         authoriser.wall_ns = time.wall_ns
         authoriser.ends_of = self.keys.ends_ns
 
@@ -98,7 +99,7 @@ class Access:
                 apply(fact)
             changes.keep(kind, apply)
         self.cards = memory.facts.get(CARD, ())
-        calendar = organiser.calendar
+        calendar = self._calendar = organiser.calendar
         calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
         changes.keep(SLOT, partial(self._booked, calendar))
         changes.keep(SERIES, calendar.apply)
@@ -155,6 +156,14 @@ class Access:
             self.stepup.end(principal)
             if not self._authoriser.directory.has_good_key(principal):
                 self._authority.revoked(principal)
+
+    def ahead(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        """Return what takes away what somebody still had to come: times, queues and wishes.
+
+        Whoever has no access any more keeps no robot from the others.
+        """
+        booked = () if self._calendar is None else self._calendar.end_all(principal)
+        return (*booked, *self.waiting.leave_all(principal), *self.wishes.end_all(principal))
 
     async def leave(self) -> None:
         """Write down what was counted since the last time; at the end, and as far as it can be."""

@@ -151,7 +151,8 @@ class Authority:
     def enforce(self) -> tuple[RobotId, ...]:
         """Bring to rest what somebody has who may not have it any more; return which robots.
 
-        Looks at robots, not at people.
+        Looks at robots, not at people. What is at rest, with nothing under way, is only taken
+        from them: a stop would have to be undone by somebody who does not know of it.
         """
         if self._rooms is None or self._stop_lane is None:
             return ()
@@ -169,10 +170,13 @@ class Authority:
             lost = skill is not None and not organiser.allows(holder, robot, skill)
             if locked or gone or lost:
                 ended.append(robot)
-        if ended:
-            self._stop_lane.stop_robots(tuple(ended), "")
-            for robot in ended:
-                organiser.release(robot)
+        moving = tuple(
+            r for r in ended if organiser.lease(r).active or not linker.presence(r).at_rest
+        )
+        if moving:
+            self._stop_lane.stop_robots(moving, "")
+        for robot in ended:
+            organiser.release(robot)
         return tuple(ended)
 
 

@@ -137,6 +137,7 @@ class Furnishing:
         answer = self._pipeline.answer
         reception.placed = lambda m, sent, who: answer(m, sent, who, going.ask(m, sent, who))
         reception.stepped_up = self._access.stepup.fresh
+        self.consent.has_phone = self._access.stepup.is_set_up
         reception.proof_used = self._proof_used
         reception.refused = self._refused
         self._furnish_times(clock, zone)
@@ -197,9 +198,11 @@ class Furnishing:
             reach=self.reach,
             clock=clock,
             rights=lambda: authority.rights,
+            ahead=access.ahead,
             ended=ended,
         )
         powers = Powers(registry)
+        access.enrolment.may_invite = powers.may_admit
         self.notices = Notices(registry, powers)
         doorstep = Doorstep(self._teller, messengers, clock, entropy, count=access.tally.count)
         self.admitting = Admitting(registry, powers, doorstep, menu=self._menu)

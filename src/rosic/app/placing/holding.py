@@ -106,7 +106,11 @@ class Holding:
         """Return messengers whose chats can be kept."""
         self.archive = Archive(self._clock)
         author_of = partial(_author_of, self._rooms.authoriser)
-        return tuple(Recorded(m, self.archive, store, author_of) for m in messengers)
+        find = self._access.enrolment.invitations.find
+        return tuple(
+            Recorded(m, self.archive, store, author_of, lambda code: find(code) is not None)
+            for m in messengers
+        )
 
     async def furnish(
         self,
@@ -228,9 +232,7 @@ class Holding:
                 *(r for i in made for r in access.enrolment.invitations.withdraw(i.id, by)),
                 *phone,
                 *authority.roster.take(principal, by),
-                *rooms.organiser.calendar.end_all(principal),
-                *access.waiting.leave_all(principal),
-                *access.wishes.end_all(principal),
+                *access.ahead(principal),
                 *furnishing.live_cards.end_all(principal),
                 *furnishing.fleet.end_all(principal),
                 *(record for end in self.also_ends for record in end(principal)),

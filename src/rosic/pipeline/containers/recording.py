@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 
 import msgspec
 
+from rosic.authoriser.codes import codes_in
 from rosic.container.archive import NOBODY, Author
 from rosic.contracts.messenger import (
     catching_up,
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from rosic.core.record import Fact
 
 AuthorOf: TypeAlias = Callable[[Address], Author]
+P = TypeVar("P", "Inbound", "Outbound")
 
 NOT_KEPT: Final = "(not kept)"
 _SECRET_ERRANDS: Final = frozenset({"/code", "code", "/start", "start"})
@@ -59,10 +61,16 @@ class Recorded:
         archive: Which chats are kept.
         store: Where entries go.
         author_of: Who is known at an address.
+        is_code: Whether somebody may come in by this, or could.
     """
 
     def __init__(
-        self, messenger: Messenger, archive: Archive, store: Store, author_of: AuthorOf
+        self,
+        messenger: Messenger,
+        archive: Archive,
+        store: Store,
+        author_of: AuthorOf,
+        is_code: Callable[[str], bool],
     ) -> None:
         self.platform = messenger.platform
         self.name = messenger.name
@@ -80,6 +88,7 @@ class Recorded:
         self._archive = archive
         self._store = store
         self._author_of = author_of
+        self._is_code = is_code
 
     @property
     def bot_name(self) -> str:
@@ -114,7 +123,8 @@ class Recorded:
             if not self._archive.keeps(inbound.chat):
                 await receive(inbound)
                 return
-            facts = self._archive.hear(_without_secret(inbound), self._author_of(inbound.sender))
+            kept = self._without_codes(_without_secret(inbound))
+            facts = self._archive.hear(kept, self._author_of(inbound.sender))
             writing = asyncio.ensure_future(self._write(facts))
             try:
                 await receive(inbound)
@@ -159,9 +169,17 @@ class Recorded:
             return
         if _AUTHENTICATOR in outbound.text:
             outbound = msgspec.structs.replace(outbound, text=NOT_KEPT)
-        facts = self._archive.say(message, outbound, self._reader(outbound.chat))
+        kept = self._without_codes(outbound)
+        facts = self._archive.say(message, kept, self._reader(kept.chat))
         if facts:
             self._store.note(*facts)
+
+    def _without_codes(self, passed: P) -> P:
+        """Return a message without codes of invitations: whoever reads an export could use them."""
+        text = passed.text
+        for code in filter(self._is_code, codes_in(text)):
+            text = text.replace(code, NOT_KEPT)
+        return passed if text is passed.text else msgspec.structs.replace(passed, text=text)
 
     def _reader(self, chat: Chat) -> Author:
         """Return who reads a private chat, which has the account's own id."""

@@ -81,13 +81,18 @@ KINDS: Final[Mapping[str, str]] = {
     "file": said("files you sent"),
     "file-part": said("what is in them"),
     "invitation": said("invitations you made"),
+    "mission-time": said("missions you planned"),
     "message": said("which messages showed your commands"),
     "outcome": said("how your commands ended"),
     "pending": said("your request to come in"),
     "preference": said("your settings"),
+    "retract": said("which messages I take away later"),
+    "shared-ear": said("where you hear what robots share"),
     "shelf": said("data you keep"),
     "shelf-loan": said("data you share"),
+    "task-letter": said("what you wrote of tasks"),
     "totp": said("your authenticator"),
+    "unsaid": said("what I still have to tell you"),
 }
 NOTHING_KEPT: Final = said("Nothing about you is kept.")
 SEALED: Final = said("It is sealed with a key of your own. /forget me erases that key.")

@@ -89,6 +89,7 @@ class Custody:
         return (
             *_all(enrolment.invitations.withdraw(i.id, by) for i in made),
             *_all(enrolment.decline(a.pending.id, by, may_admit=True).records for a in asked),
+            *self._registry.ahead(person.id),
             *self._registry.roster.take(person.id, by),
             *_all(keys.revoke(key.id, by).records for key in good),
         )

@@ -87,7 +87,7 @@ class Inviting:
         wanted = read_invitation(rest, self._registry.rights())
         async with self._registry.changes.turn() as turn:
             self._powers.check(by, INVITE)
-            self._powers.check_give(by, wanted.given)
+            self._powers.check_give(by, wanted.given, within_s=wanted.code_ttl_s)
             offer = self._registry.enrolment.invitations.invite(wanted, by)
             await turn.write(offer.records)
         link = self._link(asked.messenger, offer.code)

@@ -90,14 +90,15 @@ class Powers:
             for who in rights.people()
         )
 
-    def may_give(self, principal: PrincipalId, given: Given) -> bool:
-        """Whether somebody may give all of this to somebody else.
+    def may_give(self, principal: PrincipalId, given: Given, now_ns: int | None = None) -> bool:
+        """Whether somebody may give all of this to somebody else, now or at another time.
 
         Whoever gives rights on the whole gives everything. Whoever gives them on some robots only
         gives roles there, of at most the priority they have there themselves, and single skills
         that are theirs without limits.
         """
-        rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
+        rights = self._registry.rights()
+        now_ns = self._registry.clock.wall_ns() if now_ns is None else now_ns
         if rights.holds(principal, FLEET, GRANT, now_ns):
             return True
         if not all(self._may_give_scope(principal, scope, now_ns) for scope in given.scopes):
@@ -180,14 +181,26 @@ class Powers:
             if who != besides and self.acts(who) and self.may_give(who, given)
         )
 
-    def check_give(self, principal: PrincipalId, given: Given) -> None:
-        """See that somebody may give all of this.
+    def check_give(self, principal: PrincipalId, given: Given, *, within_s: float = 0.0) -> None:
+        """See that somebody may give all of this, and still may when it ends.
+
+        Whoever gives rights for an hour would otherwise give some that outlive the hour.
+
+        Args:
+            principal: Who gives.
+            given: What, and for how long.
+            within_s: It begins so much later at the latest.
 
         Raises:
-            NotPermitted: It is more than they may give.
+            NotPermitted: It is more than they may give, or for longer.
         """
         if not self.may_give(principal, given):
             raise NotPermitted(words.too_much(given.words, self.helpers(principal)))
+        ends_ns = NEVER_NS - 1
+        if given.lasts_s is not None:
+            ends_ns = self._registry.clock.wall_ns() + int((within_s + given.lasts_s) * 1e9)
+        if not self.may_give(principal, given, ends_ns):
+            raise NotPermitted(words.too_long(given.words, self.helpers(principal)))
 
     def admitters(self, given: Given) -> tuple[PrincipalId, ...]:
         """Return everybody who may let somebody in who is given this; walks everybody."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterable
 
 import msgspec
 
@@ -14,6 +14,7 @@ from rosic.authoriser.security import Security
 from rosic.authoriser.stepup import StepUp
 from rosic.contracts.clock import Clock
 from rosic.core.identity import PrincipalId
+from rosic.core.record import Record
 from rosic.core.rights import Rights
 from rosic.organiser.roster import Roster
 from rosic.pipeline.changes import Changes
@@ -27,6 +28,7 @@ class Registry(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         rights: Returns the snapshot in force.
         retracting: Takes away what held a secret.
+        ahead: Returns what takes away what somebody still had to come: times, queues and wishes.
         ended: Ends what somebody has in hand: leases and motion. Called when their lock or their
             revocation is in force already, and outside of any turn.
     """
@@ -42,6 +44,7 @@ class Registry(msgspec.Struct, frozen=True, kw_only=True):
     reach: Reach
     clock: Clock
     rights: Callable[[], Rights]
+    ahead: Callable[[PrincipalId], Iterable[Record]]
     ended: Callable[[PrincipalId], Awaitable[object]]
     retracting: Retracting
 

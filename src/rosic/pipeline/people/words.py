@@ -146,6 +146,16 @@ def too_much(what: str, helpers: Sequence[str]) -> str:
     )
 
 
+def too_long(what: str, helpers: Sequence[str]) -> str:
+    """Return why somebody may not give it for that long."""
+    return said(
+        "You cannot give {what}: your own right to give it ends sooner. Say a shorter time. {can} "
+        "Nothing was done.",
+        what=what,
+        can=_can(helpers),
+    )
+
+
 def _can(helpers: Sequence[str]) -> str:
     return (
         said("{names} can.", names=joined(OR, helpers))

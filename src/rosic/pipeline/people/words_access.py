@@ -33,8 +33,8 @@ LOCKED_YOURSELF: Final = said(
 def revoke_question(name: str, what: str) -> str:
     """Return the question before somebody's access ends."""
     return said(
-        "End the access of {who} for good? What they move stops, and their codes let nobody in "
-        "any more.",
+        "End the access of {who} for good? What they move stops, their times are free again, and "
+        "their codes let nobody in any more.",
         who=joined("", (name, " (", what, ")")) if what else name,
     )
 

@@ -12,12 +12,14 @@ from rosic.organiser.words_calendar import no_such_time
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.times import words_times as words
 from rosic.pipeline.times.deciding import decided
+from rosic.pipeline.times.naming import Naming
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.core.identity import PrincipalId
     from rosic.core.record import Fact
+    from rosic.core.robot import RobotId
     from rosic.core.slot import Slot
     from rosic.pipeline.office import Asked
     from rosic.pipeline.times.parts import Times
@@ -33,6 +35,7 @@ class Cancelling:
 
     def __init__(self, times: Times) -> None:
         self._times = times
+        self._naming = Naming(times)
 
     async def cancel(self, asked: Asked) -> Reply:
         """List what can be cancelled, ask, or cancel.
@@ -42,22 +45,28 @@ class Cancelling:
         """
         said = fold(asked.rest).split()
         if not said or said[0] == FROM:
-            number = said[1] if len(said) > 1 and said[1].isdecimal() else "0"
-            return self._list(asked, int(number[:6]))
+            return self._list(asked, _page(said))
         if said[0] == ALL and len(said) > 1:
             return await self._all(asked, said[1])
         if said[0] == ONLY and len(said) > 1:
             return await self._one(asked, said[1])
+        if self._times.calendar.slot(said[0]) is None:  # a name, typed: which of those times?
+            robots, name, rest = self._naming.at_head(asked, asked.rest)
+            if robots:
+                return self._list(asked, _page(fold(rest).split()), robots, name)
         return await self._ask_or_cancel(asked, said[0])
 
-    def _list(self, asked: Asked, begin: int) -> Reply:
+    def _list(
+        self, asked: Asked, begin: int, robots: tuple[RobotId, ...] = (), name: str = ""
+    ) -> Reply:
         times, principal = self._times, asked.caller.principal
         zone, now_ns = times.sides.zone_of(principal), times.clock.wall_ns()
         entries: dict[str, list[Slot]] = {}
         for slot in times.upcoming(principal):
-            entries.setdefault(slot.series or slot.id, []).append(slot)
+            if not robots or slot.robot in robots:
+                entries.setdefault(slot.series or slot.id, []).append(slot)
         if not entries:
-            return Reply(words.NO_TIMES)
+            return Reply(self._none_of(robots))
         page = list(entries.values())[begin : begin + MOST_LISTED]
         lines, buttons = [words.which_to_cancel(zone)], []
         for slots in page:
@@ -69,8 +78,14 @@ class Cancelling:
         left = len(entries) - begin - len(page)
         if left > 0:
             lines.append(words.and_more(left))
-            buttons.append((Button(said("More"), f"/cancel {FROM} {begin + len(page)}"),))
+            more = " ".join(("/cancel", *name.split(), FROM, str(begin + len(page))))
+            buttons.append((Button(said("More"), more),))
         return Reply(joined("\n", lines), tuple(buttons))
+
+    def _none_of(self, robots: tuple[RobotId, ...]) -> str:
+        if not robots:
+            return words.NO_TIMES
+        return words.no_times_with(tuple(map(self._times.shown, robots)))
 
     async def _ask_or_cancel(self, asked: Asked, slot_id: str) -> Reply:
         times, principal = self._times, asked.caller.principal
@@ -143,3 +158,9 @@ class Cancelling:
             name, zone = times.calendar.name_of(by), times.sides.zone_of(owner)
             shown = times.shown(slots[0].robot)
             times.reach.tell((owner,), words.cancelled_by(shown, name, slots, zone))
+
+
+def _page(said: list[str]) -> int:
+    """Return where a page of the list begins, as the button for more of it says."""
+    at = said[1] if len(said) > 1 and said[0] == FROM else "0"
+    return int(at[:6]) if at.isdecimal() else 0

@@ -75,7 +75,7 @@ class Keeper:
     async def _follow(self) -> int:
         """Do all that is due, and return when to look again, monotonic clock."""
         times = self._times
-        self._ring(times.calendar.due(times.clock.wall_ns()))
+        await self._ring(times.calendar.due(times.clock.wall_ns()))
         wakes = [self._ending.seen_to(), await self._offering.pass_on()]
         wanted = [r for r in times.waiting.wanted() if r in times.vocabulary.profiles]
         wakes.extend([await self._attend(robot) for robot in wanted])
@@ -114,8 +114,9 @@ class Keeper:
 
     # ---- bells ----
 
-    def _ring(self, events: tuple[Event, ...]) -> None:
+    async def _ring(self, events: tuple[Event, ...]) -> None:
         """Tell starts and warnings; let those come to rest whose time is over."""
+        events = tuple([event for event in events if not await self._takes_back(event)])
         ended: dict[RobotId, set[PrincipalId]] = {}
         for event in events:
             robot = event.slot.robot
@@ -131,6 +132,13 @@ class Keeper:
         for event in events:
             if not event.overtaken and self.vacancy.booked(event.slot.robot):
                 self._tell(event)
+
+    async def _takes_back(self, event: Event) -> bool:
+        """Let no slot begin whose owner has lost the right: nobody gives way to them."""
+        slot = event.slot
+        if event.kind != "start" or self.vacancy.slot(slot.robot) is not slot:
+            return False
+        return await self._unused.takes_back(slot)
 
     def _tell(self, event: Event) -> None:
         slot = event.slot

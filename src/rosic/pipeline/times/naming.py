@@ -132,6 +132,13 @@ class Naming:
         _, robots, end = self._named(low, 0, visible)
         return bool(robots) and end == len(low)
 
+    def at_head(self, asked: Asked, text: str) -> tuple[tuple[RobotId, ...], str, str]:
+        """Return the visible robots that a text begins with, their name, and what follows it."""
+        raw = text.split()[:MOST_WORDS]
+        visible = self._sides.visible(asked.caller.principal)
+        name, robots, end = self._named([fold(word) for word in raw], 0, visible)
+        return robots, name, " ".join(raw[end:])
+
     def _named(
         self, low: list[str], at: int, visible: frozenset[RobotId]
     ) -> tuple[str, tuple[RobotId, ...], int]:

@@ -72,6 +72,8 @@ class Unused:
         now_ns, slot = self._times.clock.monotonic_ns(), self._vacancy.slot(robot)
         if slot is None:
             return None
+        if await self.takes_back(slot):
+            return now_ns
         watch = self._watches.get(robot)
         if watch is None or watch.slot != slot.id:
             self.begins(slot)
@@ -107,6 +109,21 @@ class Unused:
         keep = Button(said("Keep it"), f"/wait keep {slot.robot}")
         give = Button(said("Give it back"), f"/cancel only {slot.id}")
         times.reach.tell((slot.principal,), given, ((keep, give),), lifetime_s=notice_s)
+
+    async def takes_back(self, slot: Slot) -> bool:
+        """Free a slot whose owner may not move the robot any more; return whether it was one."""
+        times = self._times
+        if times.sides.may_book(slot.principal, slot.robot) is None:
+            return False
+        async with times.changes.turn() as turn:
+            if self._vacancy.slot(slot.robot) is not slot:
+                return True
+            facts = times.calendar.cancel(slot.id, slot.principal)
+            # As whatever takes rights away it waits for no disk.
+            await turn.act(decided("release", OPERATOR, times.clock.wall_ns(), facts))
+        self._watches.pop(slot.robot, None)
+        times.reach.tell((slot.principal,), words_keeper.taken_back(times.shown(slot.robot)))
+        return True
 
     async def _release(self, slot: Slot) -> None:
         times = self._times

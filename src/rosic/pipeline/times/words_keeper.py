@@ -95,6 +95,13 @@ def unused(shown: str, idle_s: float, left_s: float) -> str:
     )
 
 
+def taken_back(shown: str) -> str:
+    """A slot whose owner has no right to the robot any more."""
+    return said(
+        "You may not move {shown} any more, so your time with it was given back.", shown=shown
+    )
+
+
 def released(shown: str, until: str) -> str:
     """An unused slot was released."""
     return said(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.civil import MINUTE_NS, MONTHS, WEEKDAYS, Local, weekday_of
+from rosic.core.language.suggestions import OR
 from rosic.core.saying import joined, said, said_n
 from rosic.organiser.words_calendar import length, moment
 
@@ -222,6 +223,11 @@ def otherwise_free() -> str:
 
 
 # ---- cancelling ----
+
+
+def no_times_with(shown: tuple[str, ...]) -> str:
+    """There is nothing to cancel of these."""
+    return said("You have no time booked with {shown}.", shown=joined(OR, shown))
 
 
 def which_to_cancel(zone: Zone) -> str:

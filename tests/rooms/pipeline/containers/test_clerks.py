@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import re
 
 import pytest
@@ -7,9 +8,10 @@ import pytest
 from rosic.core.message import ChatKind
 from rosic.pipeline.containers.words_containers import HOW_TO_SET
 from tests.rooms.pipeline.containers.ward import a_ward
-from tests.rooms.pipeline.place import ADA, BO, VI
+from tests.rooms.pipeline.place import ADA, BO, VI, Place
 
 GROUP = ChatKind.GROUP
+CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
 
 
 # ---- settings ----
@@ -187,3 +189,24 @@ async def test_secrets_that_pass_are_not_kept() -> None:
         assert "123456" not in text
         assert "otpauth" not in text
         assert "/code (not kept)" in text
+
+
+async def test_no_code_of_an_invitation_is_kept() -> None:
+    async with Place().open() as place:
+        await place.say("/archive on", chat=ADA)
+        await place.say("/invite viewer for 2h", chat=ADA)
+        found = CODE.search("\n".join(told.outbound.text for told in place.chat.told))
+        assert found is not None
+        await place.say(f"wave-left {found[0]} to-right", chat=ADA)
+        await place.say("/archive export", chat=ADA)
+        file = None
+        for _ in range(30_000):  # a thread makes the file
+            file = place.chat.told[-1].outbound.attachment
+            if file is not None:
+                break
+            await asyncio.sleep(0.001)
+        assert file is not None
+        content = file.content.decode()
+        assert found[0] not in content
+        assert "Code (not kept), good once" in content
+        assert "wave-left (not kept) to-right" in content

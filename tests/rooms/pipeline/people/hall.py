@@ -147,12 +147,14 @@ class Hall:
             reach=Reach(self.authoriser, self.teller, (self.chat,)),
             clock=self.clock,
             rights=lambda: self.rights,
+            ahead=self.access.ahead,
             ended=self.end,
         )
 
     def _employ(self, entropy: SeededEntropy) -> None:
         registry = self.registry
         self.powers = Powers(registry)
+        self.enrolment.may_invite = self.powers.may_admit
         doorstep = Doorstep(self.teller, (self.chat,), self.clock, entropy, count=self.tally.count)
         self.admitting = Admitting(registry, self.powers, doorstep, menu=self.menu)
         self.joining = Joining(

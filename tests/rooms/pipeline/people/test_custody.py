@@ -41,8 +41,8 @@ async def test_revoking_asks_once_and_then_ends_everything() -> None:
         await hall.knows(DI, "Di", "tutor", grants=(Grant(id="g1", role="senior"),))
         code = await hall.invited("viewer kuka1", account=DI)
         assert await hall.say(ADA, "/revoke Di") == (
-            "End the access of Di (tutor; senior) for good? What they move stops, and their codes "
-            "let nobody in any more."
+            "End the access of Di (tutor; senior) for good? What they move stops, their times are "
+            "free again, and their codes let nobody in any more."
         )
         assert hall.labels(ADA) == ["Revoke", "Leave it"]
         assert hall.directory.has_good_key("p-4")
@@ -59,6 +59,24 @@ async def test_revoking_asks_once_and_then_ends_everything() -> None:
         assert made.state is State.WITHDRAWN
         assert not any(hall.keys.good(key.id) for key in hall.keys.of("p-4"))
         assert await hall.say(ADA, "/revoke Di") == ("Di has no access any more. Nothing was done.")
+
+
+async def test_the_times_of_whoever_is_revoked_are_free_again() -> None:
+    async with a_hall() as hall:
+        calendar, now_ns, hour_ns = hall.organiser.calendar, hall.time.wall_ns(), 3600 * 10**9
+        async with hall.changes.turn() as turn:
+            await turn.write(calendar.book("p-3", "kuka1", now_ns, 3600, "p-3"))
+            await turn.write(calendar.book("p-3", "omni", now_ns + hour_ns, 3600, "p-3"))
+            await turn.write(calendar.book("p-2", "omni", now_ns + 3 * hour_ns, 3600, "p-2"))
+            await turn.write(hall.access.waiting.join("p-3", "omni"))
+        await hall.clock.advance(60)
+        await hall.say(ADA, "/revoke Cy Young")
+        assert calendar.present("kuka1", hall.time.wall_ns()) is not None
+        await hall.tap(ADA, "Revoke")
+        assert calendar.present("kuka1", hall.time.wall_ns()) is None
+        upcoming = calendar.on("omni", now_ns, now_ns + 10 * hour_ns)
+        assert [slot.principal for slot in upcoming] == ["p-2"]
+        assert hall.access.waiting.queue("omni") == ()
 
 
 async def test_leaving_it_leaves_it() -> None:

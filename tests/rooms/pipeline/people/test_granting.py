@@ -42,6 +42,18 @@ async def test_what_ends_soon_ends_what_moves_under_it_though_it_was_given_just_
         assert "stopped before it ended" in place.chat.shown(life.message).text
 
 
+async def test_nobody_gives_what_outlives_their_own_right() -> None:
+    async with house() as place:
+        await place.line(ADA, "/grant Bo admin for 1h")
+        for line in ("operator omni for 2h", "admin for 61 min"):
+            told = await place.line(BO, f"/grant Vi {line}")
+            assert "your own right to give it ends sooner. Say a shorter time." in told
+        assert "ends sooner" in await place.line(BO, "/grant Vi admin")
+        assert (await place.line(BO, "/grant Vi operator omni for 50 min")).startswith("Vi has")
+        await place.line(VI, "omni wave")
+        assert place.acted() == 1
+
+
 async def test_what_is_given_for_good_is_confirmed_first() -> None:
     async with house() as place:
         told = await place.line(ADA, "/grant Vi operator omni")

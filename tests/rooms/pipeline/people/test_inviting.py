@@ -263,9 +263,36 @@ async def test_a_right_that_has_ended_invites_nobody() -> None:
     async with a_hall() as hall:
         until_ns = hall.clock.wall_ns() + 60_000_000_000
         await hall.knows(DI, "Di", grants=(Grant(id="g", role="admin", expires_ns=until_ns),))
-        assert "Code " in await hall.say(DI, "/invite viewer")
+        assert "Code " in await hall.say(DI, "/invite viewer for 20 s code 30 s")
         await hall.clock.advance(61.0)
         assert await hall.say(DI, "/invite viewer") == FOR_ADMINS
+
+
+async def test_nobody_gives_by_invitation_what_outlives_their_own_right() -> None:
+    async with a_hall() as hall:
+        until_ns = hall.clock.wall_ns() + 3_600_000_000_000
+        await hall.knows(DI, "Di", grants=(Grant(id="g", role="admin", expires_ns=until_ns),))
+        for line, what in (
+            ("admin", "admin"),
+            ("operator for 61 min code 1 min", "operator for 61 minutes"),
+            ("viewer for 55 min code 6 min", "viewer for 55 minutes"),
+        ):
+            assert await hall.say(DI, f"/invite {line}") == (
+                f"You cannot give {what}: your own right to give it ends sooner. Say a shorter "
+                "time. Ada or Bo can. Nothing was done."
+            )
+        assert hall.enrolment.invitations.open() == ()
+        assert "Code " in await hall.say(DI, "/invite viewer for 50 min code 5 min")
+
+
+async def test_the_code_of_whoever_may_not_invite_any_more_lets_nobody_in() -> None:
+    async with a_hall() as hall:
+        await hall.knows(DI, "Di", grants=(Grant(id="g", role="admin"),))
+        code = await hall.invited("operator for 3 days", account=DI)
+        async with hall.changes.turn() as turn:
+            await turn.act(hall.registry.roster.take_one("p-4", "g", "p-1"))
+        told = await hall.say(ED, f"join {code}")
+        assert told.startswith("This code is not good here. Ask whoever invited you for a new one.")
 
 
 async def test_times_that_are_none() -> None:

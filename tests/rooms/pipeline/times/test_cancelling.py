@@ -25,6 +25,22 @@ async def test_mine_are_listed_with_a_button_each() -> None:
         assert len(lab.calendar.of(ANN)) == 5
 
 
+async def test_a_robots_name_lists_the_times_with_it() -> None:
+    async with Lab().open() as lab:
+        assert await lab.say(ANN, "/cancel kuka1") == "You have no time booked with KUKA iiwa."
+        await lab.book(ANN, "arm 11:00 1h")
+        for hour in range(11, 21):
+            await lab.book(ANN, f"kuka1 {hour}:00 30 min")
+        said = (await lab.say(ANN, "/cancel kuka1 tomorrow 14:30")).splitlines()
+        assert said[0] == "Which one is to be cancelled (Europe/Vienna)?"
+        assert all(line.startswith("KUKA iiwa: ") for line in said[1:-1])
+        assert said[-1] == "and 2 more"
+        assert (await lab.tap(ANN, "More")).splitlines()[1:] == [
+            "KUKA iiwa: 19:00 to 19:30", "KUKA iiwa: 20:00 to 20:30",
+        ]  # fmt: skip
+        assert (await lab.tap(ANN, "KUKA iiwa: 20:00 to 20:30")).startswith("Cancelled: KUKA iiwa")
+
+
 async def test_a_long_list_has_pages() -> None:
     async with Lab().open() as lab:
         for hour in range(11, 21):

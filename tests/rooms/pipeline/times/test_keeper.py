@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from rosic.core.identity import OPERATOR
 from rosic.errors import RobotStopped
 from tests.rooms.pipeline.times.lab import ANN, BEN, CEM, MIN, NOW, Lab
 
@@ -198,6 +199,20 @@ async def test_whoever_has_it_without_a_slot_gives_way_when_one_begins() -> None
             (ANN, BEGINS),
         ]
         assert lab.handed == [("kuka1", "somebody else's time has begun", 3600.0)]
+
+
+async def test_nobody_gives_way_to_somebody_who_lost_the_right() -> None:
+    async with Lab().open() as lab:
+        await lab.book(ANN, "kuka1 every day 11:00 1h 2 times")
+        lab.forbidden.add(ANN)
+        lab.begin(BEN)
+        back = "You may not move KUKA iiwa any more, so your time with it was given back."
+        assert await lab.told_until(61) == [(ANN, back)]
+        assert lab.handed == []
+        assert lab.calendar.present("kuka1", lab.clock.wall_ns()) is None
+        assert lab.decisions()[-1] == ("release", OPERATOR)
+        lab.forbidden.clear()  # who may again has what is still to come
+        assert [slot.start_ns for slot in lab.times.upcoming(ANN)] == [NOW + (24 * 60 + 60) * MIN]
 
 
 async def test_a_senior_who_may_stays_and_the_owner_is_told() -> None:

@@ -28,6 +28,18 @@ async def test_unused_time_is_released_after_a_question_if_somebody_waits() -> N
         assert lab.calendar.of(ANN)[0].end_ns == NOW + 75 * MIN
 
 
+async def test_the_time_of_somebody_who_lost_the_right_is_offered_at_once() -> None:
+    async with Lab().open() as lab:
+        await lab.book(ANN, "kuka1 11:00 1h")
+        await lab.told_until(62)
+        lab.forbidden.add(ANN)
+        await lab.say(BEN, "/wait kuka1")
+        assert await lab.told() == [
+            (ANN, "You may not move KUKA iiwa any more, so your time with it was given back."),
+            (BEN, "KUKA iiwa is free and it is your turn. Tap within 60 s to take it."),
+        ]
+
+
 async def test_unused_time_stays_if_nobody_waits() -> None:
     async with Lab().open() as lab:
         await lab.book(ANN, "kuka1 11:00 1h")
