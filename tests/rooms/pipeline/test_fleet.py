@@ -172,6 +172,21 @@ async def test_a_shift_is_handed_over_only_when_it_is_accepted_and_rights_are_th
         assert here.acted("w1") == 2
 
 
+async def test_who_takes_a_task_over_reads_its_orders_unless_a_group_does() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 move 1 m then wave")
+        await here.say("/task w2 move 1 m then wave", chat="-5", kind=ChatKind.GROUP)
+        await here.say("/handover Bo")
+        await here.tap(*here.button("I take over"), account=BO)
+        before = len(here.chat.told)
+        for robot in ("w1", "w2"):
+            worker(here, robot).end(Ending.DONE)
+        await heard(here, 2)
+        told = [(t.outbound.chat.id, t.outbound.text) for t in list(here.chat.told)[before:]]
+        assert {chat for chat, text in told if "task 1, step 2 of 2" in text} == {BO}
+        assert {chat for chat, text in told if "task 2, step 2 of 2" in text} == {"-5"}
+
+
 async def test_a_robot_that_idles_in_somebodys_hands_goes_with_their_shift_and_no_other_does() -> (
     None
 ):

@@ -303,3 +303,25 @@ async def test_a_rule_brings_a_robot_to_rest_although_nothing_can_be_written() -
         await heard(here)
         assert not here.robot("w1").presence().doing
         assert tasks(here)["1"].state is State.PAUSED
+
+
+async def test_what_was_not_begun_in_time_is_given_anew_and_what_was_is_seen_through() -> None:
+    async with warehouse().open() as here:
+        here.robot("w1").online = False
+        await here.say("/task w1 wave by in 1 min")
+        told = await heard(here, 70)
+        assert "Task 1 (wave): failed. Why: it was not begun in time." in told
+        _, shown = here.last()
+        assert [button.command for row in shown.buttons for button in row] == ["/task cancel 1"]
+        here.robot("w1").online = True
+        told = await here.say("/task go 1")
+        assert "Task 1 was to be begun by a time that is over. Give it anew." in told
+        await here.say("/task w2 move 1 m then wave by in 1 min")
+        worker(here, "w2").end(Ending.DONE)
+        await heard(here)
+        await here.say("/task pause 2")
+        await heard(here, 70)
+        await here.say("/task go 2", message="go")
+        await heard(here)
+        assert tasks(here)["2"].state is State.RUNNING, "a step of it was done in time"
+        assert (here.acted("w1"), here.acted("w2")) == (0, 3)

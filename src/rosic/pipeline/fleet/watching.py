@@ -125,7 +125,7 @@ class Watching:
         fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
         for key in tuple(fleet.waiting):
             task = fleet.tasks.get(key)
-            if task is not None and task.until_ns and now_ns > task.until_ns:
+            if task is not None and task.too_late(now_ns):
                 await self._dispatching.feed(e.Expired(key), happened=True)
 
     # ---- choosing ----
@@ -141,7 +141,7 @@ class Watching:
                 return
             if not is_loaded():
                 await asyncio.to_thread(load)  # a stop does not wait for that
-            late, left_alone = self._dispatching.not_now()
+            late, left_alone = self._dispatching.patience.not_now(self._clock.monotonic_ns())
             least = self._least()
             robots = [r for r in self._rooms.profiles if r not in left_alone]
             glances = {r: self.glance(r, least) for r in robots}
@@ -203,6 +203,7 @@ class Watching:
             battery=float(battery) if isinstance(battery, int | float) else None,
             place=_place(presence),
             load=finished.get(robot, 0) - least,
+            declined=self._dispatching.patience.declined(robot, self._clock.monotonic_ns()),
         )
 
 

@@ -47,6 +47,7 @@ _LEFT: Final = {
 }
 _REASONS: Final = {
     Why.LATE: said("it took too long for task {task}"),
+    Why.TAKEN: said("it was needed for something else"),
     Why.PAUSED: said("task {task} was paused"),
     Why.CANCELLED: said("task {task} was cancelled"),
     Why.WITHDRAWN: said("it is not to be used now"),
@@ -285,6 +286,8 @@ def choices(task: Task) -> tuple[tuple[Button, ...], ...]:
     if task.state is State.UNKNOWN:
         again = Button(AGAIN, f"/task go {task.id}")
         return ((Button(WAS_DONE, f"/task done {task.id}"), again), (cancel,))
+    if task.why is Why.EXPIRED:
+        return ((cancel,),)
     if task.state in {State.PAUSED, State.FAILED}:
         label = GO_ON if task.state is State.PAUSED else AGAIN
         return ((Button(label, f"/task go {task.id}"), cancel),)
@@ -310,6 +313,14 @@ def not_yours(task: Task, name: str) -> str:
 def does_not_fit(task: Task) -> str:
     """Return that what was asked makes no sense for a task as it is."""
     return said("Task {task} is {state}. Nothing was changed.", task=task.id, state=state(task))
+
+
+def begins_no_more(task: Task) -> str:
+    """Return that the time is over by which a task was to be begun."""
+    return said(
+        "Task {task} was to be begun by a time that is over. Give it anew. Nothing was changed.",
+        task=task.id,
+    )
 
 
 def being_held(task: Task, shown: str) -> str:
