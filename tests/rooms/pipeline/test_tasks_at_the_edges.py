@@ -325,3 +325,27 @@ async def test_what_was_not_begun_in_time_is_given_anew_and_what_was_is_seen_thr
         await heard(here)
         assert tasks(here)["2"].state is State.RUNNING, "a step of it was done in time"
         assert (here.acted("w1"), here.acted("w2")) == (0, 3)
+
+
+async def test_a_time_from_now_is_kept_to_the_second() -> None:
+    async with warehouse().open() as here:
+        here.robot("w1").online = False
+        await here.clock.advance(19)  # of a minute that is nearly over
+        for said in ("1 min", "90 s"):
+            await here.say(f"/task w1 wave by in {said}")
+        assert "That time is over" in await here.say("/task w1 wave by in 0 min")
+        await heard(here, 55)
+        assert {task.state for task in tasks(here).values()} == {State.QUEUED}
+        await heard(here, 10)
+        assert [task.state for task in tasks(here).values()] == [State.FAILED, State.QUEUED]
+
+
+async def test_what_came_of_a_task_is_said_once_and_in_sentences() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 move 1 m then wave")
+        told = await here.say("/task pause 1") + await heard(here)
+        assert "Task 1 (move 1 m; wave): paused. 0 of 2 steps are done." in told
+        await here.say("/task w2 move 1 m then wave")
+        worker(here, "w2").end(Ending.FAILED, "the gripper is open")
+        told = await heard(here, 3)
+        assert "failed. Why: w2 has failed at it: the gripper is open. 0 of 2 steps" in told

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import enum
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import msgspec
 
 from rosic.core.identity import PrincipalId
 from rosic.core.robot import RobotId
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 TaskId: TypeAlias = str
 """A number, as people read and type it."""
@@ -172,6 +175,11 @@ class Task(msgspec.Struct, frozen=True, kw_only=True):
     def left(self) -> tuple[RobotId, ...]:
         """Return whom it may still be given to."""
         return tuple(robot for robot in self.among if robot not in self.tried)
+
+
+def idle_first(tasks: Iterable[Task]) -> list[Task]:
+    """Return tasks that are to be held, so that none gets a robot that another has just left."""
+    return sorted(tasks, key=lambda task: task.state in HELD)
 
 
 class Standing(enum.Enum):

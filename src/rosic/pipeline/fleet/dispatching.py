@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from rosic.core.fleet import events as e
 from rosic.core.fleet.reacting import react
 from rosic.core.fleet.state import FleetState
-from rosic.core.fleet.task import HELD, OVER, RESTING, Why
+from rosic.core.fleet.task import HELD, OVER, RESTING, Why, idle_first
 from rosic.core.order import Ending
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
 from rosic.pipeline.fleet.attempting import Asker, attempt_id, end_after, end_of
@@ -146,7 +146,7 @@ class Dispatching:
 
     async def ended(self, author: PrincipalId) -> None:
         """Cancel everything that somebody wants: they are nobody any more."""
-        for task in [task for task in self.fleet.open() if task.author == author]:
+        for task in idle_first(task for task in self.fleet.open() if task.author == author):
             self.why.pop(task.id, None)
             await self._feed(e.Held(task.id, Why.CANCELLED))
 

@@ -138,6 +138,10 @@ def _within(wish: Wish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
 
 
 def _by(wish: Wish, said: list[str], now_ns: int, zone: Zone) -> bool:
+    seconds, used = length_said(said[1:]) if said[:1] == ["in"] else (0.0, 0)
+    if seconds > 0 and used == len(said) - 1:  # to the second: a minute may be all there is
+        wish.until_ns = now_ns + int(seconds * 1e9)
+        return True
     when = read_when(f"{' '.join(said)} 1 min", now_ns, zone.local) if said else None
     if not isinstance(when, When) or when.rrule:
         return False

@@ -266,11 +266,14 @@ def over(task: Task, what: str, shown: str) -> str:
 def stands(task: Task, what: str, shown: str, why: str) -> str:
     """Return that a task waits for a person, or is over without being done."""
     parts: list[str] = [_headed(task, what, state(task))]
+    note = "" if task.why in _REASONS else why  # else it says the same once more
     cause = why_left(task.why, shown or said("its robot")) if task.why is not Why.NONE else ""
+    if note and not note.endswith("."):
+        cause, note = joined(": ", filter(None, (cause, note))), ""
     if cause and task.why not in {Why.PAUSED, Why.CANCELLED}:
         parts.append(said("Why: {cause}.", cause=cause))
-    if why:
-        parts.append(why)
+    if note:
+        parts.append(note)
     if task.steps > 1:
         parts.append(said("{done} of {steps} steps are done.", done=task.done, steps=task.steps))
     return joined(" ", parts)
