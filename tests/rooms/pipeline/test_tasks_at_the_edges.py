@@ -349,3 +349,14 @@ async def test_what_came_of_a_task_is_said_once_and_in_sentences() -> None:
         worker(here, "w2").end(Ending.FAILED, "the gripper is open")
         told = await heard(here, 3)
         assert "failed. Why: w2 has failed at it: the gripper is open. 0 of 2 steps" in told
+
+
+async def test_a_line_that_is_too_long_is_refused_and_not_cut() -> None:
+    async with warehouse().open() as here:
+        steps = " then ".join(["move direction=forward distance=1 m"] * 60)
+        told = await here.say(f"/task w1 {steps} then move 1.5 m once")
+        assert "A task is said in at most 2000 characters." in told
+        assert not tasks(here)
+        steps = " then ".join(["move direction=forward distance=1 m"] * 40)
+        await here.say(f"/task w1 {steps} once")
+        assert (tasks(here)["1"].steps, tasks(here)["1"].once) == (40, True)

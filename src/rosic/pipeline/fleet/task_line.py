@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from rosic.organiser.zones import Zone
 
-LONGEST_LINE = 1_000
+LONGEST_LINE = 2_000
 THEN = " then "
 FULL = 100.0
 
@@ -82,7 +82,10 @@ def read_wish(text: str, now_ns: int, zone: Zone) -> Wish:
     Raises:
         OutOfBounds: A number or a time that makes no sense.
     """
-    wish = Wish(clean(text).replace("\n", " ")[:LONGEST_LINE].split())
+    line = clean(text).replace("\n", " ")
+    if len(line) > LONGEST_LINE:  # what is cut off may be what makes it safe
+        raise OutOfBounds(words.too_long(LONGEST_LINE))
+    wish = Wish(line.split())
     while (at := _last(wish.words)) is not None:
         key, said = wish.words[at].casefold(), [word.casefold() for word in wish.words[at + 1 :]]
         if not _READ[key](wish, said, now_ns, zone):

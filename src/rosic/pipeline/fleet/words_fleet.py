@@ -344,6 +344,13 @@ def too_many_steps(most: int) -> str:
     return said("A task has at most {most} steps.", most=most)
 
 
+def too_long(most: int) -> str:
+    """Return that more was said than is read."""
+    return said(
+        "A task is said in at most {most} characters. Give several. Nothing was done.", most=most
+    )
+
+
 def no_priority(least: int, most: int) -> str:
     """Return the bounds of a priority."""
     return said("A priority is a number from {least} to {most}.", least=least, most=most)
