@@ -283,6 +283,22 @@ async def test_a_broadcast_asks_each_for_itself_and_shows_who_received_it() -> N
         assert "no robot and no group" in await here.say("/broadcast nowhere wave")
 
 
+async def test_what_came_too_late_is_offered_for_those_it_was_meant_for() -> None:
+    async with warehouse().open() as here:
+        await here.say("use omni")
+        for verb in ("together", "broadcast"):
+            late_ns = here.clock.wall_ns() - 10_000_000_000
+            again = f"/{verb} warehouse wave"
+            told = await here.say(again, sent_ns=late_ns) + await heard(here, 5)
+            assert "Your command is 10 seconds old" in told
+            await here.tap(*here.button(again))
+            for robot in ("w1", "w2", "w3"):
+                worker(here, robot).end(Ending.DONE)
+            await heard(here)
+        assert here.acted("omni") == 0, "it was chosen, and not meant"
+        assert [here.acted(name) for name in ("w1", "w2", "w3")] == [2, 2, 2]
+
+
 async def test_what_somebody_has_said_is_read_by_them_alone() -> None:
     async with warehouse().open() as here:
         await here.say("/task w1 move 3 m then wave", account=BO)
