@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet import events as e
 from rosic.core.fleet.planning import Glance, by_priority, may
-from rosic.core.fleet.task import State, Why
+from rosic.core.fleet.task import Standing, State, Why
 from rosic.core.robot import Slots
 from rosic.errors import RecordUnavailable
 from rosic.organiser.assigning import assign, is_loaded, load
@@ -162,7 +162,8 @@ class Watching:
         for key, robot in tuple(self.prefer.items()):
             task = fleet.tasks.get(key)
             waits = task is not None and (task.state is State.QUEUED or task.leaving)
-            helps = self.engaged(robot) and self._rooms.linker.presence(robot).online is not False
+            there = self._rooms.linker.presence(robot).online is not False
+            helps = there and self.engaged(robot) and fleet.standing(robot) is Standing.ACTIVE
             if task is None or not waits or not helps:
                 del self.prefer[key]
             elif key in fleet.waiting and may(fleet, task, self.glance(robot, helping=True)):
