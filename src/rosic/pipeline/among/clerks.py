@@ -105,7 +105,7 @@ class AmongClerk:
 
         Raises:
             NotUnderstood: No such request, or no such robot.
-            Expired: Somebody was faster, or it was not sent just now, and robots change tasks by it.
+            Expired: Somebody was faster; or it was not sent just now: robots change tasks by it.
             NotPermitted: Not theirs.
             RecordUnavailable: Not written; nobody has accepted it.
         """
