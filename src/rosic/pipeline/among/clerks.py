@@ -91,12 +91,17 @@ class AmongClerk:
         ear, where = Ear(robot, topic, "", who), Where(asked.messenger.name, asked.inbound.chat)
         post, shown = self._around.post, self._around.rights.shown(robot)
         async with self._around.changes.turn() as turn:
-            fact: Fact | None
-            fact = post.follow(ear, where) if verb == FOLLOW else post.unfollow(ear, where)
-            await turn.write(() if fact is None else (fact,))
+            facts: tuple[Fact | None, ...]
+            if verb == FOLLOW:
+                facts = (post.follow(ear, where),)
+            elif topic:
+                facts = (post.unfollow(ear, where),)
+            else:
+                facts = post.unfollow_here(robot, who, where)
+            await turn.write([fact for fact in facts if fact is not None])
         if verb == FOLLOW:
             return Reply(words.following(shown, robot, topic), about=robot)
-        return Reply(words.not_following(shown), about=robot)
+        return Reply(words.not_following(shown, topic), about=robot)
 
     # ---- help ----
 

@@ -84,8 +84,12 @@ def following(shown: str, robot: str, topic: str) -> str:
     )  # fmt: skip
 
 
-def not_following(shown: str) -> str:
-    """Return that a chat follows no more."""
+def not_following(shown: str, topic: str) -> str:
+    """Return that a chat follows no more; no topic at all, if none is given."""
+    if topic:
+        return said(
+            "You read no more here of what {robot} shares on {topic}.", robot=shown, topic=topic
+        )
     return said("You read no more here of what {robot} shares.", robot=shown)
 
 
