@@ -5,9 +5,18 @@ from __future__ import annotations
 from rosic.core.fleet.task import State
 from rosic.core.message import ChatKind
 from rosic.core.order import Ending
+from rosic.core.roles import DEFAULT_ROLES, Care, Rulebook
 from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import ADA, BO, VI
-from tests.rooms.pipeline.test_tasks import heard, later, tasks, warehouse, worker
+from tests.rooms.pipeline.place import ADA, BO, FLEET, VI
+from tests.rooms.pipeline.test_tasks import (
+    WAREHOUSE,
+    Warehouse,
+    heard,
+    later,
+    tasks,
+    warehouse,
+    worker,
+)
 
 
 async def test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_stays_stopped() -> (
@@ -297,6 +306,22 @@ async def test_what_came_too_late_is_offered_for_those_it_was_meant_for() -> Non
             await heard(here)
         assert here.acted("omni") == 0, "it was chosen, and not meant"
         assert [here.acted(name) for name in ("w1", "w2", "w3")] == [2, 2, 2]
+
+
+class Careful(Warehouse):
+    rulebook = Rulebook(
+        roles=DEFAULT_ROLES, care=(Care(scopes=("w2:wave",), confirm=True),)
+    )  # fmt: skip
+
+
+async def test_what_wants_a_tap_each_time_is_not_asked_of_many() -> None:
+    async with Careful(fleet=(*WAREHOUSE, FLEET[0])).open() as here:
+        why = "w2 does this only when somebody confirms it: Wave. Say it as a command."
+        assert await here.say("/together warehouse wave") == why
+        assert [here.acted(name) for name in ("w1", "w2", "w3")] == [0, 0, 0]
+        told = await here.say("/broadcast warehouse wave")
+        assert told.endswith(f"2 of 3 robots are asked. The others:\n{why}")
+        assert [here.acted(name) for name in ("w1", "w2", "w3")] == [1, 0, 1]
 
 
 async def test_what_somebody_has_said_is_read_by_them_alone() -> None:

@@ -14,13 +14,15 @@ from rosic.core.fleet.task import Standing
 from rosic.core.identity import robot_command_id
 from rosic.core.language import Do
 from rosic.core.life import ENGLISH, wording_in
+from rosic.core.roles import Need
 from rosic.core.saying import in_language, joined
-from rosic.errors import Expired, NotUnderstood, Refusal
+from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_company as words
 from rosic.pipeline.fleet.completing import Completing, refused
 from rosic.pipeline.fleet.reading import step_for
+from rosic.pipeline.fleet.words_fleet import wants_a_person
 from rosic.pipeline.replies import reply_id
 from rosic.pipeline.requesting import Requesting
 from rosic.pipeline.said import Said
@@ -96,9 +98,7 @@ class CompanyClerk:
             return self._none(meant, states)
         said = self._said(asked)
         requests = self._requests(said, asked, meant, steps)
-        permits = self._rooms.organiser.admit(
-            asked.caller, requests, self._arguments_of, said.grounds
-        )
+        permits = self._admitted(asked, said, requests)
         start_ns = self._clock.monotonic_ns() + TOGETHER_NS
         orders = await self._prepare(asked, meant, permits, requests, start_ns)
         self._begin(asked, said, meant, orders)
@@ -183,9 +183,7 @@ class CompanyClerk:
         [robot] = meant.robots
         self._rooms.linker.check_free(robot)
         requests = self._requests(said, asked, meant, [step_for(self._rooms, robot, meant.line)])
-        permits = self._rooms.organiser.admit(
-            asked.caller, requests, self._arguments_of, said.grounds
-        )
+        permits = self._admitted(asked, said, requests)
         return await self._prepare(asked, meant, permits, requests, None)
 
     # ---- the way of any order ----
@@ -237,6 +235,23 @@ class CompanyClerk:
             except Expired as late:
                 raise Expired(late.sentence, offers=(meant.again,)) from None
         return requests
+
+    def _admitted(
+        self, asked: Asked, said: Said, requests: Sequence[Request]
+    ) -> tuple[Permit, ...]:
+        """CHECKPERMISSIONS. Nobody can confirm many at once: that is asked robot by robot.
+
+        Raises:
+            Refusal: Why not; nobody has moved.
+        """
+        admit = self._rooms.organiser.admit
+        try:
+            return admit(asked.caller, requests, self._arguments_of, said.grounds)
+        except FirstNeeded as first:
+            if first.need == Need.STEP_UP.value:
+                raise
+            [skill] = [one.skill for one in requests if one.robot == first.robot]
+            raise wants_a_person(self._shown(first.robot), skill) from None
 
     def _arguments_of(self, request: Request) -> Mapping[str, Argument]:
         return self._rooms.container.complete(request).arguments
