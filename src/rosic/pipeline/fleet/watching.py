@@ -51,7 +51,7 @@ class Watching:
         self._rooms = rooms
         self._dispatching = dispatching
         self._clock = clock
-        self._unheard_ns: dict[RobotId, int] = {}
+        self._unheard: dict[RobotId, tuple[TaskId, int]] = {}
         self._watching: asyncio.Task[None] | None = None
         self._running = False
         self._planning = asyncio.Lock()
@@ -112,14 +112,22 @@ class Watching:
     def _deviates(self, robot: RobotId, task: Task) -> Why:
         now_ns = self._clock.monotonic_ns()
         if self._rooms.linker.presence(robot).online is not False:
-            self._unheard_ns.pop(robot, None)
-        elif now_ns - self._unheard_ns.setdefault(robot, now_ns) >= LOST_AFTER_NS:
+            self._unheard.pop(robot, None)
+        elif now_ns - self._unheard_since(robot, task, now_ns) >= LOST_AFTER_NS:
             return Why.LOST
         attempt = self._dispatching.begun.get(task.id)
         if task.state is not State.RUNNING or attempt is None or attempt.number != task.attempt:
             return Why.NONE
         late = task.expected_ns and now_ns - attempt.began_ns > task.expected_ns
         return Why.LATE if late else Why.NONE
+
+    def _unheard_since(self, robot: RobotId, task: Task, now_ns: int) -> int:
+        """Return since when a robot is not heard of at this task; an earlier one does not count."""
+        of, since_ns = self._unheard.get(robot, ("", 0))
+        if of != task.id:
+            since_ns = now_ns
+            self._unheard[robot] = task.id, now_ns
+        return since_ns
 
     async def _let_expire(self) -> None:
         fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
