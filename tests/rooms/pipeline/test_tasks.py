@@ -158,24 +158,6 @@ async def test_a_lost_robot_is_cut_off_and_its_late_answer_counts_for_nothing() 
         assert f"done by {task.robot}" in await heard(here)
 
 
-async def test_who_was_lost_once_has_as_long_as_anybody_to_be_heard_of_again() -> None:
-    async with warehouse().open() as here:
-        lost = worker(here, "w1")
-        await here.say("/task w1 wave")
-        lost.online = False
-        assert "w1 is not heard of any more" in await heard(here, 5)
-        lost.online = True
-        await here.say("/task cancel 1")
-        await here.say("resume w1")
-        await here.say("/task w1 wave")
-        assert tasks(here)["2"].robot == "w1"
-        lost.online = False
-        await heard(here, 2)
-        lost.online = True
-        await heard(here, 2)
-        assert (tasks(here)["2"].state, tasks(here)["2"].robot) == (State.RUNNING, "w1")
-
-
 async def test_whoever_is_late_is_brought_to_rest_and_another_goes_on() -> None:
     async with warehouse().open() as here:
         await here.say("/task warehouse wave within 20 s")

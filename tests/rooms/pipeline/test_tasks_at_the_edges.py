@@ -360,3 +360,21 @@ async def test_a_line_that_is_too_long_is_refused_and_not_cut() -> None:
         steps = " then ".join(["move direction=forward distance=1 m"] * 40)
         await here.say(f"/task w1 {steps} once")
         assert (tasks(here)["1"].steps, tasks(here)["1"].once) == (40, True)
+
+
+async def test_who_was_lost_once_has_as_long_as_anybody_to_be_heard_of_again() -> None:
+    async with warehouse().open() as here:
+        lost = worker(here, "w1")
+        await here.say("/task w1 wave")
+        lost.online = False
+        assert "w1 is not heard of any more" in await heard(here, 5)
+        lost.online = True
+        await here.say("/task cancel 1")
+        await here.say("resume w1")
+        await here.say("/task w1 wave")
+        assert tasks(here)["2"].robot == "w1"
+        lost.online = False
+        await heard(here, 2)
+        lost.online = True
+        await heard(here, 2)
+        assert (tasks(here)["2"].state, tasks(here)["2"].robot) == (State.RUNNING, "w1")
