@@ -53,6 +53,16 @@ def test_what_could_be_better_is_said_too(
     assert "Bob has no address on a messenger of this file." in said
 
 
+def test_a_robot_that_is_somebody_needs_no_messenger(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = f'{CONFIG}\n[[principal]]\nname = "omni"\naddress = "robot:omni"\nrole = "viewer"\n'
+
+    assert main(["check", "-c", str(write_config(tmp_path, text))]) == 0
+
+    assert "has no address" not in capsys.readouterr().out
+
+
 def test_shipped_profiles_are_good(capsys: pytest.CaptureFixture[str]) -> None:
     files = [str(path) for path in shipped_profiles().values()]
 

@@ -62,6 +62,7 @@ def test_a_draft_is_a_profile_with_careful_bounds(tmp_path: Path) -> None:
     assert profile.stop is not None
     assert (profile.stop.service, profile.stop.zero) == ("/omni/stop", "/omni/cmd_vel")
     assert profile.at_rest is not None
+    assert "linear.z" in str(profile.at_rest), "it may be one that flies"
     assert set(profile.telemetry) == {"battery", "x", "y"}
     assert profile.camera is not None
     assert set(profile.skills) == {"move", "dance", "dock", "drive"}

@@ -10,6 +10,7 @@ from rosic.app.desk.control import socket_path
 from rosic.app.documents.profiles import known_units
 from rosic.app.documents.rulebook import fleet_of
 from rosic.app.start import messenger_of
+from rosic.core.identity import ROBOT
 from rosic.core.language import Vocabulary
 from rosic.core.limits import unit_converter
 from rosic.core.rights import Rights
@@ -86,7 +87,8 @@ def _advice(config: Config) -> list[ConfigurationError]:
     silent = [
         f"{person.name} has no address on a messenger of this file."
         for person in config.people
-        if kinds.isdisjoint(address.platform for address in person.addresses)
+        if not any(address.platform == ROBOT for address in person.addresses)
+        and kinds.isdisjoint(address.platform for address in person.addresses)
     ]
     return [ConfigurationError(text, where=where) for text in (*unmoved, *silent)]
 

@@ -12,8 +12,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.fleet.planning import (
+    asks_for,
     may,
     nearest_idle,
+    refused_by_any,
     robot_cost,
     waiting_credit,
     way_cost,
@@ -111,9 +113,9 @@ def _costs(
     Tasks that ask for the same are looked at once. A place is the only thing that makes a cost of
     the pair more than a cost of each.
     """
-    seen: dict[tuple[object, ...], list[float]] = {}
+    declined, seen = refused_by_any(robots), dict[tuple[object, ...], list[float]]()
     for task in tasks:
-        alike = (task.author, task.among, task.tried, task.need)
+        alike = asks_for(task, declined)
         own = seen.get(alike)
         if own is None:
             own = seen[alike] = _own(fleet, task, robots)

@@ -5,9 +5,18 @@ from __future__ import annotations
 from rosic.core.fleet.task import State
 from rosic.core.message import ChatKind
 from rosic.core.order import Ending
+from rosic.core.roles import DEFAULT_ROLES, Care, Rulebook
 from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import ADA, BO, VI
-from tests.rooms.pipeline.test_tasks import heard, later, tasks, warehouse, worker
+from tests.rooms.pipeline.place import ADA, BO, FLEET, VI
+from tests.rooms.pipeline.test_tasks import (
+    WAREHOUSE,
+    Warehouse,
+    heard,
+    later,
+    tasks,
+    warehouse,
+    worker,
+)
 
 
 async def test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_stays_stopped() -> (
@@ -172,6 +181,21 @@ async def test_a_shift_is_handed_over_only_when_it_is_accepted_and_rights_are_th
         assert here.acted("w1") == 2
 
 
+async def test_who_takes_a_task_over_reads_its_orders_unless_a_group_does() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 move 1 m then wave")
+        await here.say("/task w2 move 1 m then wave", chat="-5", kind=ChatKind.GROUP)
+        await here.say("/handover Bo")
+        await here.tap(*here.button("I take over"), account=BO)
+        before = len(here.chat.told)
+        for robot in ("w1", "w2"):
+            worker(here, robot).end(Ending.DONE)
+        await heard(here, 2)
+        told = [(t.outbound.chat.id, t.outbound.text) for t in list(here.chat.told)[before:]]
+        assert {chat for chat, text in told if "task 1, step 2 of 2" in text} == {BO}
+        assert {chat for chat, text in told if "task 2, step 2 of 2" in text} == {"-5"}
+
+
 async def test_a_robot_that_idles_in_somebodys_hands_goes_with_their_shift_and_no_other_does() -> (
     None
 ):
@@ -266,6 +290,38 @@ async def test_a_broadcast_asks_each_for_itself_and_shows_who_received_it() -> N
         assert shown.count("received by the robot") >= 2
         assert [here.acted(name) for name in ("w1", "w2", "w3")] == [1, 1, 1]
         assert "no robot and no group" in await here.say("/broadcast nowhere wave")
+
+
+async def test_what_came_too_late_is_offered_for_those_it_was_meant_for() -> None:
+    async with warehouse().open() as here:
+        await here.say("use omni")
+        for verb in ("together", "broadcast"):
+            late_ns = here.clock.wall_ns() - 10_000_000_000
+            again = f"/{verb} warehouse wave"
+            told = await here.say(again, sent_ns=late_ns) + await heard(here, 5)
+            assert "Your command is 10 seconds old" in told
+            await here.tap(*here.button(again))
+            for robot in ("w1", "w2", "w3"):
+                worker(here, robot).end(Ending.DONE)
+            await heard(here)
+        assert here.acted("omni") == 0, "it was chosen, and not meant"
+        assert [here.acted(name) for name in ("w1", "w2", "w3")] == [2, 2, 2]
+
+
+class Careful(Warehouse):
+    rulebook = Rulebook(
+        roles=DEFAULT_ROLES, care=(Care(scopes=("w2:wave",), confirm=True),)
+    )  # fmt: skip
+
+
+async def test_what_wants_a_tap_each_time_is_not_asked_of_many() -> None:
+    async with Careful(fleet=(*WAREHOUSE, FLEET[0])).open() as here:
+        why = "w2 does this only when somebody confirms it: Wave. Say it as a command."
+        assert await here.say("/together warehouse wave") == why
+        assert [here.acted(name) for name in ("w1", "w2", "w3")] == [0, 0, 0]
+        told = await here.say("/broadcast warehouse wave")
+        assert told.endswith(f"2 of 3 robots are asked. The others:\n{why}")
+        assert [here.acted(name) for name in ("w1", "w2", "w3")] == [1, 0, 1]
 
 
 async def test_what_somebody_has_said_is_read_by_them_alone() -> None:

@@ -173,3 +173,22 @@ async def test_a_part_is_late_from_when_it_could_begin_and_what_is_written_happe
         assert "Task 3 (wave) is late: it was to be done within 2 min. The rest" in told
         assert states(here) == [State.DONE, State.DONE, State.CANCELLED, State.CANCELLED]
         assert here.acted("w1") == 1, "nothing begins because what was before it is cancelled"
+
+
+async def test_a_time_within_this_minute_is_the_next_one_and_not_over() -> None:
+    async with lab().open() as here:
+        for said in ("in 5 s", "now"):
+            told = await here.say(f"/mission start timed {said}")
+            assert "timed begins by itself, 22:14" in told
+        assert not tasks(here)
+        await heard(here, 70)
+        assert len(tasks(here)) == 4, "each of them, once"
+
+
+async def test_two_times_at_the_same_moment_are_two() -> None:
+    async with lab().open() as here:
+        for metres in (1, 2):
+            await here.say(f"/mission start fetch distance={metres} in 2 min")
+        told = await heard(here, 200)
+        assert told.count("fetch is begun") == 2
+        assert len(tasks(here)) == 4

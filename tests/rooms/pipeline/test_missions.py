@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import asyncio
+from typing import TYPE_CHECKING
+
 from msgspec.structs import replace
 
 from rosic.core.fleet.mission import Mission, Part
 from rosic.core.fleet.task import State
 from rosic.core.order import Ending
 from rosic.stores.memory import MemoryStore
-from tests.rooms.pipeline.place import BO, VI, Place
+from tests.rooms.pipeline.place import BO, VI, Place, WritingStore
 from tests.rooms.pipeline.test_tasks import heard, tasks, warehouse, worker
+
+if TYPE_CHECKING:
+    from rosic.core.record import Record
 
 RESTOCK = Mission(
     name="restock",
@@ -132,3 +138,30 @@ async def test_what_is_planned_begins_only_while_whoever_planned_it_may() -> Non
         told = await heard(here, 90, account=BO)
         assert "loud was to begin now, and does not." in told
         assert here.acted("w1") == 0
+
+
+class SlowDisk(WritingStore):
+    """Each write takes some turns of the event loop."""
+
+    async def write(self, *records: Record) -> None:
+        for _ in range(5):
+            await asyncio.sleep(0)
+        await super().write(*records)
+
+
+async def test_no_robot_begins_because_what_it_did_was_held_before_the_rest() -> None:
+    for verb in ("cancel", "pause"):
+        here, priorities = warehouse(SlowDisk()), (9, *[1] * 8, 5)
+        parts = tuple(Part(on="w1", steps=("wave",), priority=n) for n in priorities)
+        queue = Mission(name="queue", do=(Part(together=parts),))
+        here.gateway._settings = replace(here.gateway._settings, missions=(queue,))
+        async with here.open():
+            await here.say("/mission start queue")
+            await heard(here)
+            assert here.acted("w1") == 1
+            here.chat.say(f"/mission {verb} queue")
+            for _ in range(500):
+                await asyncio.sleep(0)
+            await heard(here, 3)
+            assert not {State.QUEUED, State.RUNNING}.intersection(states(here))
+            assert here.acted("w1") == 1, "nothing of it moves any more"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from copy import deepcopy
 from typing import TYPE_CHECKING
 
+import pytest
 from msgspec.structs import replace
 
 from rosic.core.fleet.state import TASK
@@ -14,7 +15,8 @@ from rosic.core.record import Fact
 from rosic.core.robot import Busy
 from rosic.core.roles import DEFAULT_ROLES, Care, Rulebook
 from rosic.core.view import Pose
-from rosic.errors import StoreFault
+from rosic.errors import RobotBusy, StoreFault
+from rosic.pipeline.fleet.by_rule import RuleTasks
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, FLEET, VI, BrokenStore, Place, profile
@@ -371,10 +373,20 @@ async def test_a_task_whose_words_are_erased_is_carried_out_by_nobody() -> None:
         assert here.acted("w1") == 0
 
 
-async def test_a_robot_that_deviates_may_be_told_to_give_its_task_away() -> None:
+async def test_a_rule_gives_a_task_away_only_where_another_robot_could_take_it() -> None:
     async with warehouse().open() as here:
+        rules = RuleTasks(here.gateway.rooms, here.gateway.furnishing.fleet.dispatching)
         await here.say("/task warehouse wave")
-        assert await here.gateway.furnishing.fleet.reallocate("w1")
+        await rules.reallocate("w1", "", "")
         await heard(here, 2)
-        assert tasks(here)["1"].robot in {"w2", "w3"}
-        assert not await here.gateway.furnishing.fleet.reallocate("w1")
+        other = tasks(here)["1"].robot
+        assert other in {"w2", "w3"}
+        await here.say("/task w1 wave")
+        await heard(here, 2)
+        with pytest.raises(RobotBusy, match="no task that another robot could take"):
+            await rules.reallocate("w1", "", "")
+        assert tasks(here)["2"].state is State.RUNNING, "nobody else was wanted: it goes on"
+        [third] = {"w2", "w3"} - {other}
+        await here.say(f"/robot retire {third}")
+        with pytest.raises(RobotBusy):
+            await rules.reallocate(other, "", "")

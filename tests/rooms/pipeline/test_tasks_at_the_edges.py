@@ -303,3 +303,78 @@ async def test_a_rule_brings_a_robot_to_rest_although_nothing_can_be_written() -
         await heard(here)
         assert not here.robot("w1").presence().doing
         assert tasks(here)["1"].state is State.PAUSED
+
+
+async def test_what_was_not_begun_in_time_is_given_anew_and_what_was_is_seen_through() -> None:
+    async with warehouse().open() as here:
+        here.robot("w1").online = False
+        await here.say("/task w1 wave by in 1 min")
+        told = await heard(here, 70)
+        assert "Task 1 (wave): failed. Why: it was not begun in time." in told
+        _, shown = here.last()
+        assert [button.command for row in shown.buttons for button in row] == ["/task cancel 1"]
+        here.robot("w1").online = True
+        told = await here.say("/task go 1")
+        assert "Task 1 was to be begun by a time that is over. Give it anew." in told
+        await here.say("/task w2 move 1 m then wave by in 1 min")
+        worker(here, "w2").end(Ending.DONE)
+        await heard(here)
+        await here.say("/task pause 2")
+        await heard(here, 70)
+        await here.say("/task go 2", message="go")
+        await heard(here)
+        assert tasks(here)["2"].state is State.RUNNING, "a step of it was done in time"
+        assert (here.acted("w1"), here.acted("w2")) == (0, 3)
+
+
+async def test_a_time_from_now_is_kept_to_the_second() -> None:
+    async with warehouse().open() as here:
+        here.robot("w1").online = False
+        await here.clock.advance(19)  # of a minute that is nearly over
+        for said in ("1 min", "90 s"):
+            await here.say(f"/task w1 wave by in {said}")
+        assert "That time is over" in await here.say("/task w1 wave by in 0 min")
+        await heard(here, 55)
+        assert {task.state for task in tasks(here).values()} == {State.QUEUED}
+        await heard(here, 10)
+        assert [task.state for task in tasks(here).values()] == [State.FAILED, State.QUEUED]
+
+
+async def test_what_came_of_a_task_is_said_once_and_in_sentences() -> None:
+    async with warehouse().open() as here:
+        await here.say("/task w1 move 1 m then wave")
+        told = await here.say("/task pause 1") + await heard(here)
+        assert "Task 1 (move 1 m; wave): paused. 0 of 2 steps are done." in told
+        await here.say("/task w2 move 1 m then wave")
+        worker(here, "w2").end(Ending.FAILED, "the gripper is open")
+        told = await heard(here, 3)
+        assert "failed. Why: w2 has failed at it: the gripper is open. 0 of 2 steps" in told
+
+
+async def test_a_line_that_is_too_long_is_refused_and_not_cut() -> None:
+    async with warehouse().open() as here:
+        steps = " then ".join(["move direction=forward distance=1 m"] * 60)
+        told = await here.say(f"/task w1 {steps} then move 1.5 m once")
+        assert "A task is said in at most 2000 characters." in told
+        assert not tasks(here)
+        steps = " then ".join(["move direction=forward distance=1 m"] * 40)
+        await here.say(f"/task w1 {steps} once")
+        assert (tasks(here)["1"].steps, tasks(here)["1"].once) == (40, True)
+
+
+async def test_who_was_lost_once_has_as_long_as_anybody_to_be_heard_of_again() -> None:
+    async with warehouse().open() as here:
+        lost = worker(here, "w1")
+        await here.say("/task w1 wave")
+        lost.online = False
+        assert "w1 is not heard of any more" in await heard(here, 5)
+        lost.online = True
+        await here.say("/task cancel 1")
+        await here.say("resume w1")
+        await here.say("/task w1 wave")
+        assert tasks(here)["2"].robot == "w1"
+        lost.online = False
+        await heard(here, 2)
+        lost.online = True
+        await heard(here, 2)
+        assert (tasks(here)["2"].state, tasks(here)["2"].robot) == (State.RUNNING, "w1")

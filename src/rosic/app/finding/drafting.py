@@ -157,7 +157,9 @@ def _joints(seen: Seen) -> dict[str, Any] | None:
 
 def _at_rest(seen: Seen) -> dict[str, Any] | None:
     for name in _of(seen.said, ODOMETRY):
-        field = "twist.twist.linear.x, twist.twist.linear.y, twist.twist.angular.z"
+        # Nobody sees from here whether it flies: what only rises or sinks does not rest.
+        axes = ("linear.x", "linear.y", "linear.z", "angular.z")
+        field = ", ".join(f"twist.twist.{axis}" for axis in axes)
         return {"topic": name, "type": ODOMETRY, "field": field, "below": 0.005}
     for name in _of(seen.said, JOINTS):
         return {"topic": name, "type": JOINTS, "field": "velocity", "below": 0.005}

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from rosic.contracts.messenger import catching_up
 from rosic.core.fleet import events as e
 from rosic.core.fleet.state import STANDING, TASK
-from rosic.core.fleet.task import Why
 from rosic.core.order import Ending
 from rosic.core.record import Refused, Told
 from rosic.errors import Repeated, StoreFault
@@ -40,7 +39,6 @@ if TYPE_CHECKING:
     from rosic.core.fleet.task import Task
     from rosic.core.identity import PrincipalId
     from rosic.core.record import Fact, Memory
-    from rosic.core.robot import RobotId
     from rosic.pipeline import Pipeline
     from rosic.pipeline.alerts.running import Hands
     from rosic.pipeline.changes import Changes
@@ -184,19 +182,6 @@ class Fleeting:
         self.watching.run()
         self._timetable.run()
         self._changed()
-
-    async def reallocate(self, robot: RobotId) -> bool:
-        """Give what a robot does for a task to another one, for whoever has seen it deviate.
-
-        Returns:
-            False if it has no task, or leaves it already.
-        """
-        fleet = self.dispatching.fleet
-        task = fleet.tasks.get(fleet.holds.get(robot, ""))
-        if task is None or task.leaving:
-            return False
-        deviated = e.Deviated(task.id, task.attempt, Why.LATE)
-        return await self.dispatching.feed(deviated, happened=True)
 
     async def close(self) -> None:
         """Nothing begins any more; what ends is noted until the record is closed."""

@@ -36,6 +36,7 @@ class Glance(msgspec.Struct, frozen=True, kw_only=True):
         battery: In percent; None when it does not say.
         place: Where it is, in m; None when it does not know.
         load: Tasks that it carried out of late.
+        declined: Tasks that it has refused, and is not asked again yet.
     """
 
     robot: RobotId
@@ -44,12 +45,13 @@ class Glance(msgspec.Struct, frozen=True, kw_only=True):
     battery: float | None = None
     place: tuple[float, float] | None = None
     load: float = 0.0
+    declined: frozenset[TaskId] = frozenset()
 
 
 def may(fleet: FleetState, task: Task, glance: Glance) -> bool:
     """Whether a robot that can carry out a task may be asked now, as far as can be seen."""
     robot = glance.robot
-    if not glance.free or robot in fleet.holds:
+    if not glance.free or robot in fleet.holds or task.id in glance.declined:
         return False
     if glance.holder is not None and glance.holder != task.author:
         return False  # somebody's time is nobody else's to spend
@@ -105,11 +107,15 @@ def by_priority(
         at_most: So many altogether, the most urgent ones.
     """
     levels: dict[int, list[Task]] = {}
-    seen: dict[tuple[object, ...], bool] = {}
+    declined, seen = refused_by_any(glances.values()), dict[tuple[object, ...], bool]()
     for key in fleet.waiting:
         task = fleet.tasks[key]
-        begins = key not in leave and (not task.until_ns or now_ns <= task.until_ns)
-        if begins and fleet.ready(task) and _anybody(fleet, task, glances, seen):
+        if key in leave or task.too_late(now_ns) or not fleet.ready(task):
+            continue
+        alike = asks_for(task, declined)
+        if alike not in seen:
+            seen[alike] = _anybody(fleet, task, glances)
+        if seen[alike]:
             levels.setdefault(task.priority, []).append(task)
     found: list[list[Task]] = []
     for priority in sorted(levels, reverse=True):
@@ -118,18 +124,25 @@ def by_priority(
     return [level for level in found if level]
 
 
-def _anybody(
-    fleet: FleetState, task: Task, glances: Mapping[RobotId, Glance],
-    seen: dict[tuple[object, ...], bool],
-) -> bool:  # fmt: skip
-    """Whether some robot may be asked now; tasks that ask for the same are looked at once."""
-    alike = (task.author, task.among, task.tried, task.need)
-    found = seen.get(alike)
-    if found is None:
-        found = seen[alike] = any(
-            robot in glances and may(fleet, task, glances[robot]) for robot in task.left
-        )
-    return found
+def _anybody(fleet: FleetState, task: Task, glances: Mapping[RobotId, Glance]) -> bool:
+    """Whether some robot may be asked now."""
+    return any(robot in glances and may(fleet, task, glances[robot]) for robot in task.left)
+
+
+def refused_by_any(glances: Iterable[Glance]) -> frozenset[TaskId]:
+    """Return every task that some robot is not asked again yet."""
+    return frozenset[TaskId]().union(*(glance.declined for glance in glances))
+
+
+def asks_for(task: Task, declined: Container[TaskId]) -> tuple[object, ...]:
+    """Return what a task asks for: those that ask for the same are looked at once.
+
+    Args:
+        task: Which.
+        declined: Tasks that some robot is not asked again yet; each of them is unlike the others.
+    """
+    own = task.id if task.id in declined else ""
+    return task.author, task.among, task.tried, task.need, own
 
 
 def nearest_idle(

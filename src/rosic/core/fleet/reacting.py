@@ -85,7 +85,7 @@ def _chosen(fleet: FleetState, task: Task, event: e.Chosen, now_ns: int) -> e.St
         and robot not in fleet.holds
         and fleet.standing(robot) is Standing.ACTIVE
         and fleet.ready(task)
-        and (not task.until_ns or now_ns <= task.until_ns)
+        and not task.too_late(now_ns)
     )
     return _begin(task, robot, now_ns) if fits else e.NOTHING
 
@@ -221,8 +221,7 @@ def _released(_fleet: FleetState, task: Task, event: e.Released, now_ns: int) ->
 
 
 def _expired(_fleet: FleetState, task: Task, _event: e.Expired, now_ns: int) -> e.Step:
-    late = task.state is State.QUEUED and task.until_ns and now_ns > task.until_ns
-    if not late:
+    if task.state is not State.QUEUED or not task.too_late(now_ns):
         return e.NOTHING
     after = replace(task, state=State.FAILED, why=Why.EXPIRED, since_ns=now_ns)
     return e.Step(tasks=(after,), doings=(e.Tell(task, after),))

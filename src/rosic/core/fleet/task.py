@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import enum
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import msgspec
 
 from rosic.core.identity import PrincipalId
 from rosic.core.robot import RobotId
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
 
 TaskId: TypeAlias = str
 """A number, as people read and type it."""
@@ -106,7 +109,7 @@ class Task(msgspec.Struct, frozen=True, kw_only=True):
         skills: Of the steps, for those who may not read what was said.
         priority: 0 to 9; higher goes first.
         given_ns: Wall clock.
-        until_ns: Wall clock; not begun later. 0 never passes.
+        until_ns: Wall clock; not begun later, but seen through once a step is done. 0 never passes.
         expected_ns: How long one step may take before the robot counts as late; 0: no matter.
         once: A step that may have been carried out is not repeated by itself.
         place: Where it is, in m, for choosing the nearest; None when nothing says so.
@@ -164,10 +167,19 @@ class Task(msgspec.Struct, frozen=True, kw_only=True):
         """Whether nothing will come of it any more."""
         return self.state in OVER
 
+    def too_late(self, now_ns: int) -> bool:
+        """Whether it may not be begun any more, wall clock."""
+        return bool(self.until_ns) and now_ns > self.until_ns and not self.done
+
     @property
     def left(self) -> tuple[RobotId, ...]:
         """Return whom it may still be given to."""
         return tuple(robot for robot in self.among if robot not in self.tried)
+
+
+def idle_first(tasks: Iterable[Task]) -> list[Task]:
+    """Return tasks that are to be held, so that none gets a robot that another has just left."""
+    return sorted(tasks, key=lambda task: task.state in HELD)
 
 
 class Standing(enum.Enum):

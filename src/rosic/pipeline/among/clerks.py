@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 LONGEST_LINE = 300
 LINES_AT_MOST = 24
+NAME_WORDS = 4
 USUAL_S = 600.0
 SHORTEST_S = 60.0
 LONGEST_S = 7 * 86_400.0
@@ -61,8 +62,7 @@ class AmongClerk:
         said = _words(asked)
         if not said:
             return self._all(asked.caller.principal)
-        robot, *rest = said
-        shown = self._seen(asked.caller.principal, robot)
+        robot, shown, rest = self._whom(asked.caller.principal, said)
         if rest and rest[-1] in {FOLLOW, UNFOLLOW}:
             return await self._follow(asked, robot, rest)
         if rest:
@@ -91,12 +91,17 @@ class AmongClerk:
         ear, where = Ear(robot, topic, "", who), Where(asked.messenger.name, asked.inbound.chat)
         post, shown = self._around.post, self._around.rights.shown(robot)
         async with self._around.changes.turn() as turn:
-            fact: Fact | None
-            fact = post.follow(ear, where) if verb == FOLLOW else post.unfollow(ear, where)
-            await turn.write(() if fact is None else (fact,))
+            facts: tuple[Fact | None, ...]
+            if verb == FOLLOW:
+                facts = (post.follow(ear, where),)
+            elif topic:
+                facts = (post.unfollow(ear, where),)
+            else:
+                facts = post.unfollow_here(robot, who, where)
+            await turn.write([fact for fact in facts if fact is not None])
         if verb == FOLLOW:
             return Reply(words.following(shown, robot, topic), about=robot)
-        return Reply(words.not_following(shown), about=robot)
+        return Reply(words.not_following(shown, topic), about=robot)
 
     # ---- help ----
 
@@ -104,7 +109,8 @@ class AmongClerk:
         """Show who asks for help, or help: ``/assist ID``, ``/assist ID cf1``, ``/assist ID done``.
 
         Raises:
-            NotUnderstood, Expired: No such request, or somebody was faster.
+            NotUnderstood: No such request, or no such robot.
+            Expired: Somebody was faster; or it was not sent just now: robots change tasks by it.
             NotPermitted: Not theirs.
             RecordUnavailable: Not written; nobody has accepted it.
         """
@@ -115,9 +121,10 @@ class AmongClerk:
         self._seen(asked.caller.principal, desk.book.find(ident).robot)
         if rest and rest[0] in DONE:
             return Reply(await desk.end(asked.caller, ident))
-        helper = rest[-1] if rest else ""
-        if helper:
-            self._seen(asked.caller.principal, helper)
+        helper = ""
+        if rest:
+            helper, _, _ = self._whom(asked.caller.principal, rest)
+        check_errand_fresh(asked.inbound, f"/assist {asked.rest}")
         return Reply(await desk.accept(asked.caller, ident, helper))
 
     def _open(self, who: PrincipalId) -> Reply:
@@ -157,8 +164,7 @@ class AmongClerk:
         said = _words(asked)
         if not said:
             raise NotUnderstood(words.how_to_adjust())
-        robot, *rest = said
-        self._seen(asked.caller.principal, robot)
+        robot, _, rest = self._whom(asked.caller.principal, said)
         strategies = self._circle.strategies
         if not rest:
             return Reply(strategies.now(robot), about=robot)
@@ -183,8 +189,7 @@ class AmongClerk:
         said, who = _words(asked), asked.caller.principal
         if not said:
             raise NotUnderstood(words.how_to_quiet())
-        robot, *rest = said
-        shown = self._seen(who, robot)
+        robot, shown, rest = self._whom(who, said)
         if not self._around.rights.operates(who, robot):
             raise NotPermitted(words.may_not_quiet(shown))
         if rest and rest[0] in OFF:
@@ -202,6 +207,18 @@ class AmongClerk:
     def _tell_others(self, robot: RobotId, who: PrincipalId, text: str) -> None:
         others = [o for o in self._around.rights.operators(robot) if o != who]
         self._around.reach.tell(others, text)
+
+    def _whom(self, who: PrincipalId, said: list[str]) -> tuple[RobotId, str, list[str]]:
+        """Return the robot that the first words call, how it is shown, and what follows.
+
+        Raises:
+            NotUnderstood: No robot that they see.
+        """
+        for used in range(min(len(said), NAME_WORDS), 0, -1):
+            profile = self._rooms.vocabulary.robot(" ".join(said[:used]))
+            if profile is not None:
+                return profile.id, self._seen(who, profile.id), said[used:]
+        raise NotUnderstood(words.no_robot(said[0][:32]))
 
     def _seen(self, who: PrincipalId, robot: RobotId) -> str:
         """Return how a robot is shown, if somebody may see it."""

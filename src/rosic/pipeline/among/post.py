@@ -114,6 +114,17 @@ class Post:
         key = key_of(ear, where)
         return Fact(kind=KIND, key=key, body=b"") if key in self._ears else None
 
+    def unfollow_here(self, robot: RobotId, who: PrincipalId, where: Where) -> tuple[Fact, ...]:
+        """Return what is to be written so that somebody reads nothing of a robot in one chat."""
+        here = where.messenger, where.chat.id, where.chat.topic
+        theirs = (key for key, e in self._by_robot.get(robot, {}).items() if e.who == who)
+        places = ((key, self._chats[key]) for key in theirs if key in self._chats)
+        return tuple(
+            Fact(kind=KIND, key=key, body=b"")
+            for key, at in places
+            if (at.messenger, at.chat.id, at.chat.topic) == here
+        )
+
     def end_all(self, who: PrincipalId) -> tuple[Fact, ...]:
         """Return what is to be written so that somebody follows nothing any more."""
         return tuple(

@@ -84,17 +84,19 @@ def following(shown: str, robot: str, topic: str) -> str:
     )  # fmt: skip
 
 
-def not_following(shown: str) -> str:
-    """Return that a chat follows no more."""
-    return said("You read no more here of what {robot} shares.", robot=shown)
+def not_following(shown: str, topic: str) -> str:
+    """Return that a chat follows no more; no topic at all, if none is given."""
+    if not topic:
+        return said("You read no more here of what {robot} shares.", robot=shown)
+    return said("You read no more here of what {robot} shares on {topic}.", robot=shown,
+                topic=topic)  # fmt: skip
 
 
 def digest_line(text: str, before: int) -> str:
     """Return one line of a digest; ``before`` came since the last one and are not shown."""
     if not before:
         return text
-    more = said_n("(and {n} before it)", "(and {n} before it)", before)
-    return joined(" ", (text, more))
+    return joined(" ", (text, said_n("(and {n} before it)", "(and {n} before it)", before)))
 
 
 def shares(shown: str, topic: str, content: bytes) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.fleet import events as e
-from rosic.core.fleet.task import Why
+from rosic.core.fleet.task import Standing, Why
 from rosic.core.saying import joined, said
 
 if TYPE_CHECKING:
@@ -50,13 +50,18 @@ class Assisting:
         """Return the task that waits because the one who asks has just failed at it."""
         fleet = self._dispatching.fleet
         waiting = (fleet.tasks[key] for key in fleet.waiting)
-        return next((t for t in waiting if t.tried[-1:] == (asker,) and helper in t.left), None)
+        lately = (task for task in waiting if task.tried[-1:] == (asker,))
+        return next((task for task in lately if self._takes_part(helper, task)), None)
+
+    def _takes_part(self, helper: RobotId, task: Task) -> bool:
+        active = self._dispatching.fleet.standing(helper) is Standing.ACTIVE
+        return active and helper in task.left
 
     async def _leave(self, robot: RobotId, helper: RobotId) -> str:
         task = self._task_of(robot)
         if task is None:
             return ""
-        takes_over = robot != helper and helper in task.left
+        takes_over = robot != helper and self._takes_part(helper, task)
         if takes_over:
             self._watching.prefer[task.id] = helper
         if task.leaving:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.fleet import events as e
-from rosic.core.fleet.task import Why
+from rosic.core.fleet.task import Standing, Why
 from rosic.errors import RobotBusy
 from rosic.pipeline.alerts import words_alerts as words
 
 if TYPE_CHECKING:
+    from rosic.core.fleet.task import Task
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
     from rosic.pipeline.fleet.dispatching import Dispatching
@@ -40,7 +41,12 @@ class RuleTasks:
         fleet = self._dispatching.fleet
         key = fleet.holds.get(robot)
         task = None if key is None else fleet.tasks[key]
-        if task is None or not await self._dispatching.feed(
+        if task is None or not self._others(task, robot) or not await self._dispatching.feed(
             e.Deviated(task.id, task.attempt, Why.LATE), happened=True
-        ):
+        ):  # fmt: skip
             raise RobotBusy(words.no_tasks(self._rooms.profiles[robot].shown))
+
+    def _others(self, task: Task, robot: RobotId) -> bool:
+        """Whether another robot might take a task, if not now; without one it would only fail."""
+        standing = self._dispatching.fleet.standing
+        return any(r != robot and standing(r) is not Standing.RETIRED for r in task.left)

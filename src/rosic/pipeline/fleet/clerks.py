@@ -237,6 +237,8 @@ class TaskClerk:
     async def _go(self, asked: Asked, task: Task) -> Reply:
         if task.state not in RESTING:
             raise NotUnderstood(words.does_not_fit(task))
+        if task.too_late(self._rooms.organiser.wall_ns()):
+            raise NotUnderstood(words.begins_no_more(task))
         check_errand_fresh(asked.inbound, f"/task go {task.id}")
         return await self._act(asked, task, e.Released(task.id), "go")
 

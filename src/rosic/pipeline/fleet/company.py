@@ -16,8 +16,9 @@ from rosic.core.fleet.task import Standing
 from rosic.core.identity import robot_command_id
 from rosic.core.language import Do
 from rosic.core.life import ENGLISH, wording_in
+from rosic.core.roles import Need
 from rosic.core.saying import in_language, joined
-from rosic.errors import NotUnderstood, Refusal
+from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_company as words
@@ -25,6 +26,7 @@ from rosic.pipeline.fleet.attempting import AwaitedLife
 from rosic.pipeline.fleet.completing import Completing, refused
 from rosic.pipeline.fleet.pact import Pact
 from rosic.pipeline.fleet.reading import step_for
+from rosic.pipeline.fleet.words_fleet import wants_a_person
 from rosic.pipeline.replies import reply_id
 from rosic.pipeline.requesting import Requesting
 from rosic.pipeline.said import Said
@@ -49,11 +51,16 @@ JOINED: Final = "+"
 
 
 class Meant(NamedTuple):
-    """Whom a command means, and what."""
+    """Whom a command means, and what.
+
+    Attributes:
+        again: All of it as it would be typed; the line alone would be for the chosen robot.
+    """
 
     name: str
     robots: tuple[RobotId, ...]
     line: str
+    again: str
 
     def typed(self, lines: Sequence[str]) -> str:
         """Return the whole command with another line."""
@@ -88,16 +95,14 @@ class CompanyClerk:
             NotUnderstood: No such group, or nothing that all of them can do.
             Refusal: Why one of them may not; none has moved.
         """
-        meant = self._meant(asked)
+        meant = self._meant(asked, "together")
         steps = [self._step(meant, robot) for robot in meant.robots]
         states = {robot: self.why_not_ready(asked, robot) for robot in meant.robots}
         if any(states.values()):
             return self._none(meant, states)
         said = self._said(asked)
         requests = self._requests(said, asked, meant, steps)
-        permits = self._rooms.organiser.admit(
-            asked.caller, requests, self._arguments_of, said.grounds
-        )
+        permits = self._admitted(asked, said, requests)
         orders = await self._prepare(asked, meant, permits, requests)
         # Agreed once it is on disk: a slow disk would make all of them too late.
         start_ns = self._clock.monotonic_ns() + TOGETHER_NS
@@ -161,33 +166,36 @@ class CompanyClerk:
         Raises:
             NotUnderstood: No such group.
         """
-        meant, said = self._meant(asked), self._said(asked)
+        meant, said = self._meant(asked, "broadcast"), self._said(asked)
         orders: list[Order] = []
         left_out: list[str] = []
+        late = False
         for robot in meant.robots:
             try:
                 orders += await self._one(asked, said, meant._replace(robots=(robot,)))
             except Refusal as refusal:
                 left_out.append(words.state(self._shown(robot), refusal.sentence))
+                late = late or isinstance(refusal, Expired)
         if orders:
             self._begin(asked, said, meant, tuple(orders))
         if not left_out:
             return Reply("")
         asked_of = words.asked_of(len(orders), len(meant.robots))
-        return Reply(joined("\n", [asked_of, *left_out]))
+        text = joined("\n", [asked_of, *left_out])
+        if late and not orders:
+            raise Expired(text, offers=(meant.again,))
+        return Reply(text)
 
     async def _one(self, asked: Asked, said: Said, meant: Meant) -> tuple[Order, ...]:
         [robot] = meant.robots
         self._rooms.linker.check_free(robot)
         requests = self._requests(said, asked, meant, [step_for(self._rooms, robot, meant.line)])
-        permits = self._rooms.organiser.admit(
-            asked.caller, requests, self._arguments_of, said.grounds
-        )
+        permits = self._admitted(asked, said, requests)
         return await self._prepare(asked, meant, permits, requests)
 
     # ---- the way of any order ----
 
-    def _meant(self, asked: Asked) -> Meant:
+    def _meant(self, asked: Asked, verb: str) -> Meant:
         """Return whom and what.
 
         Raises:
@@ -205,7 +213,8 @@ class CompanyClerk:
             robots.update(dict.fromkeys(seen))
         if not robots or not line.strip() or len(robots) > ROBOTS_AT_MOST:
             raise NotUnderstood(words.HOW_TO)
-        return Meant(name, tuple(robots), " ".join(line.split()))
+        again = f"/{verb} {asked.rest.strip()}"
+        return Meant(name, tuple(robots), " ".join(line.split()), again)
 
     def _said(self, asked: Asked) -> Said:
         now_ns = self._clock.monotonic_ns()
@@ -215,7 +224,11 @@ class CompanyClerk:
     def _requests(
         self, said: Said, asked: Asked, meant: Meant, steps: Sequence[Do]
     ) -> list[Request]:
-        """Return what is asked of each; fresh, and each with an identity of its own."""
+        """Return what is asked of each; fresh, and each with an identity of its own.
+
+        Raises:
+            Expired: With all of it on offer.
+        """
         requests: list[Request] = []
         now_ns = self._clock.monotonic_ns()
         for robot, step in zip(meant.robots, steps, strict=True):
@@ -224,8 +237,28 @@ class CompanyClerk:
                 group=meant.name,
             )  # fmt: skip
             cid = robot_command_id(asked.cid, robot)
-            requests += self._requesting.requests(said, line, cid, now_ns)
+            try:
+                requests += self._requesting.requests(said, line, cid, now_ns)
+            except Expired as late:
+                raise Expired(late.sentence, offers=(meant.again,)) from None
         return requests
+
+    def _admitted(
+        self, asked: Asked, said: Said, requests: Sequence[Request]
+    ) -> tuple[Permit, ...]:
+        """CHECKPERMISSIONS. Nobody can confirm many at once: that is asked robot by robot.
+
+        Raises:
+            Refusal: Why not; nobody has moved.
+        """
+        admit = self._rooms.organiser.admit
+        try:
+            return admit(asked.caller, requests, self._arguments_of, said.grounds)
+        except FirstNeeded as first:
+            if first.need == Need.STEP_UP.value:
+                raise
+            [skill] = [one.skill for one in requests if one.robot == first.robot]
+            raise wants_a_person(self._shown(first.robot), skill) from None
 
     def _arguments_of(self, request: Request) -> Mapping[str, Argument]:
         return self._rooms.container.complete(request).arguments

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.fleet import events as e
-from rosic.core.fleet.task import Task, Why
+from rosic.core.fleet.task import Task, Why, idle_first
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -54,7 +54,6 @@ class Deadlines:
             await self._cancel(fleet.mission(task.mission) if task.mission else (task,))
 
     async def _cancel(self, tasks: Iterable[Task]) -> None:
-        """Cancel the last first, so that none begins because another was cancelled."""
-        for task in reversed(tuple(tasks)):
+        for task in idle_first(tasks):
             if not task.over and not (task.leaving and task.why is Why.CANCELLED):
                 await self._dispatching.feed(e.Held(task.id, Why.CANCELLED), happened=True)

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, TypeAlias
 from rosic.core.fleet import events as e
 from rosic.core.fleet.reacting import react
 from rosic.core.fleet.state import FleetState
-from rosic.core.fleet.task import HELD, Why
+from rosic.core.fleet.task import HELD, OVER, RESTING, Why, idle_first
 from rosic.core.order import Ending
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
 from rosic.pipeline.fleet.attempting import Asker, attempt_id, end_after, end_of
 from rosic.pipeline.fleet.letters import Letters
 from rosic.pipeline.fleet.origins import Origins
+from rosic.pipeline.fleet.patience import Patience
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Iterable
@@ -37,9 +38,6 @@ if TYPE_CHECKING:
 
 Given: TypeAlias = "tuple[list[tuple[Task, Said]], Decided]"
 
-AGAIN_NS = 2_000_000_000
-"""A task that no robot took just now is not offered again at once."""
-
 BEHIND_S = 0.1
 
 log = logging.getLogger("rosic.fleet")
@@ -56,6 +54,7 @@ class Dispatching:
         why: What a robot or a room said last about a task that did not go on.
         rested: Whether the robot that a task left last was seen at rest.
         finished: How many steps each robot has done since the start.
+        patience: Who is not asked again yet.
         tell: Hears of a task before and after a change that people may want to know.
         changed: Called after every change: there may be something to choose.
         behind: Whether what people sent while nobody listened may still come.
@@ -72,11 +71,10 @@ class Dispatching:
         self.why: dict[TaskId, str] = {}
         self.rested: dict[TaskId, bool] = {}
         self.finished: dict[RobotId, int] = {}
+        self.patience = Patience()
         self.tell: Callable[[Task, Task], object] = _unheard
         self.changed: Callable[[], object] = _nothing
         self.behind: Callable[[], bool] = _up_to_date
-        self._again_ns: dict[TaskId, int] = {}
-        self._asked_ns: dict[RobotId, int] = {}
         self._rooms = rooms
         self._changes = changes
         self._clock = clock
@@ -148,7 +146,7 @@ class Dispatching:
 
     async def ended(self, author: PrincipalId) -> None:
         """Cancel everything that somebody wants: they are nobody any more."""
-        for task in [task for task in self.fleet.open() if task.author == author]:
+        for task in idle_first(task for task in self.fleet.open() if task.author == author):
             self.why.pop(task.id, None)
             await self._feed(e.Held(task.id, Why.CANCELLED))
 
@@ -176,6 +174,8 @@ class Dispatching:
     def _forget_attempt(self, task: Task) -> None:
         if task.state not in HELD:
             self.begun.pop(task.id, None)
+        if task.state in OVER or task.state in RESTING:
+            self.patience.forget(task.id)
 
     def _spawn(self, work: Coroutine[object, object, None]) -> None:
         task = asyncio.create_task(work)
@@ -217,7 +217,7 @@ class Dispatching:
     async def _refused(self, task: Task, refusal: Refusal) -> None:
         """An attempt was not admitted, or not claimed."""
         self.why[task.id] = refusal.sentence
-        self._not_now(task)
+        self.patience.refused(task.id, task.robot, self._clock.monotonic_ns())
         if isinstance(refusal, Unrecognised):
             await self._feed(e.Held(task.id, Why.PAUSED))
         else:
@@ -249,7 +249,7 @@ class Dispatching:
         if end is e.End.DONE:
             self.finished[robot] = self.finished.get(robot, 0) + 1
         if end is e.End.BUSY:
-            self._not_now(task)
+            self.patience.refused(task.id, robot, self._clock.monotonic_ns())
         self._spawn(self._ended(e.Ended(task.id, number, end), robot, attempt))
 
     async def _ended(self, event: e.Ended, robot: RobotId, attempt: Attempt | None) -> None:
@@ -289,20 +289,6 @@ class Dispatching:
             log.warning("what became of task %s could not be written down", event)
 
     # ---- beginning and ending ----
-
-    def not_now(self) -> tuple[frozenset[TaskId], frozenset[RobotId]]:
-        """Return the tasks that were refused just now, and the robots that did not take one.
-
-        What one robot refuses for one task it mostly refuses for the next.
-        """
-        now_ns = self._clock.monotonic_ns()
-        self._again_ns = {task: at for task, at in self._again_ns.items() if at > now_ns}
-        self._asked_ns = {robot: at for robot, at in self._asked_ns.items() if at > now_ns}
-        return frozenset(self._again_ns), frozenset(self._asked_ns)
-
-    def _not_now(self, task: Task) -> None:
-        again_ns = self._clock.monotonic_ns() + AGAIN_NS
-        self._again_ns[task.id] = self._asked_ns[task.robot] = again_ns
 
     async def settle(self, ends: Callable[[Task], e.End | None]) -> None:
         """Settle tasks that had a robot when the last run ended.

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from msgspec.structs import replace
+
 from rosic.core.fleet import events as e
+from rosic.core.message import ChatKind
 from rosic.core.record import Decided
 from rosic.errors import NotPermitted, NotUnderstood
 from rosic.pipeline.desk import Reply
@@ -18,8 +21,10 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.fleet.task import Task
     from rosic.core.identity import PrincipalId
+    from rosic.core.record import Fact
     from rosic.core.robot import RobotId
     from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.fleet.letters import Said
     from rosic.pipeline.office import Asked, Office
     from rosic.pipeline.reach import Reach
     from rosic.pipeline.rooms import Rooms
@@ -109,7 +114,7 @@ class HandoverClerk:
         tasks, now_ns = self._tasks(offer.giver), organiser.wall_ns()
         for task in tasks:
             said = letters.get(task.id)
-            again = () if said is None else (letters.fact(task.id, offer.taker, said),)
+            again = () if said is None else (self._letter(asked, task, said),)
             decided = Decided(
                 act="handover", by=offer.giver, about=task.id, at_ns=now_ns, digest=asked.cid
             )
@@ -121,6 +126,18 @@ class HandoverClerk:
         name = organiser.name_of(offer.giver)
         self._reach.tell((offer.giver,), words.accepted(asked.caller.name, len(tasks), len(robots)))
         return Reply(words.yours(name, len(tasks), len(robots)))
+
+    def _letter(self, asked: Asked, task: Task, said: Said) -> Fact:
+        """Return what was said for a task, as theirs who take it over.
+
+        What was given in private is shown to them from now on; what was given in a group, there.
+        """
+        taker, private = asked.caller.principal, self._reach.chats(asked.caller.principal)
+        if said.chat.kind is ChatKind.PRIVATE and private:
+            here = [place for place in private if place[0] is asked.messenger]
+            messenger, chat = (here or private)[0]
+            said = replace(said, messenger=messenger.name, chat=chat)
+        return self._dispatching.letters.fact(task.id, taker, said)
 
     def _tasks(self, who: PrincipalId) -> list[Task]:
         return [task for task in self._dispatching.fleet.open() if task.author == who]

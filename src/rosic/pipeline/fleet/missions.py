@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from msgspec.structs import replace
 
+from rosic.core.civil import MINUTE_NS
 from rosic.core.condition import seconds
 from rosic.core.fleet import events as e
 from rosic.core.fleet.filling import bounds, read_values, texts_of
 from rosic.core.fleet.mission import Late, Mission, lay_out
-from rosic.core.fleet.task import OVER, RESTING, Due, Need, State, Task, Why
+from rosic.core.fleet.task import OVER, RESTING, Due, Need, State, Task, Why, idle_first
 from rosic.core.language.lines import Misunderstood
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.when import read_when
@@ -127,7 +128,7 @@ class MissionClerk:
             self._tasks.check_theirs(asked, task)
         await self._dispatching.first_time(asked.cid)
         changed = 0
-        for task in tasks:
+        for task in idle_first(tasks):
             if ACTS[verb] is not None:
                 changed += await self._feed(asked, e.Held(task.id, ACTS[verb] or Why.NONE))
             elif task.state is not State.UNKNOWN:  # whether it was done is asked task by task
@@ -322,8 +323,10 @@ class MissionClerk:
         when = read_when(f"{values.rest.casefold()} 1 min", now_ns, self._zone.local)
         if isinstance(when, Misunderstood):
             raise NotUnderstood(when.sentence)
-        who = asked.caller.principal
-        plan = Plan(mission.name, who, when.start, when.rrule, now_ns, values.given)
+        who, first = asked.caller.principal, when.start
+        if when.start_ns is not None and when.start_ns <= now_ns:  # in 20 s: with the next minute
+            first = self._zone.local(when.start_ns + MINUTE_NS)
+        plan = Plan(mission.name, who, first, when.rrule, now_ns, values.given)
         at_ns = timetable.next_ns(plan)
         if at_ns is None:
             raise OutOfBounds(words.NEVER)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from rosic.organiser.zones import Zone
 
-LONGEST_LINE = 1_000
+LONGEST_LINE = 2_000
 THEN = " then "
 FULL = 100.0
 
@@ -82,7 +82,10 @@ def read_wish(text: str, now_ns: int, zone: Zone) -> Wish:
     Raises:
         OutOfBounds: A number or a time that makes no sense.
     """
-    wish = Wish(clean(text).replace("\n", " ")[:LONGEST_LINE].split())
+    line = clean(text).replace("\n", " ")
+    if len(line) > LONGEST_LINE:  # what is cut off may be what makes it safe
+        raise OutOfBounds(words.too_long(LONGEST_LINE))
+    wish = Wish(line.split())
     while (at := _last(wish.words)) is not None:
         key, said = wish.words[at].casefold(), [word.casefold() for word in wish.words[at + 1 :]]
         if not _READ[key](wish, said, now_ns, zone):
@@ -138,6 +141,10 @@ def _within(wish: Wish, said: list[str], _now_ns: int, _zone: Zone) -> bool:
 
 
 def _by(wish: Wish, said: list[str], now_ns: int, zone: Zone) -> bool:
+    seconds, used = length_said(said[1:]) if said[:1] == ["in"] else (0.0, 0)
+    if seconds > 0 and used == len(said) - 1:  # to the second: a minute may be all there is
+        wish.until_ns = now_ns + int(seconds * 1e9)
+        return True
     when = read_when(f"{' '.join(said)} 1 min", now_ns, zone.local) if said else None
     if not isinstance(when, When) or when.rrule:
         return False

@@ -184,17 +184,17 @@ class Timetable:
         if now_ns - at_ns > LATE_NS:
             self._reach.tell((plan.author,), words.slept_through(plan.mission))
             return
-        await self._begin(plan, where, at_ns)
+        await self._begin(key, plan, where, at_ns)
 
     def _is_due(self, key: str) -> bool:
         """Whether a plan is still there, and its time has come or it never comes again."""
         at_ns = self._next_ns.get(key)
         return key in self.plans and (at_ns is None or at_ns <= self._clock.wall_ns())
 
-    async def _begin(self, plan: Plan, where: Where, at_ns: int) -> None:
+    async def _begin(self, key: str, plan: Plan, where: Where, at_ns: int) -> None:
         if self.starter is None:
             return
-        cid = command_id("mission", plan.mission, plan.author, str(at_ns))
+        cid = command_id("mission", key, plan.mission, plan.author, str(at_ns))
         try:
             text = await self.starter(plan, where, cid)
         except Refusal as refusal:

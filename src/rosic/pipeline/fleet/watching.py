@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet import events as e
 from rosic.core.fleet.planning import Glance, by_priority, may
-from rosic.core.fleet.task import State, Why
+from rosic.core.fleet.task import Standing, State, Why
 from rosic.core.robot import Slots
 from rosic.errors import RecordUnavailable
 from rosic.organiser.assigning import assign, is_loaded, load
@@ -51,7 +51,7 @@ class Watching:
         self._rooms = rooms
         self._dispatching = dispatching
         self._clock = clock
-        self._unheard_ns: dict[RobotId, int] = {}
+        self._unheard: dict[RobotId, tuple[TaskId, int]] = {}
         self._watching: asyncio.Task[None] | None = None
         self._running = False
         self._planning = asyncio.Lock()
@@ -112,8 +112,8 @@ class Watching:
     def _deviates(self, robot: RobotId, task: Task) -> Why:
         now_ns = self._clock.monotonic_ns()
         if self._rooms.linker.presence(robot).online is not False:
-            self._unheard_ns.pop(robot, None)
-        elif now_ns - self._unheard_ns.setdefault(robot, now_ns) >= LOST_AFTER_NS:
+            self._unheard.pop(robot, None)
+        elif now_ns - self._unheard_since(robot, task, now_ns) >= LOST_AFTER_NS:
             return Why.LOST
         attempt = self._dispatching.begun.get(task.id)
         if task.state is not State.RUNNING or attempt is None or attempt.number != task.attempt:
@@ -121,11 +121,19 @@ class Watching:
         late = task.expected_ns and now_ns - attempt.began_ns > task.expected_ns
         return Why.LATE if late else Why.NONE
 
+    def _unheard_since(self, robot: RobotId, task: Task, now_ns: int) -> int:
+        """Return since when a robot is not heard of at this task; an earlier one does not count."""
+        of, since_ns = self._unheard.get(robot, ("", 0))
+        if of != task.id:
+            since_ns = now_ns
+            self._unheard[robot] = task.id, now_ns
+        return since_ns
+
     async def _let_expire(self) -> None:
         fleet, now_ns = self._dispatching.fleet, self._clock.wall_ns()
         for key in tuple(fleet.waiting):
             task = fleet.tasks.get(key)
-            if task is not None and task.until_ns and now_ns > task.until_ns:
+            if task is not None and task.too_late(now_ns):
                 await self._dispatching.feed(e.Expired(key), happened=True)
 
     # ---- choosing ----
@@ -141,7 +149,7 @@ class Watching:
                 return
             if not is_loaded():
                 await asyncio.to_thread(load)  # a stop does not wait for that
-            late, left_alone = self._dispatching.not_now()
+            late, left_alone = self._dispatching.patience.not_now(self._clock.monotonic_ns())
             least = self._least()
             robots = [r for r in self._rooms.profiles if r not in left_alone]
             glances = {r: self.glance(r, least) for r in robots}
@@ -162,7 +170,8 @@ class Watching:
         for key, robot in tuple(self.prefer.items()):
             task = fleet.tasks.get(key)
             waits = task is not None and (task.state is State.QUEUED or task.leaving)
-            helps = self.engaged(robot) and self._rooms.linker.presence(robot).online is not False
+            there = self._rooms.linker.presence(robot).online is not False
+            helps = there and self.engaged(robot) and fleet.standing(robot) is Standing.ACTIVE
             if task is None or not waits or not helps:
                 del self.prefer[key]
             elif key in fleet.waiting and may(fleet, task, self.glance(robot, helping=True)):
@@ -203,6 +212,7 @@ class Watching:
             battery=float(battery) if isinstance(battery, int | float) else None,
             place=_place(presence),
             load=finished.get(robot, 0) - least,
+            declined=self._dispatching.patience.declined(robot, self._clock.monotonic_ns()),
         )
 
 

@@ -47,6 +47,7 @@ _LEFT: Final = {
 }
 _REASONS: Final = {
     Why.LATE: said("it took too long for task {task}"),
+    Why.TAKEN: said("it was needed for something else"),
     Why.PAUSED: said("task {task} was paused"),
     Why.CANCELLED: said("task {task} was cancelled"),
     Why.WITHDRAWN: said("it is not to be used now"),
@@ -265,11 +266,14 @@ def over(task: Task, what: str, shown: str) -> str:
 def stands(task: Task, what: str, shown: str, why: str) -> str:
     """Return that a task waits for a person, or is over without being done."""
     parts: list[str] = [_headed(task, what, state(task))]
+    note = "" if task.why in _REASONS else why  # else it says the same once more
     cause = why_left(task.why, shown or said("its robot")) if task.why is not Why.NONE else ""
+    if note and not note.endswith("."):
+        cause, note = joined(": ", filter(None, (cause, note))), ""
     if cause and task.why not in {Why.PAUSED, Why.CANCELLED}:
         parts.append(said("Why: {cause}.", cause=cause))
-    if why:
-        parts.append(why)
+    if note:
+        parts.append(note)
     if task.steps > 1:
         parts.append(said("{done} of {steps} steps are done.", done=task.done, steps=task.steps))
     return joined(" ", parts)
@@ -285,6 +289,8 @@ def choices(task: Task) -> tuple[tuple[Button, ...], ...]:
     if task.state is State.UNKNOWN:
         again = Button(AGAIN, f"/task go {task.id}")
         return ((Button(WAS_DONE, f"/task done {task.id}"), again), (cancel,))
+    if task.why is Why.EXPIRED:
+        return ((cancel,),)
     if task.state in {State.PAUSED, State.FAILED}:
         label = GO_ON if task.state is State.PAUSED else AGAIN
         return ((Button(label, f"/task go {task.id}"), cancel),)
@@ -312,6 +318,14 @@ def does_not_fit(task: Task) -> str:
     return said("Task {task} is {state}. Nothing was changed.", task=task.id, state=state(task))
 
 
+def begins_no_more(task: Task) -> str:
+    """Return that the time is over by which a task was to be begun."""
+    return said(
+        "Task {task} was to be begun by a time that is over. Give it anew. Nothing was changed.",
+        task=task.id,
+    )
+
+
 def being_held(task: Task, shown: str) -> str:
     """Return that a task is about to be paused or cancelled."""
     return said(
@@ -328,6 +342,13 @@ def now_is(task: Task) -> str:
 def too_many_steps(most: int) -> str:
     """Return that a task has too many steps."""
     return said("A task has at most {most} steps.", most=most)
+
+
+def too_long(most: int) -> str:
+    """Return that more was said than is read."""
+    return said(
+        "A task is said in at most {most} characters. Give several. Nothing was done.", most=most
+    )
 
 
 def no_priority(least: int, most: int) -> str:

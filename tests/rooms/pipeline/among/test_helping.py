@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from rosic.core.fleet.task import State
 from rosic.core.record import Decided
 from rosic.stores.memory import MemoryStore
@@ -286,3 +288,53 @@ async def test_a_task_waits_for_whoever_helps_no_longer_than_the_help_lasts() ->
         await here.says("omni", "over", id=ident)
         await here.clock.advance(5)
         assert tasks["1"].robot == "omni"
+
+
+async def test_help_that_was_accepted_long_ago_or_unheard_takes_no_robot_off_its_task() -> None:
+    async with Fellows().open() as here:
+        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+        ident = await asked(here)
+        old_ns = here.clock.wall_ns() - 60 * 1_000_000_000
+        told = await here.say(f"/assist {ident} cf1", account=BO, chat=BO, sent_ns=old_ns)
+        assert "You sent this while I could not listen" in told
+        assert tasks.adjusted == []
+        await here.say(f"/assist {ident} cf1", account=BO, chat=BO, message="now")
+        assert tasks.adjusted == [("cf1", "omni")]
+
+
+async def test_a_robot_is_called_as_people_read_it() -> None:
+    fleet = (profile("omni"), replace(profile("rover2"), title="Rover 2"))
+    async with Fellows(fleet=fleet).open() as here:
+        tasks = here.gateway.among.circle.desk.tasks = TwoTasks()
+        ident = await asked(here)
+        assert "Rover 2 shares nothing now." in await here.say("/shared Rover 2")
+        assert "read here what Rover 2 shares on road" in await here.say(
+            "/shared rover 2 road follow"
+        )
+        assert "Rover 2 has no strategies." in await here.say("/strategy Rover 2")
+        assert "Rover 2 is silenced" in await here.say("/quiet Rover 2 5 min")
+        await here.say(f"/assist {ident} Rover 2", account=BO, chat=BO)
+        assert tasks.adjusted == [("rover2", "omni")]
+
+
+async def test_no_task_waits_for_one_that_helps_and_takes_no_part() -> None:
+    fleet = tuple(profile(name, groups=("crew",)) for name in ("omni", "cf1", "cf2"))
+    async with Warehouse(fleet=fleet).open() as here:
+        tasks = here.gateway.furnishing.fleet.dispatching.fleet.tasks
+        await here.say("/task crew wave", account=ADA, chat=ADA)
+        await here.say("/robot retire cf1", account=ADA, chat=ADA)
+        await here.clock.advance(2)
+        assert tasks["1"].robot == "omni"
+        before = len(here.chat.told)
+        ident = await asked(here)
+        offered = {
+            button.label
+            for t in list(here.chat.told)[before:]
+            for row in t.outbound.buttons
+            for button in row
+        }
+        assert offered == {"I help", "Send cf2"}
+        accepted = await here.says("cf1", "accept", id=ident)
+        assert "Task 1 leaves omni and waits for a robot." in accepted["text"]
+        await here.clock.advance(5)
+        assert tasks["1"].robot == "cf2"

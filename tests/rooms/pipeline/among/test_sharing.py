@@ -204,6 +204,23 @@ async def test_a_chat_that_follows_reads_a_digest_and_can_interrupt() -> None:
         assert await say(here, "/quiet omni", VI) == "Only who may operate omni silences it."
 
 
+async def test_who_follows_a_robot_no_more_reads_nothing_of_it_whatever_the_topic() -> None:
+    async with Fellows().open() as here:
+        for topic in ("road ", "map ", ""):
+            await say(here, f"/shared omni {topic}follow", BO)
+        told = await say(here, "/shared omni road unfollow", BO)
+        assert told == "You read no more here of what omni shares on road."
+        await say(here, "/shared omni road follow", ADA)
+        told = await say(here, "/shared omni unfollow", BO)
+        assert told == "You read no more here of what omni shares."
+        before = len(here.chat.told)
+        for topic in ("road", "map"):
+            await here.says("omni", "share", topic=topic, data=1)
+        await here.clock.advance(2 * EVERY_S)
+        assert texts(here, BO, before) == []
+        assert texts(here, ADA, before) == ["omni shares road: 1"]
+
+
 async def test_what_a_robot_shares_lies_in_its_own_container_and_goes_with_it() -> None:
     store = MemoryStore()
     async with Fellows(store).open() as here:
