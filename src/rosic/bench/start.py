@@ -22,9 +22,10 @@ from msgspec.structs import replace
 
 from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.bench.report import Case, Report, machine, quantile
+from rosic.core.common_start import TOGETHER_NS, TOO_LATE_NS, misses_start
 from rosic.core.gate import Gate
 from rosic.core.order import Ending
-from rosic.pipeline.way import TOGETHER_NS
+from rosic.errors import OrderVoid
 from rosic.robots.ros2.nodes.urgency import Urgency
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.robots.ros2.two_clocks import ahead_ns
@@ -193,6 +194,9 @@ async def _measure(file: Path, names: Sequence[str], rounds: int) -> list[Round]
             done = await asyncio.gather(*(side.go(way, start_ns) for side in sides))
             woke = await waking
             moments = began(file, before)
+            if any(side.late for side in sides):  # no start together: it counts as one so far apart
+                seen.append(Round([0, TOO_LATE_NS], [woke_ns - start_ns for woke_ns in woke]))
+                continue
             if not all(done) or set(moments) != set(names):
                 continue  # one held, as it did not hear of us for a second: a round of fewer
             robots = [moment_ns - agreed_ns for moment_ns in moments.values()]
@@ -238,12 +242,18 @@ def began(file: Path, since: int = 0) -> dict[str, int]:
 
 
 class _Side:
-    """The gateway's side of one robot."""
+    """The gateway's side of one robot.
+
+    Attributes:
+        late: It was told to go too late to begin with the others.
+    """
 
     def __init__(self, profile: Profile, clock: SystemClock) -> None:
         self.name = profile.id
+        self.late = False
         self.robot = Ros2Robot(profile, Gate(profile.id), clock)
         self._book = OrderBook(profile, clock)
+        self._clock = clock
 
     @property
     def there(self) -> bool:
@@ -254,7 +264,12 @@ class _Side:
         """Go a little, beginning when all do; tell whether it was done."""
         arguments: dict[str, Argument] = {"direction": way, "distance": STEP_M, "speed": 0.5}
         order = replace(self._book.order("move", arguments), start_ns=start_ns, cid=os.urandom(16))
-        outcome = await self.robot.execute(order, lambda _report: None)
+        self.late = False
+        try:
+            outcome = await self.robot.execute(order, lambda _report: None)
+        except OrderVoid:
+            self.late = misses_start(order, self._clock.monotonic_ns())
+            return False
         return outcome.ending is Ending.DONE
 
 

@@ -113,8 +113,6 @@ class Containers:
         permits: Sequence[Permit],
         requests: Sequence[Request],
         reply_to: letters.ReplyTo,
-        *,
-        start_ns: int | None = None,
     ) -> tuple[Order, ...]:
         """Turn permitted requests into orders and claim them: all on disk, or none exists.
 
@@ -135,7 +133,7 @@ class Containers:
             orders.append(
                 Order(
                     request.cid, request.robot, request.skill, values.arguments, n,
-                    request.deadline_ns, permit, start_ns, request.sequel, values.words,
+                    request.deadline_ns, permit, None, request.sequel, values.words,
                 )
             )  # fmt: skip
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))

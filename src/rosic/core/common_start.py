@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from msgspec.structs import replace
+
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from rosic.core.order import Order
 
+TOGETHER_NS: Final = 500_000_000
+"""Far enough ahead for all of them to have heard."""
 TOO_LATE_NS: Final = 100_000_000
 """So long after a common start a robot may still begin.
 
@@ -15,6 +21,14 @@ moment by whoever looks, and a robot at walking pace is then 10 cm behind; beyon
 begin together but one after another, which is another thing than what was asked. What is to begin
 together is sent half a second ahead, so this is no narrow bound for what travels as it should.
 """
+
+
+def begin_together(orders: Iterable[Order], now_ns: int) -> tuple[Order, ...]:
+    """Return orders that begin at one moment, soon.
+
+    Agreed once they are on disk: a slow disk would make all of them too late.
+    """
+    return tuple(replace(order, start_ns=now_ns + TOGETHER_NS) for order in orders)
 
 
 def begins_ns(order: Order, now_ns: int) -> int | None:

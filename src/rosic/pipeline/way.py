@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rosic.container.habits import Habits
 from rosic.container.letters import ReplyTo
+from rosic.core.common_start import begin_together
 from rosic.core.language import (
     Do,
     Errand,
@@ -60,8 +61,6 @@ if TYPE_CHECKING:
     from rosic.pipeline.stopping import StopLane
     from rosic.pipeline.telling import Teller
 
-# Robots commanded together start together: far enough ahead for all of them to have heard.
-TOGETHER_NS = 500_000_000
 FOLLOWED_KEPT = 10_000
 FRESH = Standing.FRESH
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
@@ -333,21 +332,20 @@ class Pipeline:
         permits = organiser.admit(said.caller, requests, self._arguments_of, said.grounds)
         if said.proven and any(organiser.wants_proof(request) for request in requests):
             self.reception.proof_used(said.caller.principal, inbound.chat)
-        start_ns = now_ns + TOGETHER_NS if len(requests) > 1 else None
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
         origin = ReplyTo(said.messenger.name, inbound.chat, reply_id(inbound), title)
         try:
             if line.group:
                 self._check_all_free(requests)
-            orders = await self._rooms.container.prepare(
-                permits, requests, origin, start_ns=start_ns
-            )
+            orders = await self._rooms.container.prepare(permits, requests, origin)
         except BaseException:
             organiser.abandon(permits)
             raise
         said.asked += line.robots
         name = line.group or line.robots[0]
         self.habits.note(said.caller.principal, inbound.chat, name, line.text)
+        if len(orders) > 1:
+            orders = begin_together(orders, self._clock.monotonic_ns())
         self._begin(said, line, orders)
 
     def _arguments_of(self, request: Request) -> Mapping[str, Argument]:

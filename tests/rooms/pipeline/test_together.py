@@ -202,3 +202,13 @@ async def test_the_moment_is_agreed_once_it_is_on_disk() -> None:
         await here.clock.advance(5.0)
         disk.place = None
         assert at_work(here) == set(NAMES), shown(here)
+
+
+async def test_so_is_that_of_a_group_that_is_asked_plainly() -> None:
+    disk = SlowDisk()
+    async with warehouse(disk).open() as here:
+        disk.place = here
+        here.chat.say("warehouse wave")
+        await here.clock.advance(5.0)
+        disk.place = None
+        assert at_work(here) == set(NAMES), shown(here)

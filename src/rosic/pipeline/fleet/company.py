@@ -9,9 +9,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from msgspec.structs import replace
-
 from rosic.container.letters import ReplyTo
+from rosic.core.common_start import begin_together
 from rosic.core.fleet.task import Standing
 from rosic.core.identity import robot_command_id
 from rosic.core.language import Do
@@ -44,8 +43,6 @@ if TYPE_CHECKING:
     from rosic.pipeline.reception import Reception
     from rosic.pipeline.rooms import Rooms
 
-TOGETHER_NS: Final = 500_000_000
-"""Far enough ahead for all of them to have heard."""
 ROBOTS_AT_MOST: Final = 200
 JOINED: Final = "+"
 
@@ -104,9 +101,7 @@ class CompanyClerk:
         requests = self._requests(said, asked, meant, steps)
         permits = self._admitted(asked, said, requests)
         orders = await self._prepare(asked, meant, permits, requests)
-        # Agreed once it is on disk: a slow disk would make all of them too late.
-        start_ns = self._clock.monotonic_ns() + TOGETHER_NS
-        orders = tuple(replace(order, start_ns=start_ns) for order in orders)
+        orders = begin_together(orders, self._clock.monotonic_ns())
         pact = Pact(self._rooms, self._hands.lives, self._clock, orders)
         self._begin(asked, said, meant, orders, pact)
         return Reply("")
