@@ -12,6 +12,7 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
 from rosic.authoriser.wordlist import WORDS
+from rosic.core.language.stopping import hears_stop
 from rosic.core.secret import Secret
 
 if TYPE_CHECKING:
@@ -42,6 +43,17 @@ def new_code(entropy: Entropy) -> Secret:
     number = int.from_bytes(entropy.token(CODE_BYTES), "big")
     symbols = "".join(ALPHABET[number >> shift & 31] for shift in range(35, -1, -5))
     return Secret(f"{symbols[:HALF]}-{symbols[HALF:]}")
+
+
+def reads_as_stop(code: Secret) -> bool:
+    """Whether handing a code in would be heard as a stop: robots would stop, nobody would be in.
+
+    One in a hundred thousand is: ``4GS5-PARA``. A stop is heard before anything else.
+    """
+    shown = code.reveal()
+    typed = shown.replace("-", " ")
+    ways = (shown, typed, join_text(code), f"/start {shown}", f"/start {typed}")
+    return any(hears_stop(said) is not None for said in ways)
 
 
 def normal(code: str) -> str | None:

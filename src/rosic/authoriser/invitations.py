@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.authoriser import words_entry as words
-from rosic.authoriser.codes import PEPPER_BYTES, digest, new_code, normal
+from rosic.authoriser.codes import PEPPER_BYTES, digest, new_code, normal, reads_as_stop
 from rosic.authoriser.invitation import Given, Invitation, Offer, State, Wanted
 from rosic.core.authority import READ, Scope
 from rosic.core.identity import OPERATOR
@@ -93,7 +93,10 @@ class Invitations:
         self._check(wanted)
         pepper = self._pepper or self._entropy.token(PEPPER_BYTES)
         code = new_code(self._entropy)
-        while (kept := digest(pepper, code.reveal().replace("-", ""))) in self._by_digest:
+        while (
+            reads_as_stop(code)
+            or (kept := digest(pepper, code.reveal().replace("-", ""))) in self._by_digest
+        ):
             code = new_code(self._entropy)
         now_ns = self._time.wall_ns()
         needs = wanted.needs_confirmation

@@ -111,8 +111,10 @@ class Newcomers:
         """Return a name that nobody has, so that an admin can say whom they mean."""
         wanted = self._invitations.name_for(invitation) or clean_name(name) or GUEST
         free, number = wanted, 1
-        waiting = {applicant.name.casefold() for applicant in self._applicants.all()}
-        while self._directory.named(free) or free.casefold() in waiting:
+        # Collected once: hundreds may be called the same, and each number is asked about.
+        taken = {applicant.name.casefold() for applicant in self._applicants.all()}
+        taken.update(person.name.casefold() for person in self._directory.people())
+        while free.casefold() in taken:
             number += 1
             free = f"{wanted} {number}"
         return free

@@ -16,6 +16,7 @@ from rosic.authoriser.codes import (
     join_text,
     new_code,
     normal,
+    reads_as_stop,
     shared_words,
     telegram_link,
 )
@@ -44,6 +45,12 @@ def test_a_code_has_forty_bits_and_no_lookalikes() -> None:
     # Every bit counts: no two of these are the same.
     single = {new_code(Bytes((1 << n).to_bytes(5, "big"))).reveal() for n in range(40)}
     assert len(single) == 40
+
+
+@pytest.mark.parametrize("code", ["4GS5-PARA", "PARA-Z5SY", "FMQC-PARA", "HA1T-HALT"])
+def test_a_code_that_is_heard_as_a_stop_is_known_as_one(code: str) -> None:
+    assert reads_as_stop(Secret(code))
+    assert not reads_as_stop(Secret("7K3M-Q0ZD"))
 
 
 def test_a_code_is_not_shown_by_accident() -> None:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import msgspec
 import pytest
 
 from rosic.authoriser.admission import Answer, Redeemed, TurnedAway
+from rosic.authoriser.codes import ALPHABET, CODE_BYTES
 from rosic.authoriser.invitation import Given, Wanted
 from rosic.core.identity import OPERATOR
 from rosic.core.record import Fact
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 from tests.rooms.authoriser.office import BO, CY, DI, Office, account
+
+if TYPE_CHECKING:
+    from rosic.contracts.entropy import Entropy
 
 DAY_S = 86_400.0
 
@@ -59,6 +65,29 @@ async def test_what_is_no_invitation_is_refused(
         with pytest.raises(OutOfBounds, match="Nothing was done"):
             office.enrolment.invitations.invite(wanted, "ada")
     assert office.enrolment.invitations.open() == ()
+
+
+class Unlucky:
+    """Draws a code that says stop in Spanish, then others."""
+
+    def __init__(self, entropy: Entropy) -> None:
+        symbols = "4GS5PARA"
+        number = sum(ALPHABET.index(s) << shift for s, shift in zip(symbols, range(35, -1, -5)))  # noqa: B905
+        self.drawn = [number.to_bytes(CODE_BYTES, "big")]
+        self._entropy = entropy
+
+    def token(self, length: int) -> bytes:
+        if length == CODE_BYTES and self.drawn:
+            return self.drawn.pop()
+        return self._entropy.token(length)
+
+
+async def test_no_code_is_heard_as_a_stop(office: Office) -> None:
+    invitations = office.enrolment.invitations
+    unlucky = invitations._entropy = Unlucky(invitations._entropy)
+    offer = invitations.invite(Wanted(given=Given(roles=("viewer",))), "ada")
+    assert not unlucky.drawn, "the code was drawn"
+    assert "PARA" not in offer.code.reveal()
 
 
 async def test_deciding_alone_changes_nothing(office: Office) -> None:
