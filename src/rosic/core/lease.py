@@ -44,6 +44,19 @@ class Lease:
         self.active += 1
         return grew
 
+    def keep(self, principal: PrincipalId, until_ns: int, now_ns: int, idle_ns: int) -> None:
+        """Let nobody else have the robot until then, though nobody uses it yet; lapses by itself.
+
+        The caller has checked that nobody else holds it.
+        """
+        self.take(principal, now_ns, idle_ns)
+        self.active -= 1
+        self.idle_since_ns = until_ns - idle_ns
+
+    def is_kept(self, until_ns: int, idle_ns: int) -> bool:
+        """Whether it was kept until then, and has not been used since."""
+        return not self.active and self.idle_since_ns == until_ns - idle_ns
+
     def settle(self, fence: int, now_ns: int) -> None:
         """One order under ``fence`` has ended."""
         if fence == self.fence and self.active:

@@ -186,6 +186,11 @@ class WaitingList:
         self._offers[robot] = made
         return made
 
+    def standing(self, robot: RobotId) -> Offer | None:
+        """Return the offer that stands, if one does."""
+        offer = self._offers.get(robot)
+        return offer if offer and self._clock.monotonic_ns() < offer.expires_ns else None
+
     def take(self, principal: PrincipalId, robot: RobotId) -> tuple[Fact, ...]:
         """Decide on somebody taking the turn that was offered to them: they wait no longer.
 

@@ -44,6 +44,8 @@ class Offering:
                 lapsed = times.waiting.lapsed()  # somebody may have taken it meanwhile
                 await turn.write([waiting.no_more() for waiting in lapsed])
             for waiting in lapsed:
+                if self._vacancy.has(waiting.principal, waiting.robot):
+                    continue  # they went ahead without a tap
                 again = Button(said("Wait again"), f"/wait {waiting.robot}")
                 given = turn_over(times.shown(waiting.robot))
                 times.reach.tell((waiting.principal,), given, ((again,),))
@@ -58,7 +60,9 @@ class Offering:
         if not queue:
             self._told.pop(robot, None)
             return None
-        if not self._vacancy.free_for(robot, queue[0]):
+        standing = waiting.standing(robot)
+        following = queue[0] if standing is None else standing.principal
+        if not self._vacancy.free_for(robot, following):
             waiting.withdraw(robot)
             self._told.pop(robot, None)
             poll_ns = times.clock.monotonic_ns() + POLL_NS
@@ -66,6 +70,7 @@ class Offering:
         made = waiting.offer(robot)
         if made is not None and made is not self._told.get(robot):
             self._told[robot] = made
+            self._vacancy.keep(made)
             self._tell(made)
         return None if made is None else made.expires_ns
 
@@ -80,7 +85,10 @@ class Offering:
         times.reach.tell((made.principal,), given, (row,), lifetime_s=seconds)
 
     async def _drop_who_has_it(self, robot: RobotId) -> None:
-        """Whoever has a robot does not wait for it any more."""
+        """Whoever has a robot, and more than the offer of it, does not wait for it any more."""
+        standing = self._times.waiting.standing(robot)
+        if standing is not None and self._vacancy.is_only_kept(standing):
+            return
         for principal in self._times.waiting.queue(robot):
             if self._vacancy.has(principal, robot):
                 await self._drop(principal, robot)

@@ -48,7 +48,7 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
         may_cancel_any: Whether somebody may cancel other people's times with a robot.
         selected: The robot or group that somebody chose in a chat; empty for none.
         zone_of: Where somebody reads times.
-        lease: A robot's lease.
+        lease: A robot's lease; it is kept for whoever's turn it is.
         ready: Whether a robot is there and not stopped.
         handover: End what a robot does, measure rest, release its lease; the string says why, as
             it stands in the outcome of an order. False: rest was not confirmed, and the robot is

@@ -115,8 +115,12 @@ class Queueing:
         if not robots:
             return Reply(words.NOT_WAITING)
         async with times.changes.turn() as turn:
+            offers = [times.waiting.standing(robot) for robot in robots]
             facts = [fact for r in robots for fact in times.waiting.leave(principal, r)]
             await turn.write(facts)
+            for offer in offers:
+                if offer is not None and offer.principal == principal:
+                    self._vacancy.give_up(offer)
         return Reply(joined("\n", (words.left_queue(times.shown(r)) for r in sorted(robots))))
 
     # ---- turns ----
@@ -132,6 +136,7 @@ class Queueing:
                 times.waiting.withdraw(robot)
                 raise RobotTaken(words.taken_meanwhile(times.shown(robot), place))
             await turn.write((*self._slot(principal, robot), *left))
+            self._vacancy.give(robot, principal)
         until = self._until(principal, robot)
         menu = Button(times.shown(robot), f"/use {robot}")
         return Reply(words.turn_taken(times.shown(robot), until), ((menu,),))

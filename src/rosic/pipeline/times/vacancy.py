@@ -9,6 +9,7 @@ from rosic.core.robot import RobotId, Slots
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.slot import Slot
+    from rosic.organiser.waiting import Offer
     from rosic.pipeline.times.parts import Times
 
 SHORTEST_TURN_S = 300
@@ -57,6 +58,30 @@ class Vacancy:
         if slot is not None:
             return slot.principal == principal
         return self.holder(robot) == principal
+
+    def keep(self, offer: Offer) -> None:
+        """Let nobody else have a robot while it is offered to somebody."""
+        now_ns = self._times.clock.monotonic_ns()
+        lease = self._times.sides.lease(offer.robot)
+        lease.keep(offer.principal, offer.expires_ns, now_ns, self._idle_ns)
+
+    def give(self, robot: RobotId, principal: PrincipalId) -> None:
+        """Let somebody have a robot as if they had just used it."""
+        now_ns = self._times.clock.monotonic_ns()
+        lease = self._times.sides.lease(robot)
+        if not lease.active:
+            lease.keep(principal, now_ns + self._idle_ns, now_ns, self._idle_ns)
+
+    def give_up(self, offer: Offer) -> None:
+        """Keep it no longer; whoever uses it goes on."""
+        if self.is_only_kept(offer):
+            self._times.sides.lease(offer.robot).release()
+
+    def is_only_kept(self, offer: Offer) -> bool:
+        """Whether somebody has a robot only because it is offered to them."""
+        lease = self._times.sides.lease(offer.robot)
+        kept = lease.is_kept(offer.expires_ns, self._idle_ns)
+        return kept and self.slot(offer.robot) is None and self.holder(offer.robot) is not None
 
     def free_for(self, robot: RobotId, principal: PrincipalId) -> bool:
         """Whether somebody could have a robot now, for a while."""

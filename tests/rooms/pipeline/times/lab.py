@@ -199,6 +199,10 @@ class Lab:
         lease = self.leases[robot]
         lease.settle(lease.fence, self.clock.monotonic_ns())
 
+    def holder(self, robot: str) -> str | None:
+        """Return who has a robot now."""
+        return self.leases[robot].holder_at(self.clock.monotonic_ns(), int(IDLE_S * 1e9))
+
     def since(self) -> float:
         """Return how many seconds after 10:00 it is."""
         return (self.clock.wall_ns() - NOW) / 1e9

@@ -156,6 +156,42 @@ async def test_a_short_gap_is_nobodys_turn() -> None:
         assert await lab.told(200) == []
 
 
+async def test_while_it_is_offered_nobody_else_has_it() -> None:
+    async with Lab().open() as lab:
+        lab.begin(ANN, "cf1")
+        await lab.say(BEN, "/wait cf1")
+        lab.end("cf1")
+        assert len(await lab.told(60)) == 1
+        assert lab.holder("cf1") == BEN
+        assert await lab.told(59.9) == []
+        assert (lab.holder("cf1"), lab.waiting.queue("cf1")) == (BEN, (BEN,))
+        await lab.told(0.1)
+        assert lab.holder("cf1") is None
+
+
+async def test_whoever_takes_it_has_it_and_not_now_frees_it_at_once() -> None:
+    async with Lab().open() as lab:
+        await lab.say(BEN, "/wait cf1")
+        await lab.say(CEM, "/wait cf1")
+        await lab.told()
+        await lab.tap_told(BEN, "Not now")
+        assert len(await lab.told()) == 1
+        assert lab.holder("cf1") == CEM
+        await lab.tap_told(CEM, "Take it")
+        await lab.told(59)
+        assert lab.holder("cf1") == CEM
+
+
+async def test_whoever_drives_without_a_tap_has_taken_it() -> None:
+    async with Lab().open() as lab:
+        await lab.say(BEN, "/wait cf1")
+        await lab.told(1)
+        lab.begin(BEN, "cf1")
+        assert await lab.told(60) == []
+        assert lab.waiting.queue("cf1") == ()
+        assert lab.holder("cf1") == BEN
+
+
 async def test_where_slots_mean_nothing_a_turn_is_a_turn_without_one() -> None:
     async with Lab().open() as lab:
         lab.begin(ANN, "cf1")
