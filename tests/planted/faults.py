@@ -66,8 +66,8 @@ FAULTS = (
     Fault(
         name="I2 expiry ignored at the robot",
         file="core/gate.py",
-        guard="if now_ns > order.deadline_ns:",
-        without="if False:",
+        guard="if now_ns > order.deadline_ns or (together and misses_start(order, now_ns)):",
+        without="if together and misses_start(order, now_ns):",
         caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
     ),
     Fault(

@@ -91,6 +91,7 @@ def look(gateway: Gateway, acts: Counter[tuple[str, str]]) -> Found:
             "their key": len(good) == (0 if revoked else 1),
             "their two rights": len(grants) == (0 if revoked else 2),
             "one set of times": len(slots) in (0, TIMES),
+            "what they gave back": not (revoked and slots),
             "their series": len({slot.series for slot in slots}) <= 1,
             "the series itself": all(calendar.series(slot.series) for slot in slots),
             "who let them in": acts["enrol", who] == 1,
@@ -103,7 +104,7 @@ def look(gateway: Gateway, acts: Counter[tuple[str, str]]) -> Found:
         }
         wrong += [f"Person {number}: {what}" for what, whole in facts.items() if not whole]
         steps = {
-            "joined": True, "booked": bool(slots), "rotated": len(keys) == 2,
+            "joined": True, "booked": bool(slots) or revoked, "rotated": len(keys) == 2,
             "locked": access.locks.locked(who), "revoked": revoked,
         }  # fmt: skip
         done |= {(step, number) for step, is_so in steps.items() if is_so}
