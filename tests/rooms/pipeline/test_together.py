@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+import pytest
+
 from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.core.common_start import misses_start
 from rosic.core.order import Ending, Outcome
@@ -194,21 +196,12 @@ class SlowDisk(MemoryStore):
         await super().write(*records)
 
 
-async def test_the_moment_is_agreed_once_it_is_on_disk() -> None:
+@pytest.mark.parametrize("command", ["/together warehouse wave", "warehouse wave"])
+async def test_the_moment_is_agreed_once_it_is_on_disk(command: str) -> None:
     disk = SlowDisk()
     async with warehouse(disk).open() as here:
         disk.place = here
-        here.chat.say("/together warehouse wave")
-        await here.clock.advance(5.0)
-        disk.place = None
-        assert at_work(here) == set(NAMES), shown(here)
-
-
-async def test_so_is_that_of_a_group_that_is_asked_plainly() -> None:
-    disk = SlowDisk()
-    async with warehouse(disk).open() as here:
-        disk.place = here
-        here.chat.say("warehouse wave")
+        here.chat.say(command)
         await here.clock.advance(5.0)
         disk.place = None
         assert at_work(here) == set(NAMES), shown(here)
