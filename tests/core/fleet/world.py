@@ -169,10 +169,10 @@ class World:
         task, machine = self.fleet.tasks[doing.task], self.robots[doing.robot]
         assert key not in self.begun, f"{key} was begun twice"
         self.begun.add(key)
-        assert doing.step not in self.steps_done.get(doing.task, ()), "a step is done again"
         if task.attempt != doing.attempt or task.state not in HELD or task.leaving:
             self.inbox.append(e.Ended(*key, e.End.BUSY))  # called back before it began
             return
+        assert doing.step not in self.steps_done.get(doing.task, ()), "a step is done again"
         if machine.holder not in {None, task.author} or machine.latched or machine.by_hand:
             self.inbox.append(e.Ended(*key, e.End.BUSY))
             return
