@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 
 from rosic.app import heap
-from rosic.app.face import face_of
-from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.gateway import Gateway, Settings
 from rosic.app.placing.people import Seed
-from rosic.app.units import compile_units
+from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.stand_in import TOKEN
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
@@ -26,14 +25,12 @@ from rosic.messengers.telegram.settings import read_settings
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import FileLatch
-from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rosic.testing.telegram import Control
 
-CLOCK = SystemClock()
 ROUND_TRIP_S = 0.06
 CHAT_PER_S, CHAT_BURST, GROUP_PER_MIN, OVERALL_PER_S = 1.0, 5, 20, 30.0
 """Telegram's published limits; the burst is not published, and the stand-in's own."""
@@ -338,16 +335,7 @@ def _gateway(place: Place, store: DatabaseStore, latch: FileLatch) -> Gateway:
             people=tuple(people),
             limit=RateLimit(burst=1e9, per_s=1e9),
         ),
-        Parts(
-            messengers=(messenger,),
-            robot_factory=lambda _kind: MemoryRobot,
-            store=store,
-            latch=latch,
-            clock=CLOCK,
-            entropy=SystemEntropy(),
-            units=compile_units(),
-            face=face_of(),
-        ),
+        parts_of(store, messenger, latch=latch),
     )
 
 

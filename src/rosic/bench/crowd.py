@@ -7,18 +7,16 @@ from itertools import count, cycle
 from time import perf_counter_ns
 from typing import TYPE_CHECKING
 
-from rosic.app.face import face_of
-from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.gateway import Gateway, Settings
 from rosic.app.placing.people import Seed
-from rosic.app.units import compile_units
 from rosic.bench.lanes import BenchMessenger
+from rosic.bench.parts import CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Busy, Link, Profile
 from rosic.core.skill import Parameter, Skill
 from rosic.robots.memory import MemoryRobot
-from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -40,7 +38,6 @@ LIVES_S = 3_600.0
 FILLED_WITHIN_S = 30.0
 LOOK_S = 0.002
 WATCHER = "watcher"
-CLOCK = SystemClock()
 
 
 class BusyRobot(MemoryRobot):
@@ -219,17 +216,7 @@ def crowded_gateway(messenger: Messenger, store: Store, latch: Latch, queued: in
         people=tuple(people),
         limit=RateLimit(burst=1e9, per_s=1e9),
     )
-    parts = Parts(
-        messengers=(messenger,),
-        robot_factory=lambda _kind: BusyRobot,
-        store=store,
-        latch=latch,
-        clock=CLOCK,
-        entropy=SystemEntropy(),
-        units=compile_units(),
-        face=face_of(),
-    )
-    return Gateway(settings, parts)
+    return Gateway(settings, parts_of(store, messenger, robot=BusyRobot, latch=latch))
 
 
 def _profile(name: RobotId, queued: int) -> Profile:

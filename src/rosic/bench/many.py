@@ -20,13 +20,12 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app import heap, loop
-from rosic.app.face import face_of
-from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.gateway import Gateway, Settings
 from rosic.app.placing.people import Seed
-from rosic.app.units import compile_units
 from rosic.bench.fed import FedRobot, Feed, Frames, read_wish
 from rosic.bench.feeding import Sent, robot_name
 from rosic.bench.lanes import BenchMessenger
+from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.turns import COMMANDS, SETTLING_S, STOPS, take_turns
 from rosic.core.alert_rule import Alert
 from rosic.core.identity import Address
@@ -34,9 +33,7 @@ from rosic.core.message import Chat, Inbound
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Busy, Link, Profile, Telemetry
 from rosic.core.skill import Parameter, Skill
-from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
-from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterable
@@ -45,7 +42,6 @@ if TYPE_CHECKING:
     from rosic.core.message import Outbound
     from rosic.core.robot import RobotId
 
-CLOCK = SystemClock()
 IDS = count(1)
 SAID = count()
 STARTING_S = 60.0
@@ -346,12 +342,7 @@ def gateway_over(robots: int, people: int, messenger: BenchMessenger) -> Gateway
         limit=RateLimit(burst=1e9, per_s=1e9),
         lease_idle_s=0.0,
     )
-    parts = Parts(
-        messengers=(messenger,), robot_factory=lambda _kind: FedRobot, store=MemoryStore(),
-        latch=MemoryLatch(), clock=CLOCK, entropy=SystemEntropy(), units=compile_units(),
-        face=face_of(),
-    )  # fmt: skip
-    return Gateway(settings, parts)
+    return Gateway(settings, parts_of(MemoryStore(), messenger, robot=FedRobot))
 
 
 def profile_of(number: int) -> Profile:

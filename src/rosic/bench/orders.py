@@ -17,12 +17,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from rosic.app import heap
-from rosic.app.face import face_of
-from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.gateway import Gateway, Settings
 from rosic.app.placing.people import Seed
-from rosic.app.units import compile_units
 from rosic.bench import places
 from rosic.bench.lanes import BenchMessenger, Lane, Sending, lanes_of
+from rosic.bench.parts import CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
 from rosic.core.robot import Busy, Link, Profile
@@ -31,12 +30,11 @@ from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
-from rosic.system import SystemClock, SystemEntropy
+from rosic.system import SystemClock
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-    from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.store import Latch, Store
 
 ROBOTS = 50
@@ -159,13 +157,7 @@ def _texts(robot: int, load: Load) -> Iterator[str]:
     return cycle([f"{skill} 0.5 m forward" for skill in skills])
 
 
-CLOCK = SystemClock()
-
-
 def _gateway(load: Load, messenger: BenchMessenger, store: Store, latch: Latch) -> Gateway:
-    def factory(_kind: str) -> RobotFactory:
-        return MemoryRobot
-
     settings = Settings(
         profiles=tuple(_profile(robot, load) for robot in range(ROBOTS)),
         people=tuple(
@@ -176,17 +168,7 @@ def _gateway(load: Load, messenger: BenchMessenger, store: Store, latch: Latch) 
         limit=RateLimit(burst=1e9, per_s=1e9),
         lease_idle_s=0.0,
     )
-    parts = Parts(
-        messengers=(messenger,),
-        robot_factory=factory,
-        store=store,
-        latch=latch,
-        clock=CLOCK,
-        entropy=SystemEntropy(),
-        units=compile_units(),
-        face=face_of(),
-    )
-    return Gateway(settings, parts)
+    return Gateway(settings, parts_of(store, messenger, latch=latch))
 
 
 def _role(person: int, load: Load) -> str:

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from rosic.app.face import face_of
-from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.units import compile_units
+from rosic.app.gateway import Gateway, Settings
+from rosic.bench.parts import CLOCK, parts_of
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
 from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
 from rosic.core.robot import Link, Profile
@@ -19,9 +18,6 @@ from rosic.core.roles import DEFAULT_ROLES, Grant, Role, Rulebook
 from rosic.core.skill import Parameter, Skill
 from rosic.core.slot import Slot
 from rosic.organiser.roster import fact_of
-from rosic.robots.memory import MemoryRobot
-from rosic.stores.latch import MemoryLatch
-from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,7 +25,6 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
     from rosic.core.record import Record
 
-CLOCK = SystemClock()
 HOUR_NS = 3_600_000_000_000
 SHARED = 256  # records that are written together
 
@@ -114,17 +109,7 @@ def gateway_over(size: Size, store: Store) -> Gateway:
         ),
         rulebook=rulebook_of(size.roles),
     )
-    parts = Parts(
-        messengers=(),
-        robot_factory=lambda _kind: MemoryRobot,
-        store=store,
-        latch=MemoryLatch(),
-        clock=CLOCK,
-        entropy=SystemEntropy(),
-        units=compile_units(),
-        face=face_of(),
-    )
-    return Gateway(settings, parts)
+    return Gateway(settings, parts_of(store))
 
 
 async def fill(store: Store, size: Size) -> None:

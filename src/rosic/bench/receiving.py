@@ -17,10 +17,9 @@ from telegram import Bot, Update
 from telegram.ext import Application, MessageHandler, filters
 
 from rosic.app import heap
-from rosic.app.face import face_of
-from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.gateway import Gateway, Settings
 from rosic.app.placing.people import Seed
-from rosic.app.units import compile_units
+from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.report import quantile
 from rosic.bench.stand_in import TOKEN
 from rosic.core.identity import Address
@@ -33,9 +32,7 @@ from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.settings import read_settings
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
-from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
-from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
@@ -46,7 +43,6 @@ if TYPE_CHECKING:
     from rosic.testing.telegram import Control
 
 T = TypeVar("T")
-CLOCK = SystemClock()
 PEOPLE = 200
 BLOCK = 50
 FIRST = 100
@@ -288,14 +284,5 @@ def _gateway(messenger: TelegramMessenger, store: Store) -> Gateway:
             limit=RateLimit(burst=1e9, per_s=1e9),
             lease_idle_s=0.0,
         ),
-        Parts(
-            messengers=(messenger,),
-            robot_factory=lambda _kind: Watched,
-            store=store,
-            latch=MemoryLatch(),
-            clock=CLOCK,
-            entropy=SystemEntropy(),
-            units=compile_units(),
-            face=face_of(),
-        ),
+        parts_of(store, messenger, robot=Watched),
     )

@@ -10,7 +10,8 @@ from time import perf_counter_ns
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.app import loop
-from rosic.bench.places import CLOCK, HOUR_NS, LARGE, Size, fill, gateway_over
+from rosic.bench.parts import CLOCK
+from rosic.bench.places import HOUR_NS, LARGE, Size, fill, gateway_over
 from rosic.bench.report import Case, quantile
 from rosic.core.roles import Grant
 from rosic.organiser.roster import fact_of

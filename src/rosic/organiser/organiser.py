@@ -375,8 +375,8 @@ class Organiser:
 
     def yielded(self, robot: RobotId, principal: PrincipalId) -> None:
         """Let somebody have a robot that was given up for them, until they use it or it idles."""
-        self._leases[robot].take(principal, self._clock.monotonic_ns(), self._idle_ns)
-        self._leases[robot].settle(self._leases[robot].fence, self._clock.monotonic_ns())
+        now_ns, idle_ns = self._clock.monotonic_ns(), self._idle_ns
+        self._leases[robot].keep(principal, now_ns + idle_ns, now_ns, idle_ns)
 
     def held_by(self, principal: PrincipalId) -> tuple[RobotId, ...]:
         """Return every robot that somebody has now."""
