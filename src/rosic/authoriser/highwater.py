@@ -62,23 +62,21 @@ class HighWater:
         self.behind = False
         self.when_behind: Callable[[bool], object] = bool
         self._machine_ns = clock.wall_ns
-        self._highest_ns = clock.wall_ns()
-        self._seen_ns = clock.monotonic_ns()
+        # By how much the highest time seen is ahead of the monotonic clock.
+        self._ahead_ns = clock.wall_ns() - clock.monotonic_ns()
         self._written_ns = 0
 
     def wall_ns(self) -> int:
         """Return Unix time in nanoseconds; never less than before."""
-        now_ns, wall_ns = self.monotonic_ns(), self._machine_ns()
-        passed_ns = now_ns - self._seen_ns
-        self._seen_ns = now_ns
-        highest_ns = self._highest_ns + passed_ns if passed_ns > 0 else self._highest_ns
-        if wall_ns > highest_ns:  # noqa: PLR1730 - asked twice for each order
-            highest_ns = wall_ns
-        self._highest_ns = highest_ns
-        if (highest_ns - wall_ns > BEHIND_NS) is not self.behind:
+        now_ns = self.monotonic_ns()
+        ahead_ns = self._machine_ns() - now_ns
+        lost_ns = self._ahead_ns - ahead_ns
+        if lost_ns <= 0:
+            self._ahead_ns = ahead_ns
+        if (lost_ns > BEHIND_NS) is not self.behind:
             self.behind = not self.behind
             self.when_behind(self.behind)
-        return highest_ns
+        return now_ns + self._ahead_ns
 
     def behind_s(self) -> float:
         """Return by how many seconds the machine's clock is behind the highest time seen."""
@@ -107,7 +105,7 @@ class HighWater:
         except msgspec.MsgspecError:
             _log.warning("the highest time seen cannot be read; the machine's clock counts")
             return
-        now_ns = self.wall_ns()
-        self._highest_ns = mark.wall_ns if mark.accepted else max(now_ns, mark.wall_ns)
+        highest_ns = mark.wall_ns if mark.accepted else max(self.wall_ns(), mark.wall_ns)
+        self._ahead_ns = highest_ns - self.monotonic_ns()
         self._written_ns = mark.wall_ns
         self.wall_ns()
