@@ -9,7 +9,7 @@ import pytest
 
 from rosic.robots.simulated.machines.activity import CannotDo, State
 from rosic.robots.simulated.machines.separation import APART_M
-from tests.robots.machines.test_swarm import DistantTrio, Trio
+from tests.robots.machines.test_swarm import DatedTrio, DistantTrio, Trio
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -88,6 +88,38 @@ def test_it_keeps_its_distance_and_bearing_while_the_leader_moves(
     assert detail(follower) == "followed cf1, 1.20 m behind it at the end"
     assert follower.holding, "it hovers there"
     assert trio.nearest_m >= APART_M
+
+
+@pytest.mark.parametrize("make", [Trio, lambda: DatedTrio(0.1)])
+def test_an_order_that_the_leader_has_just_ended_is_not_the_one_it_is_followed_in(
+    make: Callable[[], Trio],
+) -> None:
+    """For a moment its last word is still of that order; words of it may be on their way, too."""
+    trio = make()
+    leader, follower, _ = flying(trio)
+    leader.begin("goto", {"x_m": -2.0, "y_m": 1.3}, trio.now_s)
+    trio.to_ends()
+    heard = follower.swarm.last("cf1")
+    assert heard is not None
+    assert heard.busy, "what the follower knows is old"
+    follower.begin("follow", {"leader": "cf1", "distance_m": GAP_M}, trio.now_s)
+    trio.run(1.0)
+    assert state(follower) is State.RUNNING
+    leader.begin("goto", {"x_m": 2.5, "y_m": 1.0}, trio.now_s)
+    trio.to_ends()
+    assert leader.flight.x_m == pytest.approx(2.5, abs=0.02)
+    assert gap_m(leader, follower) == pytest.approx(GAP_M, abs=0.02)
+
+
+def test_one_that_comes_later_follows_in_the_order_under_way() -> None:
+    trio = DatedTrio(0.1)
+    leader, follower, _ = flying(trio)
+    leader.begin("goto", {"x_m": 2.5, "y_m": 1.0}, trio.now_s)
+    trio.run(2.0)
+    follower.begin("follow", {"leader": "cf1", "distance_m": GAP_M}, trio.now_s)
+    trio.to_ends(limit_s=20.0)
+    assert state(follower) is State.DONE
+    assert gap_m(leader, follower) == pytest.approx(GAP_M, abs=0.02)
 
 
 def test_it_turns_with_the_leader_and_stays_clear_of_it_and_of_others() -> None:

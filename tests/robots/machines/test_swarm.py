@@ -90,10 +90,21 @@ class DistantTrio(Trio):
             _, sighting = self.on_the_way.popleft()
             for drone in self.drones:
                 if drone.id != sighting.robot:
-                    drone.swarm.hear(sighting._replace(time_s=self.now_s))
+                    drone.swarm.hear(self.dated(sighting))
         for drone in self.drones:
             drone.step(self.now_s)
         self.nearest_m = min(self.nearest_m, nearest_m(self.drones))
+
+    def dated(self, sighting: Sighting) -> Sighting:
+        """Without clocks that agree, what is heard counts as said just now."""
+        return sighting._replace(time_s=self.now_s)
+
+
+class DatedTrio(DistantTrio):
+    """The same with clocks that agree, as over the topic: known is when something was said."""
+
+    def dated(self, sighting: Sighting) -> Sighting:
+        return sighting
 
 
 def test_a_show_in_step_and_in_formation() -> None:

@@ -66,11 +66,18 @@ class Chase:
             return said("{leader} goes nowhere, hovering", leader=self.leader)
         return ""
 
-    def ended(self) -> bool:
-        """Whether the leader did something, and does nothing any more."""
+    def ended(self, begun_s: float) -> bool:
+        """Whether the leader did something after the follower began, and does nothing any more.
+
+        By its last word, one that has just ended an order is busy until it speaks again. What it
+        said before the follower began is not of what it is followed in.
+        """
         seen = self._swarm.last(self.leader)
-        before, self._busy = self._busy, self._busy or (seen is not None and seen.busy)
-        return before and seen is not None and not seen.busy
+        if seen is None:
+            return False
+        if seen.busy and seen.time_s > begun_s:
+            self._busy = True
+        return self._busy and not seen.busy
 
     def fly(self, robot: str, flight: Flight, now_s: Callable[[], float]) -> Iterator[Place]:
         """Lead a flight behind the leader, then to rest there; yield where it is to be.
@@ -85,7 +92,7 @@ class Chase:
                 why = self.why_over(robot, now_s() - begun_s)
                 if why:  # asked first: a leader that was stopped has ended what it did as well
                     raise Failed(why)
-                if self.ended():
+                if self.ended(begun_s):
                     break
                 place = flight.goal = self.place(now_s())
                 flight.goal_velocity = self._velocity()

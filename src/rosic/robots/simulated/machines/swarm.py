@@ -15,7 +15,7 @@ class Sighting(NamedTuple):
     """What a drone says of itself, 20 times a second while it flies, and when it has landed.
 
     Attributes:
-        time_s: When it was heard, on the clock of whoever hears it.
+        time_s: When it was said, on the clock of whoever hears it.
         goal_x_m, goal_y_m: Where it is going, or stays.
         flying: Motors on.
         vx_m_s, vy_m_s: Where it is heading.
