@@ -12,17 +12,19 @@ from msgspec.structs import replace
 
 from rosic.core.order import Ending, Outcome, Stop
 from rosic.errors import OrderVoid, RobotOffline, RobotUnreachable
+from rosic.robots.ros2.parameters import SET_PARAMETERS
 from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
 from tests.pace import patience
-from tests.real.ros2.simulated import Simulated, opened, shipped, simulated, until
+from tests.real.ros2.simulated import Simulated, opened, set_fault, shipped, simulated, until
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
     from pathlib import Path
 
+    from rosic.core.order import Report
     from rosic.core.robot import Profile
     from rosic.core.skill import Argument
     from rosic.robots.ros2.messages import Values
@@ -140,6 +142,32 @@ async def test_a_robot_that_falls_silent_is_stopped_by_its_own_watchdog(clock: S
         rest = await robot.fall_silent(order, lambda _report: None)
         assert rest.confirmed
         assert 0.3 < rest.seconds < 1.5 * patience(), "the watchdog of this robot takes 0.5 s"
+
+
+async def test_a_measuring_of_the_watchdog_that_is_called_off_ends_at_rest(
+    omni: Simulated, clock: SystemClock, odometry: Latest
+) -> None:
+    """Its last word is of before it began to move, and nothing but a stop ends it."""
+    types, domain = TypeRegistry([SET_PARAMETERS]), omni.graph.domain_id
+    async with await RosRuntime.open(types, node_name="saboteur", domain_id=domain) as saboteur:
+        await set_fault(saboteur, "omni", "watchdog_s", 0.0)
+        try:
+            async with opened(shipped("omni"), clock) as robot:
+                await until(lambda: robot.presence().at_rest is True)
+                order = robot.order(
+                    "drive", {"linear": -0.2, "lateral": 0.0, "angular": 0.0, "duration": 2.0}
+                )
+
+                def call_off(_report: Report) -> None:
+                    measuring.cancel()  # as soon as the first velocity is out
+
+                measuring = asyncio.create_task(robot.fall_silent(order, call_off))
+                with pytest.raises(asyncio.CancelledError):
+                    await measuring
+                await odometry.newer(odometry.received + 10, timeout_s=30)
+                assert await stands(odometry)
+        finally:
+            await set_fault(saboteur, "omni", "watchdog_s", 0.5)
 
 
 async def test_a_stop_is_confirmed_only_at_rest(clock: SystemClock, odometry: Latest) -> None:

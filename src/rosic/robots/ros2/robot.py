@@ -224,10 +224,12 @@ class Ros2Robot:
         if not isinstance(carrier, ByTopic):
             raise ConfigurationError(f"{order.skill.id} of {self.profile.id} streams nothing.")
         errand = self._errand = Errand(order, tell, self._side(), self._patience_s(order))
+        resting = Resting(confirmed=False, seconds=0.0)
         try:
             resting = await carrier.fall_silent(errand)
         finally:
-            if errand.left and not self._measured.at_rest():
+            # Called off early, its last word may be of before it began to move: that is no rest.
+            if errand.left and not (resting.confirmed and self._measured.at_rest()):
                 await _to_the_end(asyncio.create_task(self._to_rest()))
             self._errand = None
         return Rest(self.profile.id, resting.confirmed, resting.seconds)
