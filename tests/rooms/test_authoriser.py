@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.authoriser.authoriser import Authoriser
+from rosic.authoriser.authoriser import TIMES_KEPT, Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.core.identity import Address, AuthorisationKey, Principal
 from rosic.core.message import Chat, Inbound
@@ -99,6 +99,18 @@ def test_the_time_to_authenticate_is_measured() -> None:
     for _ in range(3):
         desk.authoriser.identify(inbound())
     assert len(desk.authoriser.times_to_authenticate_s()) == 3
+
+
+def test_the_newest_times_to_authenticate_are_kept_oldest_first() -> None:
+    desk = Desk()
+    ticks = iter(range(10_000_000))
+    desk.clock.monotonic_ns = lambda: next(ticks) ** 2  # type: ignore[method-assign]
+    for _ in range(TIMES_KEPT + 2):
+        desk.authoriser.identify(inbound())
+    times_s = desk.authoriser.times_to_authenticate_s()
+    assert len(times_s) == TIMES_KEPT
+    assert times_s[0] == 9e-9, "the first two are forgotten: from 4 to 5 ticks, squared"
+    assert list(times_s) == sorted(times_s)
 
 
 def test_who_was_recognised_in_a_chat() -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from array import array
 from base64 import urlsafe_b64encode
-from collections import OrderedDict, deque
+from collections import OrderedDict
 from hashlib import blake2b
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -63,7 +64,8 @@ class Authoriser:
         self._clock = clock
         self._entropy = entropy
         self._sessions: OrderedDict[tuple[str, str, str], Session] = OrderedDict()
-        self._times_ns: deque[int] = deque(maxlen=TIMES_KEPT)
+        self._times_ns = array("q", bytes(8 * TIMES_KEPT))
+        self._timed = 0
 
     def identify(self, inbound: Inbound) -> Caller:
         """Return who sent this, in this conversation.
@@ -84,7 +86,9 @@ class Authoriser:
         if ends_ns is not None and self.wall_ns() >= ends_ns:
             self.count("key-expired")
             raise Unrecognised(ENDED)
-        self._times_ns.append(self._clock.monotonic_ns() - started_ns)
+        timed = self._timed
+        self._times_ns[timed % TIMES_KEPT] = self._clock.monotonic_ns() - started_ns
+        self._timed = timed + 1
         return session.caller
 
     def _authenticate(self, inbound: Inbound) -> Session:
@@ -159,7 +163,9 @@ class Authoriser:
 
     def times_to_authenticate_s(self) -> tuple[float, ...]:
         """Return the newest measured times in seconds, oldest first."""
-        return tuple(ns / 1e9 for ns in self._times_ns)
+        first = max(0, self._timed - TIMES_KEPT)
+        kept = range(first, self._timed)
+        return tuple(self._times_ns[at % TIMES_KEPT] / 1e9 for at in kept)
 
 
 def _expires(key: AuthorisationKey) -> int | None:

@@ -7,6 +7,7 @@ no task for a message that is under way: as many as are ready are handed over on
 from __future__ import annotations
 
 import asyncio
+from array import array
 from collections import deque
 from itertools import count, cycle
 from time import perf_counter_ns
@@ -156,7 +157,7 @@ class Sending:
         self._people = cycle([address_of(person) for person in range(people)])
         self._numbers = count(1)
         self._wall_ns = wall_ns
-        self._times: list[int] = []
+        self._times = array("q")
         self._ready: deque[Slot] = deque()
         self._idle: list[asyncio.Future[None]] = []
         self._over: asyncio.Future[None] | None = None
@@ -170,7 +171,7 @@ class Sending:
         Raises:
             AssertionError: An order was not done: there is no result.
         """
-        self._orders, self._times, self._under_way = orders, [], len(lanes)
+        self._orders, self._times, self._under_way = orders, array("q"), len(lanes)
         self._over = asyncio.get_running_loop().create_future()
         began_ns = perf_counter_ns()
         for lane in lanes:
@@ -182,7 +183,7 @@ class Sending:
             hand.add_done_callback(self._see)
         try:
             await self._over
-            return self._times, (perf_counter_ns() - began_ns) / 1e9
+            return self._times.tolist(), (perf_counter_ns() - began_ns) / 1e9
         finally:
             for hand in hands:
                 hand.cancel()

@@ -184,11 +184,18 @@ class Containers:
                 self._unwritten.popitem(last=False)
 
     def conclude(
-        self, order: Order, outcome: Outcome, words: str, then: Callable[[], None]
+        self, order: Order, outcome: Outcome, words: str, at_ns: int, then: Callable[[], None]
     ) -> None:
-        """Write an outcome down; then, whether it is on disk or cannot be, call ``then``."""
+        """Write an outcome down; then, whether it is on disk or cannot be, call ``then``.
+
+        Args:
+            order: Which ended.
+            outcome: How.
+            words: How that reads.
+            at_ns: When, wall clock.
+            then: What may be done from then on.
+        """
         letter = Letter(order.permit.principal, words.encode("utf-8", "replace"))
-        at_ns = self._clock.wall_ns()
         self._store.keep(
             Concluded(cid=order.cid, ending=_NAMED[outcome.ending], at_ns=at_ns, letter=letter),
             then,

@@ -15,7 +15,7 @@ from rosic.core.skill import Argument, Skill
 FOREVER_NS: Final = 2**63 - 1
 
 
-class Spoken(msgspec.Struct, frozen=True, gc=False):
+class Spoken(msgspec.Struct, frozen=True, gc=False, cache_hash=True):
     """One value as it was said: ``50 cm``, ``force=20``, ``left``.
 
     Attributes:

@@ -6,16 +6,17 @@ from collections import OrderedDict
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.contracts.messenger import Messenger
+from rosic.core.identity import PrincipalId
 from rosic.core.message import Chat
 
 if TYPE_CHECKING:
-    from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
     from rosic.organiser.organiser import Organiser
 
 CHATS_AT_MOST = 8
 
 Ear: TypeAlias = tuple[Messenger, Chat]
+_Spoken: TypeAlias = tuple[Messenger, Chat, PrincipalId]
 
 
 class Audience:
@@ -23,7 +24,7 @@ class Audience:
 
     def __init__(self, organiser: Organiser) -> None:
         self._organiser = organiser
-        self._chats: dict[RobotId, OrderedDict[tuple[str, str], tuple[Ear, PrincipalId]]] = {}
+        self._chats: dict[RobotId, OrderedDict[tuple[str, str], _Spoken]] = {}
 
     def note(self, robot: RobotId, messenger: Messenger, chat: Chat, who: PrincipalId) -> None:
         """Remember that somebody spoke to a robot from a chat."""
@@ -31,7 +32,7 @@ class Audience:
         if chats is None:
             chats = self._chats[robot] = OrderedDict()
         where = (messenger.name, chat.id)
-        chats[where] = ((messenger, chat), who)
+        chats[where] = (messenger, chat, who)
         chats.move_to_end(where)
         if len(chats) > CHATS_AT_MOST:
             chats.popitem(last=False)
@@ -40,13 +41,13 @@ class Audience:
         """Tell a chat nothing more: we were put out of it, or they left who had spoken there."""
         where = (messenger, chat)
         for chats in self._chats.values():
-            if where in chats and who in (None, chats[where][1]):
+            if where in chats and who in (None, chats[where][2]):
                 del chats[where]
 
     def of(self, robot: RobotId) -> tuple[Ear, ...]:
         """Return the chats to tell, leaving out people who may not see the robot any more."""
         return tuple(
-            ear
-            for ear, who in self._chats.get(robot, OrderedDict()).values()
+            (messenger, chat)
+            for messenger, chat, who in self._chats.get(robot, OrderedDict()).values()
             if robot in self._organiser.visible(who)
         )

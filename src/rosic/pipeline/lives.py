@@ -93,7 +93,7 @@ class Server:
 
     Attributes:
         wake: Set while it waits.
-        life: Whose turn it is; begun as soon as it has been relayed.
+        life: Whose turn it is; begun as soon as it has been relayed. None: nobody's.
         relaying: It waits for the robot.
         cut_off: Why the order at the robot is being cut off, if it is.
         rested: Set when an order that is being cut off has come to rest.
@@ -102,7 +102,7 @@ class Server:
     __slots__ = ("cut_off", "life", "relaying", "rested", "task", "wake")
 
     def __init__(self, life: OrderLife) -> None:
-        self.life = life
+        self.life: OrderLife | None = life
         self.relaying = False
         self.cut_off: str = SHUT_DOWN
         self.rested: asyncio.Event | None = None
@@ -171,18 +171,16 @@ class Lives:
         server = self._servers.get(life.order.robot)
         if server is None:
             server = self._servers[life.order.robot] = Server(life)
-            server.task = asyncio.create_task(self._serve(server))
+            server.task = asyncio.create_task(self._serve(server, life.order.robot))
             return
         server.life = life
         if server.wake is not None:
             server.wake.set_result(None)
 
-    async def _serve(self, server: Server) -> None:
+    async def _serve(self, server: Server, robot: RobotId) -> None:
         """Relay one order after another; a robot that is free costs nothing but this task."""
         loop, linker = asyncio.get_running_loop(), self._linker
-        robot = server.life.order.robot
-        while True:
-            life = server.life
+        while (life := server.life) is not None:
             if self._closing:
                 life.void(OrderVoid(NEVER_BEGUN))
                 return
@@ -192,7 +190,7 @@ class Lives:
             server.relaying = True
             if self.watch is not None:
                 self.watch.began(life.order)
-            outcome = await self._relay(server)
+            outcome = await self._relay(server, life)
             server.relaying = False
             if server.rested is not None:
                 server.rested.set()
@@ -201,16 +199,17 @@ class Lives:
                 await asyncio.sleep(0)  # a row of refusals, after a stop, holds nobody else up
             waiting = linker.next(robot)
             if waiting is None:
+                server.life = life = None  # what is over is not kept until the next begins
                 server.wake = loop.create_future()
                 await server.wake
                 server.wake = None
             else:
                 assert isinstance(waiting, OrderLife)  # noqa: S101 - nothing else is put there
                 server.life = waiting
+                del waiting
 
-    async def _relay(self, server: Server) -> Outcome:
+    async def _relay(self, server: Server, life: OrderLife) -> Outcome:
         """RELAYCOMMAND: return what the robot did, whatever happens."""
-        life = server.life
         order = life.order
         try:
             try:
@@ -249,9 +248,10 @@ class Lives:
             self.after(life.order.robot)
         if self.watch is not None and life.begun:
             self.watch.ended(life.order, outcome)
-        life.words = life.shown.wording(outcome, self.wall_ns())
+        at_ns = self.wall_ns()
+        life.words = life.shown.wording(outcome, at_ns)
         life.card.ending = True
-        self._container.conclude(life.order, outcome, life.words, life.concluded)
+        self._container.conclude(life.order, outcome, life.words, at_ns, life.concluded)
 
     def shown_in(self, where: tuple[str, str], message: str) -> tuple[RobotId, ...]:
         """Return the robots whose orders, under way or waiting, one message of a chat shows."""
@@ -268,7 +268,9 @@ class Lives:
         """Keep the order that each robot had last, from now on; return where it is found."""
         if self._newest is None:
             self._newest = {
-                robot: server.life for robot, server in self._servers.items() if server.relaying
+                robot: server.life
+                for robot, server in self._servers.items()
+                if server.relaying and server.life is not None
             }
         return self._newest
 
@@ -330,8 +332,10 @@ class Lives:
         self._over = asyncio.Event()
         self._linker.clear(NEVER_BEGUN)
         for server in self._servers.values():
-            if server.task is not None and (server.life.begun or self._idle(server)):
-                server.task.cancel()  # cut off before its first step it would never take one
+            # Cut off before its first step it would never take one.
+            begun = server.life.begun if server.life is not None else self._idle(server)
+            if server.task is not None and begun:
+                server.task.cancel()
         if self._under_way:
             await self._over.wait()
 

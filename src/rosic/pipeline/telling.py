@@ -157,8 +157,10 @@ class Teller:
                 except Exception:
                     log.exception("not told: a fault of the messenger")
                     await self._speak_again(item)
+                del item  # or it would lie about until something else is said here
             voice.wake = loop.create_future()
             await voice.wake
+            voice.wake = None
 
     async def _wait_for_turn(self, voice: Voice, turn: Turn) -> None:
         """Wait until the most important thing in a chat may be said, for as long as it takes."""
@@ -371,7 +373,7 @@ class Teller:
     def quiet(self) -> bool:
         """Whether everything has been said."""
         speaking = any(
-            voice.items or (voice.wake is not None and voice.wake.done()) or voice.wake is None
+            voice.items or voice.wake is None or voice.wake.done()
             for voice in self._voices.values()
             if voice.task is not None
         )

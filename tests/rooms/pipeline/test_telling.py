@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from rosic.core.order import Report, Stage
 from rosic.pipeline.cards import Card
+from rosic.pipeline.lives import OrderLife
 from rosic.robots.memory import DONE, MemoryRobot
 from tests.rooms.pipeline.place import Place, edited, line_by_line
 
@@ -84,13 +85,23 @@ async def test_a_life_that_is_over_lies_nowhere_until_the_next_tick() -> None:
     """Orders that waited their turn had progress to show; once told they were kept for 2 s."""
     async with Place().open() as place:
         gc.collect()
-        before = cards()
+        before = alive(Card)
         for _ in range(20):
             told = await place.say("omni move 1 m\nomni move 1 m\nomni move 1 m")
             assert "done" in told
         gc.collect()
-        assert cards() - before < 5, "told, and still kept"
+        assert alive(Card) - before < 5, "told, and still kept"
 
 
-def cards() -> int:
-    return sum(isinstance(found, Card) for found in gc.get_objects())
+async def test_whoever_falls_silent_keeps_nothing_of_the_last_order() -> None:
+    """The tasks that wait for more named it still: a few kilobytes for each chat and robot."""
+    async with Place().open() as place:
+        gc.collect()
+        before = alive(Card), alive(OrderLife)
+        for _ in range(2):
+            assert "done" in await place.say("omni move 1 m")
+        assert (alive(Card), alive(OrderLife)) == before
+
+
+def alive(kind: type) -> int:
+    return sum(isinstance(found, kind) for found in gc.get_objects())

@@ -11,6 +11,34 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
 
 
+class _Robot:
+    """What is known of one robot.
+
+    Attributes:
+        held: It has a task.
+        ordered: An order that needs it for itself is with it.
+        since_ns: Since when it has been at work, or has not.
+        worked_ns: For how long it had been at work before.
+    """
+
+    __slots__ = ("held", "ordered", "since_ns", "worked_ns")
+
+    def __init__(self, since_ns: int) -> None:
+        self.held = self.ordered = False
+        self.since_ns = since_ns
+        self.worked_ns = 0
+
+    @property
+    def works(self) -> bool:
+        """Whether it is at work now."""
+        return self.held or self.ordered
+
+    def rests(self, now_ns: int) -> None:
+        """Hear that it is at work no more."""
+        self.worked_ns += now_ns - self.since_ns
+        self.since_ns = now_ns
+
+
 class Usage:
     """Counts time at work; a `Watcher` of orders.
 
@@ -26,10 +54,7 @@ class Usage:
         self._now_ns = monotonic_ns
         self._begun_ns = monotonic_ns()
         self._held: set[RobotId] = set()
-        self._ordered: set[RobotId] = set()
-        self._since_ns: dict[RobotId, int] = {}
-        self._worked_ns: dict[RobotId, int] = {}
-        self._idle_since_ns: dict[RobotId, int] = {}
+        self._robots: dict[RobotId, _Robot] = {}
 
     # ---- what is heard ----
 
@@ -37,52 +62,60 @@ class Usage:
         """Hear who has a task now."""
         now_ns, before = self._now_ns(), self._held
         self._held = set(held)
-        for robot in self._held - before:
-            self._since_ns.setdefault(robot, now_ns)
-        for robot in before - self._held:
-            if robot not in self._ordered:
-                self._rests(robot, now_ns)
+        for name in self._held - before:
+            robot = self._known(name)
+            if not robot.works:
+                robot.since_ns = now_ns
+            robot.held = True
+        for name in before - self._held:
+            robot = self._robots[name]
+            robot.held = False
+            if not robot.ordered:
+                robot.rests(now_ns)
 
     def began(self, order: Order) -> None:
         """Hear that an order is handed to its robot."""
         if order.skill.actuates:
-            self._ordered.add(order.robot)
-            if order.robot not in self._since_ns:
-                self._since_ns[order.robot] = self._now_ns()
+            robot = self._robots.get(order.robot) or self._known(order.robot)
+            if not (robot.held or robot.ordered):
+                robot.since_ns = self._now_ns()
+            robot.ordered = True
 
     def ended(self, order: Order, outcome: Outcome) -> None:  # noqa: ARG002 - however it ended
         """Hear that it is over."""
-        robot = order.robot
-        if robot in self._ordered:
-            self._ordered.discard(robot)
-            if robot not in self._held:
-                self._rests(robot, self._now_ns())
+        robot = self._robots.get(order.robot)
+        if robot is not None and robot.ordered:
+            robot.ordered = False
+            if not robot.held:
+                robot.rests(self._now_ns())
 
-    def _rests(self, robot: RobotId, now_ns: int) -> None:
-        worked_ns = now_ns - self._since_ns.pop(robot)
-        self._worked_ns[robot] = self._worked_ns.get(robot, 0) + worked_ns
-        self._idle_since_ns[robot] = now_ns
+    def _known(self, name: RobotId) -> _Robot:
+        robot = self._robots.get(name)
+        if robot is None:
+            robot = self._robots[name] = _Robot(self._begun_ns)
+        return robot
 
     # ---- what is asked ----
 
-    def works(self, robot: RobotId) -> bool:
+    def works(self, name: RobotId) -> bool:
         """Return whether a robot is at work now."""
-        return robot in self._since_ns
+        robot = self._robots.get(name)
+        return robot is not None and robot.works
 
-    def share(self, robots: Collection[RobotId]) -> float:
+    def share(self, names: Collection[RobotId]) -> float:
         """Return which share of their time some robots were at work, 0 to 1."""
         now_ns = self._now_ns()
-        whole_ns = (now_ns - self._begun_ns) * len(robots)
-        worked_ns = sum(self._worked(robot, now_ns) for robot in robots)
+        whole_ns = (now_ns - self._begun_ns) * len(names)
+        worked_ns = sum(self._worked_ns(name, now_ns) for name in names)
         return worked_ns / whole_ns if whole_ns > 0 else 0.0
 
-    def _worked(self, robot: RobotId, now_ns: int) -> int:
-        began_ns = self._since_ns.get(robot, now_ns)
-        return self._worked_ns.get(robot, 0) + now_ns - began_ns
-
-    def idle_s(self, robot: RobotId) -> int:
-        """Return for how long a robot has not been at work; 0 while it is."""
-        if robot in self._since_ns:
+    def _worked_ns(self, name: RobotId, now_ns: int) -> int:
+        robot = self._robots.get(name)
+        if robot is None:
             return 0
-        since_ns = self._idle_since_ns.get(robot, self._begun_ns)
-        return (self._now_ns() - since_ns) // 1_000_000_000
+        return robot.worked_ns + (now_ns - robot.since_ns if robot.works else 0)
+
+    def idle_s(self, name: RobotId) -> int:
+        """Return for how long a robot has not been at work; 0 while it is."""
+        robot = self._robots.get(name) or _Robot(self._begun_ns)
+        return 0 if robot.works else (self._now_ns() - robot.since_ns) // 1_000_000_000
