@@ -34,7 +34,10 @@ no host names, no traces. ``code`` never changes; tests, logs and docs use it.
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 
 class RosicError(Exception):
@@ -104,15 +107,25 @@ class FirstNeeded(Refusal):
         need: ``confirmation``, ``step-up`` or ``second person``.
         robot: Of which robot.
         text: The command, to be given again then.
+        arguments: What it means, SI.
     """
 
     code = "first-needed"
 
-    def __init__(self, sentence: str, *, need: str, robot: str, text: str) -> None:
+    def __init__(
+        self,
+        sentence: str,
+        *,
+        need: str,
+        robot: str,
+        text: str,
+        arguments: Mapping[str, float | int | str] | None = None,
+    ) -> None:
         super().__init__(sentence)
         self.need = need
         self.robot = robot
         self.text = text
+        self.arguments = arguments
 
 
 class TakeOver(Refusal):

@@ -37,6 +37,7 @@ from rosic.core.roles import Need
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
+    from rosic.core.rights import Rights
     from rosic.core.robot import RobotId
     from rosic.core.roles import Grant
     from rosic.core.slot import Slot
@@ -213,13 +214,25 @@ def _outstanding(care: tuple[Need, ...], state: State, ask: Ask) -> tuple[Need, 
 
 
 def _seconded(state: State, ask: Ask) -> bool:
-    """Whether somebody else who may do the same has agreed. Nobody agrees with themselves."""
+    """Whether somebody else who may do just that has agreed. Nobody agrees with themselves."""
     second = state.second
     return (
         second is not None
         and second != ask.principal
         and second not in state.locked
-        and state.rights.holds(second, ask.robot, ask.skill, state.now_ns)
+        and may_agree(state.rights, second, ask, state.now_ns)
+    )
+
+
+def may_agree(rights: Rights, second: PrincipalId, ask: Ask, now_ns: int) -> bool:
+    """Whether what somebody asks for is within a right of another person, limits and all.
+
+    While the arguments are not known yet, any right to the skill does.
+    """
+    return any(
+        now_ns < holding.until_ns
+        and (ask.arguments is None or broken_limit(way.limits, ask.arguments) is None)
+        for way, holding in rights.ways(second, ask.robot, ask.skill)
     )
 
 

@@ -113,7 +113,13 @@ class Refusing:
                 what=what.capitalize(),
                 shown=shown,
             )
-        return FirstNeeded(sentence, need=first.value, robot=allowed.ask.robot, text=text)
+        return FirstNeeded(
+            sentence,
+            need=first.value,
+            robot=allowed.ask.robot,
+            text=text,
+            arguments=allowed.ask.arguments,
+        )
 
     def take_over(self, allowed: Allowed) -> TakeOver:
         """Return whom the person may take the robot over from."""
@@ -209,7 +215,7 @@ class Refusing:
 
     def _over_limit(self, denied: Denied) -> Refusal:
         limit = denied.limit
-        within = _bound(limit.said) if limit is not None else said("a limit")
+        within = bound_of(limit.said) if limit is not None else said("a limit")
         what, shown = _spoken(denied.ask.skill), self._shown(denied.ask.robot)
         return OutOfBounds(
             said(
@@ -280,7 +286,7 @@ def _petition(denied: Denied) -> str:
     return f"/ask {denied.ask.robot} {_spoken(denied.ask.skill)}" if denied.who else ""
 
 
-def _bound(limit: str) -> str:
+def bound_of(limit: str) -> str:
     """Return a limit without the skills it is for: whoever reads it has just named one."""
     head, _, bound = limit.partition(" ")
     return bound if ":" in head else limit

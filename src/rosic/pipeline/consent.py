@@ -7,12 +7,16 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.core.asking import Ask, Code, Denied
+from rosic.core.decision import may_agree
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.language.suggestions import OR
 from rosic.core.message import Button
-from rosic.core.roles import Need
+from rosic.core.roles import ASSURANCES, Assurance, Need
 from rosic.core.saying import joined, said
 from rosic.errors import Expired, FirstNeeded, NotPermitted
+from rosic.organiser.grounds import Grounds
+from rosic.organiser.refusing import ANY_CHANNEL, bound_of
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 
@@ -30,18 +34,22 @@ ASKED_AT_MOST = 1_000
 PEOPLE_ASKED = 5
 ID_BYTES = 6
 SECONDED = "@"
+# What keeps somebody from having a robot now, and not from agreeing that another moves it.
+_NOT_THEIRS_NOW = frozenset(
+    {Code.ROBOT_STOPPED, Code.SLOT_NEEDED, Code.SLOT_TAKEN, Code.ROBOT_TAKEN}
+)
 
 
 class Request(msgspec.Struct):
     """One thing that wants a second person.
 
     Attributes:
+        ask: What it is, with its arguments.
         second: Who agreed.
     """
 
     caller: Caller
-    robot: str
-    skill: str
+    ask: Ask
     text: str
     until_ns: int
     second: PrincipalId | None = None
@@ -79,15 +87,19 @@ class Consent:
         return Reply(needed.sentence)
 
     def _ask_others(self, caller: Caller, skill: str, needed: FirstNeeded) -> str:
-        others = self._others(caller.principal, needed.robot, skill)
+        ask = Ask(
+            principal=caller.principal, key=caller.key, robot=needed.robot, skill=skill,
+            arguments=needed.arguments,
+        )  # fmt: skip
+        others = self._others(ask)
         if not others:
             return said(
-                "{needed} Nobody else here may do that, so nobody can agree.",
+                "{needed} Nobody else here may do exactly that, so nobody can agree.",
                 needed=needed.sentence,
             )
         number = f"s{self._entropy.token(ID_BYTES).hex()}"
         until_ns = self._clock.monotonic_ns() + int(ASKED_FOR_S * 1e9)
-        self._requests[number] = Request(caller, needed.robot, skill, needed.text, until_ns)
+        self._requests[number] = Request(caller, ask, needed.text, until_ns)
         if len(self._requests) > ASKED_AT_MOST:
             self._requests.popitem(last=False)
         told = self._reach.tell(
@@ -114,14 +126,15 @@ class Consent:
             names=names,
         )
 
-    def _others(self, principal: PrincipalId, robot: str, skill: str) -> tuple[PrincipalId, ...]:
+    def _others(self, ask: Ask) -> tuple[PrincipalId, ...]:
         organiser = self._organiser
+        rights, now_ns = organiser.rights, organiser.wall_ns()
         able = [
             who
-            for who in organiser.rights.people()
-            if who != principal
+            for who in rights.people()
+            if who != ask.principal
             and who not in organiser.locked
-            and organiser.allows(who, robot, skill)
+            and may_agree(rights, who, ask, now_ns)
         ]
         return tuple(able[:PEOPLE_ASKED])
 
@@ -134,14 +147,13 @@ class Consent:
 
         Raises:
             Expired: It was settled, or waited too long.
-            NotPermitted: They asked for it themselves, or may not do it.
+            NotPermitted: They asked for it themselves, or may not do exactly that.
         """
         request = self._open(asked.rest.strip())
         who = asked.caller.principal
         if who == request.caller.principal:
             raise NotPermitted(said("Somebody else has to agree."))
-        if not self._organiser.allows(who, request.robot, request.skill):
-            raise NotPermitted(said("Only somebody who may do that can agree to it."))
+        self._check_may(asked, request)
         request.second = who
         command = f"{CONFIRMED}{SECONDED}{asked.rest.strip()} {request.text}"
         name = self._organiser.name_of(who)
@@ -151,6 +163,21 @@ class Consent:
             _do_it(command),
         )
         return Reply(said("{name} is told that you agree.", name=request.caller.name))
+
+    def _check_may(self, asked: Asked, request: Request) -> None:
+        """See that somebody may do themselves what they agree to, by their key and in this chat.
+
+        Raises:
+            NotPermitted: They may not; says what is in the way.
+        """
+        ask = request.ask
+        worth = ASSURANCES.get(asked.messenger.assurance, Assurance.PROVIDER_READABLE)
+        grounds = Grounds(channel=worth)
+        decision = self._organiser.decision(
+            asked.caller, ask.robot, ask.skill, ask.arguments, grounds
+        )
+        if isinstance(decision, Denied) and decision.code not in _NOT_THEIRS_NOW:
+            raise NotPermitted(_why_not(decision, request.text))
 
     async def decline(self, asked: Asked) -> Reply:
         """Somebody does not agree.
@@ -189,6 +216,23 @@ class Consent:
             raise Expired(said("That was agreed to for something else. Nothing was done."))
         del self._requests[number]
         return text, request.second
+
+
+def _why_not(denied: Denied, text: str) -> str:
+    """Return why somebody cannot agree to a command."""
+    if denied.limit is not None:
+        return said(
+            "You cannot agree to {text}: for you it is allowed with {within}.",
+            text=text,
+            within=bound_of(denied.limit.said),
+        )
+    if denied.channel is not None:
+        return said(
+            "You cannot agree to {text} in this chat: it needs {wanted}.",
+            text=text,
+            wanted=ANY_CHANNEL.get(denied.channel, said("a better protected chat")),
+        )
+    return said("Only somebody who may do that can agree to it.")
 
 
 def _do_it(command: str) -> tuple[tuple[Button, ...], ...]:

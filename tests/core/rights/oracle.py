@@ -140,6 +140,9 @@ def judge(w: Data, c: Data) -> Data:  # noqa: C901, PLR0911, PLR0912, PLR0915 - 
             return "slot-needed"
         if not all(beats(rank_, other) for other in others):
             return "slot-taken" if owner in others and not beats(rank_, owner) else "robot-taken"
-    agreed = c["second"] not in (None, me, *c["locked"]) and live(c["second"], skill)
+    theirs = live(c["second"], skill) if c["second"] not in (None, me, *c["locked"]) else []
+    if said is not None:
+        theirs = [way for way in theirs if all(low <= said[n] <= high for n, low, high in way[3])]
+    agreed = theirs != []
     done = {"confirm": c["confirmed"], "step_up": c["stepped_up"], "second_person": agreed}
     return [n for n in done if any(i[n] for i in care) and not done[n]], others, rank_

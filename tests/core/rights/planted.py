@@ -101,8 +101,15 @@ FAULTS = (
     Fault(
         name="the second person needs no right of their own",
         file="core/decision.py",
-        guard="        and state.rights.holds(second, ask.robot, ask.skill, state.now_ns)\n",
+        guard="        and may_agree(state.rights, second, ask, state.now_ns)\n",
         without="",
+        caught_by=AGREES,
+    ),
+    Fault(
+        name="the second person's own limits are not asked",
+        file="core/decision.py",
+        guard="and (ask.arguments is None or broken_limit(way.limits, ask.arguments) is None)",
+        without="and True",
         caught_by=AGREES,
     ),
     Fault(

@@ -14,7 +14,7 @@ import msgspec
 
 from rosic.app.documents.profiles import known_units
 from rosic.app.placing.access import Access
-from rosic.app.placing.authority import Authority
+from rosic.app.placing.authority import Authority, key_of
 from rosic.app.placing.people import remember
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
@@ -119,6 +119,7 @@ class Hall:
             limit=RateLimit(),
             lease_idle_s=30.0,
         )
+        self.organiser.key_of = partial(key_of, self.authoriser)
         vocabulary = Vocabulary.build(FLEET, known_units())
         containers = Containers(vocabulary, self.store, self.clock, {})
         self.teller = Teller(containers, self.clock)
