@@ -18,7 +18,7 @@ from rosic.app.placing.enlisted import with_enlisted
 from rosic.app.placing.enlisting import Enlisting, Ways
 from rosic.app.placing.fellows import fellowship_of
 from rosic.app.placing.furnishing import Furnishing
-from rosic.app.placing.gates import robots_of, stops_of
+from rosic.app.placing.gates import board_of, robots_of
 from rosic.app.placing.gathering import gathering_of
 from rosic.app.placing.holding import Holding
 from rosic.app.placing.minding import Minder
@@ -36,7 +36,6 @@ from rosic.container.words_container import SETTINGS_DAMAGED
 from rosic.contracts.messenger import settle_with
 from rosic.core.language import Vocabulary, inert_text
 from rosic.core.message import Outbound
-from rosic.core.stopboard import StopBoard
 from rosic.errors import ConfigurationError
 from rosic.linker.linker import Linker
 from rosic.organiser.organiser import Organiser
@@ -145,7 +144,7 @@ class Gateway:
     async def _compose(self, memory: Memory, vocabulary: Vocabulary) -> None:
         parts, settings = self._parts, self._settings
         profiles = self.profiles = {profile.id: profile for profile in settings.profiles}
-        board = StopBoard(profiles, stops_of(parts.latch.read(), memory.generations))
+        board = board_of(profiles, parts.latch.read(), memory)
         numbers = {robot: memory.numbers.get(robot, (0, 0)) for robot in profiles}
         self.robots = robots_of(parts, profiles, numbers, board)
         time = HighWater(parts.clock)
@@ -160,7 +159,7 @@ class Gateway:
         self.access = Access(
             authoriser, authority, parts.store, time, parts.entropy, place=settings.place
         )
-        self.access.restore(memory, organiser)
+        self.access.restore(memory, organiser, board)
         organiser.name_of = lambda principal: inert_words(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
         container = Containers(

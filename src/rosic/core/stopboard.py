@@ -61,6 +61,14 @@ class StopBoard(dict["RobotId", Stopped]):
         if entry.generation == generation:
             entry.latched = False
 
+    def not_later(self, now_ns: int) -> None:
+        """Let no stop lie ahead: the clock was set back, and that is the right time.
+
+        Whatever is received from now on would otherwise count as older than those stops.
+        """
+        for entry in self.values():
+            entry.at_ns = min(entry.at_ns, now_ns)
+
     def newest(self) -> tuple[int, PrincipalId]:
         """Return a number that grows with every stop of any robot, and whose the last one was."""
         last = max(self.values(), key=lambda entry: entry.at_ns, default=None)

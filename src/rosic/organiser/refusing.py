@@ -236,10 +236,11 @@ class Refusing:
         shown = self._shown(robot)
         if stopped.by:
             sentence = said(
-                "{shown} is stopped, by {name}. It stays stopped until someone who may resumes "
-                "it. Nothing was done.",
+                "{shown} is stopped, by {name}, since {when}. It stays stopped until someone who "
+                "may resumes it. Nothing was done.",
                 shown=shown,
                 name=self._organiser.name_of(stopped.by),
+                when=self._organiser.moment(denied.ask.principal, stopped.at_ns),
             )
         else:
             sentence = said(

@@ -8,7 +8,15 @@ from rosic.core import words
 from rosic.core.authority import RESUME
 from rosic.core.identity import Caller, CommandId, robot_command_id
 from rosic.core.saying import joined, said
-from rosic.errors import Expired, Fault, NotUnderstood, RecordUnavailable, RobotStopped
+from rosic.errors import (
+    Expired,
+    Fault,
+    NotUnderstood,
+    RecordUnavailable,
+    RobotStopped,
+    TimeInDoubt,
+)
+from rosic.organiser.refusing import CLOCK_SET_BACK
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -51,6 +59,7 @@ class Resuming:
             NotUnderstood: Several are stopped, and it was not said which.
             Expired: It is backlog, too old, or was received before the stop it would undo: stops
                 overtake, so an older resume can arrive after a younger stop (I5).
+            TimeInDoubt: By the clock of this computer it came before the stop: that was set back.
             Repeated, RecordUnavailable, RobotStopped: Robots not resumed so far stay stopped.
         """
         caller, inbound = asked.caller, asked.inbound
@@ -98,6 +107,8 @@ class Resuming:
         stopped_ns = self._board[robot].at_ns
         # A platform may give whole seconds: within one, the order of receiving decides.
         if inbound.received_ns <= stopped_ns or inbound.sent_ns + SECOND_NS < stopped_ns:
+            if self._organiser.in_doubt:
+                raise TimeInDoubt(CLOCK_SET_BACK)
             shown = self._linker.profile(robot).shown
             raise Expired(
                 said("{shown} was stopped after you sent this. It stays stopped.", shown=shown),

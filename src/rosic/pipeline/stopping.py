@@ -14,6 +14,7 @@ from rosic.core.record import Stopped
 from rosic.core.saying import in_language, joined, said
 from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
 from rosic.pipeline.languages import Languages
+from rosic.pipeline.stopped_by import stopped_by
 
 if TYPE_CHECKING:
     from collections.abc import Coroutine
@@ -116,7 +117,8 @@ class StopLane:
                     at_ns=at_ns,
                 )
                 for robot in robots
-            )
+            ),
+            *(stopped_by(robot, self._board) for robot in robots),
         )  # fmt: skip
 
     async def _answer(

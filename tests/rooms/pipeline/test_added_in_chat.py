@@ -146,6 +146,20 @@ async def test_whoever_may_add_no_robot_gives_none_a_role() -> None:
         assert said.startswith("Only somebody who may assign tasks and give rights here")
 
 
+async def test_whoever_gives_rights_for_a_while_only_gives_no_robot_a_role_for_good() -> None:
+    async with Alone().open() as place:
+        await place.say("/grant Bo admin for 1h")
+        await send(place, account=BO)
+        said = await place.say("/robot add rover.yaml as fellow", account=BO, chat=BO)
+        assert said == (
+            "A robot keeps its role for good, and your own right to give rights ends. Add it "
+            "without a role, or let an admin without an end add it. Nothing was changed."
+        )
+        before = len(place.chat.told)
+        await place.say("/robot add rover.yaml", account=BO, chat=BO)
+        assert "Add Rover 3, as rover?" in await heard(place, before, "Add Rover 3")
+
+
 async def say_sent(place: Place) -> str:
     """Send the rover, tap, and return what is asked."""
     await send(place)

@@ -13,6 +13,7 @@ from rosic.core.asking import Allowed
 from rosic.core.robot import Slots
 from rosic.core.roles import Grant
 from rosic.organiser.refusing import CLOCK_SET_BACK
+from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
 from tests.rooms.pipeline.place import ADA, BO, STRANGER, Place
@@ -174,6 +175,21 @@ async def test_nothing_new_moves_while_the_clock_is_set_back() -> None:
         await place.say("resume omni", account=BO, chat=BO)
         await place.say("omni wave", account=BO, chat=BO)
         assert place.acted() == 3, "it has caught up"
+
+
+async def test_what_was_stopped_before_the_clock_was_set_back_can_be_resumed() -> None:
+    store, latch, clock = MemoryStore(), MemoryLatch(), ManualClock()
+    async with Place(store, latch, clock=clock).open() as place:
+        await place.say("stop omni")
+        await clock.advance(100)
+        clock.jump_wall(-DAY_S)
+        assert (await place.say("resume omni")).startswith(CLOCK_SET_BACK)
+    async with Place(store, latch, clock=clock).open() as place:
+        assert (await place.say("resume omni")).startswith(CLOCK_SET_BACK)
+        await OperatorDesk(books_of(place.gateway, "UTC")).do(Ask(Verb.CLOCK, ("accept",)))
+        assert await place.say("resume omni") == "omni is ready again."
+        await place.say("omni wave")
+        assert place.acted() == 1
 
 
 async def test_the_admins_hear_of_it_once_and_the_owner_lets_things_move() -> None:

@@ -8,11 +8,12 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.message import ChatKind, Standing
-from rosic.core.record import Claimed
+from rosic.core.record import Claimed, Fact
 from rosic.core.robot import Busy
 from rosic.errors import StoreFault
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
+from rosic.testing.clock import ManualClock
 from tests.rooms.pipeline.place import BO, VI, BrokenStore, Place, SlowStore, profile
 
 if TYPE_CHECKING:
@@ -56,7 +57,9 @@ async def test_after_a_stop_nothing_moves_until_somebody_who_may_resumes() -> No
     async with Place().open() as place:
         await place.say("stop")
         told = await place.say("omni move 1 m")
-        assert told.startswith("omni is stopped, by Ada. It stays stopped until someone who may")
+        assert told.startswith(
+            "omni is stopped, by Ada, since 22:13. It stays stopped until someone who may"
+        )
         refused = await place.say("resume omni", account=VI, chat="3")
         assert refused.startswith('Resume needs the right "operator" on omni.')
         assert place.robot("omni").gate.latched
@@ -146,11 +149,42 @@ async def test_a_stop_survives_a_restart() -> None:
         await place.say("stop omni")
     async with Place(store, latch).open() as place:
         told = await place.say("omni move 1 m")
-        assert told.startswith("omni is stopped.")
+        assert told.startswith("omni is stopped, by Ada, since")
         assert place.acted() == 0
         await place.say("resume omni")
         await place.say("omni move 1 m")
         assert place.acted() == 1
+
+
+async def test_whose_a_stop_was_and_since_when_survives_a_restart() -> None:
+    store, latch, clock = MemoryStore(), MemoryLatch(), ManualClock()
+    async with Place(store, latch, clock=clock).open() as place:
+        await place.say("stop omni", account=BO, chat=BO)
+        before = await place.say("omni wave")
+        assert before.startswith("omni is stopped, by Bo, since 22:13.")
+        await place.say("stop kuka1", account=BO, chat=BO)
+        place.gateway.rooms.linker.hold("kuka1")  # nobody's: its last order may have done anything
+        await place.gateway.rooms.linker.hold_for_good("kuka1", 2)
+    await clock.advance(3_600)
+    async with Place(store, latch, clock=clock).open() as place:
+        assert await place.say("omni wave") == before
+        told = await place.say("kuka1 wave")
+        assert told.startswith("kuka1 is stopped. It stays stopped")
+        await place.say("stop omni")
+        told = await place.say("omni wave")
+        assert told.startswith("omni is stopped, by Ada, since 23:13.")
+
+
+async def test_what_cannot_be_read_of_a_stop_leaves_it_nobodys() -> None:
+    store, latch = MemoryStore(), MemoryLatch()
+    async with Place(store, latch).open() as place:
+        await place.say("stop omni")
+    store = MemoryStore()
+    await store.open()
+    await store.write(Fact(kind="stopped-by", key="omni", body=b"?"))
+    await store.write(Fact(kind="stopped-by", key="gone", body=b""))
+    async with Place(store, latch).open() as place:
+        assert (await place.say("omni wave")).startswith("omni is stopped. It stays")
 
 
 async def test_a_stop_that_only_the_stop_file_knows_survives_a_restart() -> None:

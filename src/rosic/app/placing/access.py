@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
     from rosic.core.record import Fact, Memory
+    from rosic.core.stopboard import StopBoard
     from rosic.organiser.calendar import Calendar
     from rosic.organiser.organiser import Organiser
 
@@ -75,11 +76,13 @@ class Access:
         self._authoriser = authoriser
         self._authority = authority
         self._calendar: Calendar | None = None
+        self._board: StopBoard | None = None
         authoriser.wall_ns = time.wall_ns
         authoriser.ends_of = self.keys.ends_ns
 
-    def restore(self, memory: Memory, organiser: Organiser) -> None:
+    def restore(self, memory: Memory, organiser: Organiser, board: StopBoard | None = None) -> None:
         """Take over what earlier runs wrote, and say who keeps what from now on."""
+        self._board = board
         authority, changes = self._authority, self.changes
         self.time.when_behind = partial(self._set_back, organiser)
         keepers = {
@@ -116,11 +119,18 @@ class Access:
         organiser.locked = self.locks.everybody()
         organiser.locked_out = lambda _principal: self.tally.count("locked")
         organiser.narrow = self._authoriser.directory.narrowed
+        self._right_stops()
 
     def _set_back(self, organiser: Organiser, behind: bool) -> None:
         organiser.in_doubt = behind
+        if not behind:
+            self._right_stops()
         self._authority.moved()
         self._authority.when_changed()
+
+    def _right_stops(self) -> None:
+        if self._board is not None:
+            self._board.not_later(self.time.wall_ns())
 
     def _booked(self, calendar: Calendar, fact: Fact) -> None:
         calendar.apply(fact)

@@ -5,14 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.gate import Gate
+from rosic.core.stopboard import StopBoard
+from rosic.pipeline.stopped_by import KIND as STOPPED_BY
+from rosic.pipeline.stopped_by import restore
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from rosic.app.parts import Parts
     from rosic.contracts.robot import Robot
+    from rosic.core.record import Memory
     from rosic.core.robot import Profile, RobotId
-    from rosic.core.stopboard import StopBoard
 
 
 def robots_of(
@@ -40,6 +43,21 @@ def robots_of(
         )
         for robot, profile in profiles.items()
     }  # fmt: skip
+
+
+def board_of(
+    profiles: Mapping[RobotId, Profile], found: Mapping[RobotId, tuple[int, bool]], memory: Memory
+) -> StopBoard:
+    """Return which robots are stopped, by whom and since when, as far as earlier runs tell.
+
+    Args:
+        profiles: Of the robots.
+        found: What the latch says.
+        memory: What the record says.
+    """
+    board = StopBoard(profiles, stops_of(found, memory.generations))
+    restore(board, memory.facts.get(STOPPED_BY, ()))
+    return board
 
 
 def stops_of(

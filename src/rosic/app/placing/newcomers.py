@@ -15,6 +15,7 @@ from rosic.pipeline.files.reading import content_of
 from rosic.pipeline.fleet import words_newcomers as words
 from rosic.pipeline.fleet.clerks import ASSIGN
 from rosic.pipeline.office import check_private
+from rosic.pipeline.people.powers import FOR_GOOD_NS
 
 if TYPE_CHECKING:
     from rosic.app.gateway import Gateway
@@ -75,6 +76,8 @@ class Newcomers:
         if not self._may(principal):
             raise NotPermitted(words.MAY_NOT)
         name, role, shown = _read(said)
+        if role and not self._may(principal, FOR_GOOD_NS):
+            raise NotPermitted(words.ROLE_FOR_GOOD)
         filed = self._holdings.files.find(principal, name)
         draft = await self._draft(filed)
         profile, advice = await self._enlisting.check(draft, role)
@@ -88,9 +91,9 @@ class Newcomers:
             raise NotUnderstood(words.CHANGED, offers=(words.add_command(filed.name, role),))
         return Reply(await self._enlisting.add(draft, principal, role), about=profile.id)
 
-    def _may(self, principal: PrincipalId) -> bool:
+    def _may(self, principal: PrincipalId, at_ns: int | None = None) -> bool:
         organiser = self._organiser
-        now_ns = organiser.wall_ns()
+        now_ns = organiser.wall_ns() if at_ns is None else at_ns
         return all(organiser.rights.holds(principal, FLEET, w, now_ns) for w in (ASSIGN, GRANT))
 
     async def _draft(self, filed: Filed) -> Draft:

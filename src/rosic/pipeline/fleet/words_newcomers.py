@@ -17,6 +17,10 @@ SUFFIXES: Final = (".yaml", ".yml")
 MAY_NOT: Final = said(
     "Only somebody who may assign tasks and give rights here can add a robot. An admin can."
 )
+ROLE_FOR_GOOD: Final = said(
+    "A robot keeps its role for good, and your own right to give rights ends. Add it without a "
+    "role, or let an admin without an end add it. Nothing was changed."
+)
 TOO_LONG: Final = said("The profile is longer than 128 KiB. Nothing was changed.")
 NO_TEXT: Final = said("That file is no UTF-8 text. Nothing was changed.")
 CLOSING: Final = said("ROSIC is closing. Nothing was changed.")

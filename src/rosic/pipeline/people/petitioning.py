@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.civil import Local
 from rosic.core.message import Button
+from rosic.core.saying import joined
 from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds
 from rosic.organiser import words_petitions
 from rosic.organiser.petitions import LONGEST_S, REMEMBERED_S, SHORTEST_S, WAITS_S, State
@@ -119,10 +120,11 @@ class Petitioning:
         by = asked.caller.principal
         answer = self._checked(by, asked.rest)
         petition = answer.petition
-        until_ns = self._until_ns(answer, self._places.zone_of(by))
+        wanted_ns = self._until_ns(answer, self._places.zone_of(by))
         given = self._places.given(petition.want)
         async with self._registry.changes.turn() as turn:
             self._check(by, petition)
+            until_ns = self._powers.gives_until_ns(by, given, wanted_ns)
             grant, records = self._granting.granted(petition.principal, given, until_ns, by)
             await turn.write((*self._petitions.allow(petition, by), *records))
         name, who = self._registry.name(by), self._registry.name(petition.principal)
@@ -135,7 +137,10 @@ class Petitioning:
                 text = words.was_allowed(name, who, self._until(what, until_ns, other))
                 self._registry.reach.tell((other,), text)
         back = self._granting.take_button(grant)
-        return Reply(words.allowed(who, self._until(what, until_ns, by)), ((back,),))
+        text = words.allowed(who, self._until(what, until_ns, by))
+        if until_ns < wanted_ns:
+            text = joined(" ", (text, words.capped()))
+        return Reply(text, ((back,),))
 
     async def decline(self, asked: Asked) -> Reply:
         """Do not allow it: the button, or ``/decline Cy``.

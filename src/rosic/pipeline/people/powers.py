@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.people.registry import Registry
 
 INVITE, LOCK, PEOPLE = "invite", "lock", "people"
+FOR_GOOD_NS = NEVER_NS - 1  # only what has no end holds then
 
 
 class Powers:
@@ -56,9 +57,9 @@ class Powers:
         now_ns = self._registry.clock.wall_ns()
         return self._registry.rights().holds(principal, FLEET, verb, now_ns)
 
-    def helpers(self, besides: PrincipalId = "") -> tuple[str, ...]:
-        """Return the names of a few people who give rights here."""
-        now_ns = self._registry.clock.wall_ns()
+    def helpers(self, besides: PrincipalId = "", *, for_good: bool = False) -> tuple[str, ...]:
+        """Return the names of a few people who give rights here; perhaps only without an end."""
+        now_ns = FOR_GOOD_NS if for_good else self._registry.clock.wall_ns()
         found = self._registry.rights().givers(FLEET, now_ns, besides=besides)
         return tuple(self._registry.name(p) for p in found if self.acts(p))
 
@@ -84,7 +85,7 @@ class Powers:
         if not self.holds(principal, GRANT):
             return False
         rights = self._registry.rights()
-        at_ns = NEVER_NS - 1 if for_good else self._registry.clock.wall_ns()
+        at_ns = FOR_GOOD_NS if for_good else self._registry.clock.wall_ns()
         return not any(
             who != principal and self.acts(who) and rights.holds(who, FLEET, GRANT, at_ns)
             for who in rights.people()
@@ -136,16 +137,18 @@ class Powers:
         given: Mapping[RobotId, frozenset[str]],
         rules: Rulebook,
         role: str,
+        now_ns: int,
     ) -> bool:
-        """Whether somebody may give all that a role would give, skill by skill.
+        """Whether somebody may give all that a role would give, skill by skill, at a time.
 
         Args:
             principal: Who makes it.
             given: What it gives without its limits.
             rules: The rules with the role in them.
             role: Its name.
+            now_ns: When, wall clock; `FOR_GOOD_NS`: without an end of their own right to give.
         """
-        rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
+        rights = self._registry.rights()
         if rights.holds(principal, FLEET, GRANT, now_ns):
             return True
         priority = priority_of(rules.roles, role)
@@ -154,6 +157,21 @@ class Powers:
             and all(self._may_give_scope(principal, f"{robot}:{word}", now_ns) for word in skills)
             for robot, skills in given.items()
         )
+
+    def gives_until_ns(self, principal: PrincipalId, given: Given, until_ns: int) -> int:
+        """Return how long somebody who may give all of this now still may, wall clock.
+
+        Args:
+            principal: Who gives.
+            given: What.
+            until_ns: No longer than this is of interest.
+        """
+        now_ns = self._registry.clock.wall_ns()
+        ends = (grant.expires_ns for grant in self._registry.rights().grants(principal))
+        for end_ns in sorted(ns for ns in ends if ns is not None and now_ns < ns < until_ns):
+            if not self.may_give(principal, given, end_ns):
+                return end_ns
+        return until_ns
 
     def gives(self, principal: PrincipalId) -> bool:
         """Whether somebody gives rights, on the whole or on any robot."""
@@ -196,11 +214,11 @@ class Powers:
         """
         if not self.may_give(principal, given):
             raise NotPermitted(words.too_much(given.words, self.helpers(principal)))
-        ends_ns = NEVER_NS - 1
+        ends_ns = FOR_GOOD_NS
         if given.lasts_s is not None:
             ends_ns = self._registry.clock.wall_ns() + int((within_s + given.lasts_s) * 1e9)
         if not self.may_give(principal, given, ends_ns):
-            raise NotPermitted(words.too_long(given.words, self.helpers(principal)))
+            raise NotPermitted(words.too_long(given.words, self.helpers(principal, for_good=True)))
 
     def admitters(self, given: Given) -> tuple[PrincipalId, ...]:
         """Return everybody who may let somebody in who is given this; walks everybody."""

@@ -15,6 +15,7 @@ from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words, words_asking, words_roles
 from rosic.pipeline.people.names import CONFIRMED, confirmed
+from rosic.pipeline.people.powers import FOR_GOOD_NS
 from rosic.pipeline.people.role_line import MAY, OFF, check_name, read_role, said_line
 from rosic.pipeline.replies import LEAVE
 
@@ -123,17 +124,20 @@ class Rolemaking:
                 raise NotUnderstood(words_asking.nothing_done(what))
 
     def _check_theirs(self, by: PrincipalId, name: str, rules: Rulebook) -> None:
-        """See that a role gives no more than somebody may give.
+        """See that a role gives no more than somebody may give, and for as long.
 
         Raises:
-            NotPermitted: It does.
+            NotPermitted: It does, or it would stay when their own right to give has ended.
         """
         given = self._registry.rights().given_by(rules, name)
         if FLEET in given:
             raise NotPermitted(words_roles.NO_FLEET)
-        if not self._powers.may_make(by, given, rules, name):
+        now_ns = self._registry.clock.wall_ns()
+        if not self._powers.may_make(by, given, rules, name, now_ns):
             what = words_roles.gives(rules.roles[name])
             raise NotPermitted(words.too_much(what, self._powers.helpers(by)))
+        if not self._powers.may_make(by, given, rules, name, FOR_GOOD_NS):
+            raise NotPermitted(words_roles.for_good(self._powers.helpers(by, for_good=True)))
 
     def _check_gives(self, by: PrincipalId) -> None:
         self._powers.check_not_locked(by)

@@ -133,7 +133,7 @@ _ACTS: Final = {
 def not_yours(verb: str, helpers: Sequence[str]) -> str:
     """Return why somebody may not do something with people, and who can."""
     return said(
-        "{acts} is for admins. {can} Nothing was done.", acts=_ACTS[verb], can=_can(helpers)
+        "{acts} is for admins. {can} Nothing was done.", acts=_ACTS[verb], can=can_do(helpers)
     )
 
 
@@ -142,7 +142,7 @@ def too_much(what: str, helpers: Sequence[str]) -> str:
     return said(
         "You cannot give {what}: it is more than you may give. {can} Nothing was done.",
         what=what,
-        can=_can(helpers),
+        can=can_do(helpers),
     )
 
 
@@ -152,11 +152,12 @@ def too_long(what: str, helpers: Sequence[str]) -> str:
         "You cannot give {what}: your own right to give it ends sooner. Say a shorter time. {can} "
         "Nothing was done.",
         what=what,
-        can=_can(helpers),
+        can=can_do(helpers),
     )
 
 
-def _can(helpers: Sequence[str]) -> str:
+def can_do(helpers: Sequence[str]) -> str:
+    """Return who can do what somebody may not."""
     return (
         said("{names} can.", names=joined(OR, helpers))
         if helpers

@@ -109,6 +109,11 @@ def allowed(name: str, what: str) -> str:
     return said("{name} may now: {what}. They have been told.", name=name, what=what)
 
 
+def capped() -> str:
+    """Return why it is for less time than whoever allowed it said."""
+    return said("No longer: your own right to give it ends then.")
+
+
 def was_allowed(by: str, name: str, what: str) -> str:
     """Return what everybody else reads who was asked."""
     return said("{by} allowed {name}: {what}.", by=by, name=name, what=what)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.authoriser.words_entry import listed
 from rosic.core.language.cleaning import quote
 from rosic.core.saying import joined, said
+from rosic.pipeline.people.words import can_do
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -26,6 +27,14 @@ YOUR_OWN: Final = said(
 NO_FLEET: Final = said(
     "Rights about the place as a whole are not given through a role from a chat. Nothing was done."
 )
+
+
+def for_good(helpers: Sequence[str]) -> str:
+    """Return why somebody whose right to give rights ends makes and changes no roles."""
+    return said(
+        "A role stays for good, and your own right to give it ends. {can} Nothing was done.",
+        can=can_do(helpers),
+    )
 
 
 def gives(role: Role) -> str:

@@ -81,6 +81,39 @@ async def test_who_gives_rights_on_a_part_of_a_group_is_not_asked_for_all_of_it(
         assert not powers.may_give(tim, Given(scopes=("nobody:wave",)))
 
 
+@pytest.mark.parametrize("yes", ["Allow 1 h", "Allow today", "/approve Vi for 2h"])
+async def test_nobody_allows_for_longer_than_they_may_themselves(yes: str) -> None:
+    async with house() as place:
+        await place.line(ADA, "/grant Bo admin for 20 min")
+        await place.line(VI, "/ask omni wave")
+        told = await (place.line if yes.startswith("/") else place.press)(BO, yes)
+        assert told == (
+            "Vi may now: wave on omni, until 22:33. They have been told. No longer: your own "
+            "right to give it ends then."
+        )
+        assert "You may now: wave on omni, until 22:33." in place.told(VI)
+        await place.line(VI, "omni wave")
+        assert place.acted() == 1
+        await place.pass_s(1_201)
+        assert "Your right has ended: wave on omni." in place.told(VI)
+        await place.line(VI, "omni wave")
+        assert place.acted() == 1
+
+
+async def test_what_ends_sooner_or_is_theirs_otherwise_is_allowed_as_it_was_asked() -> None:
+    async with house() as place:
+        await place.line(ADA, "/grant Bo admin for 2h")
+        await place.line(ADA, "/grant Tim admin for 20 min")
+        await place.line(VI, "/ask kuka1 wave")
+        told = await place.press(BO, "Allow 1 h")
+        assert told == "Vi may now: wave on kuka1, until 23:13. They have been told."
+        await place.line(VI, "/ask kuka1 move")
+        told = await place.press(TIM, "Allow 1 h")
+        assert told == "Vi may now: move on kuka1, until 23:13. They have been told.", (
+            "on kuka1 he may for good"
+        )
+
+
 async def test_allow_today_lasts_until_midnight() -> None:
     async with house() as place:
         await place.line(VI, "/ask omni wave")

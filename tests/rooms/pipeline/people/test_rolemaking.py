@@ -58,6 +58,19 @@ async def test_a_role_is_made_after_a_tap_counts_with_its_limits_and_is_taken_ba
         assert not own(place)
 
 
+async def test_whose_right_to_give_ends_makes_changes_and_takes_back_no_role() -> None:
+    async with house() as place:
+        await make(place, GUEST)
+        await place.line(ADA, "/grant Bo admin for 1h")
+        for line in ("guest may omni:wave", "guest off", "mine may omni:wave"):
+            assert await place.line(BO, f"/role {line}") == (
+                "A role stays for good, and your own right to give it ends. Ada or Eve can. "
+                "Nothing was done."
+            )
+        assert list(own(place)) == ["guest"]
+        assert (await place.line(BO, "/role guest")).startswith("guest (made in a chat)")
+
+
 async def test_a_role_that_is_changed_counts_at_once_and_ends_what_moves_under_it() -> None:
     async with house() as place:
         place.robot("omni").work_s = 60.0

@@ -1,0 +1,64 @@
+"""Who stopped a robot, and when, as the next run reads it: what people are told, not what holds.
+
+The stop itself is in the latch, which has no room for people and needs no database. This is noted
+after it, so that a run that dies at once may forget whose stop it was, and never the stop.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.core.identity import PrincipalId
+from rosic.core.record import Fact
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.core.robot import RobotId
+    from rosic.core.stopboard import StopBoard
+
+KIND: Final = "stopped-by"
+
+log = logging.getLogger("rosic.pipeline")
+
+
+class StoppedBy(msgspec.Struct, frozen=True):
+    """The body of the fact; its key is the robot.
+
+    Attributes:
+        generation: Of that stop; a later one is somebody else's.
+        at_ns: Wall clock.
+    """
+
+    generation: int
+    by: PrincipalId
+    at_ns: int
+
+
+_encode = msgspec.msgpack.Encoder().encode
+_decode = msgspec.msgpack.Decoder(StoppedBy).decode
+
+
+def stopped_by(robot: RobotId, board: StopBoard) -> Fact:
+    """Return what is to be noted about the last stop of a robot."""
+    entry = board[robot]
+    body = _encode(StoppedBy(entry.generation, entry.by, entry.at_ns))
+    return Fact(kind=KIND, key=robot, body=body)
+
+
+def restore(board: StopBoard, facts: Iterable[Fact]) -> None:
+    """Say on the board whose stop each robot is under, where that is known."""
+    for fact in facts:
+        entry = board.get(fact.key)
+        if entry is None or not fact.body:
+            continue
+        try:
+            last = _decode(fact.body)
+        except msgspec.MsgspecError:
+            log.warning("it cannot be read who stopped a robot")
+            continue
+        if entry.latched and last.generation == entry.generation:
+            entry.by, entry.at_ns = last.by, last.at_ns
