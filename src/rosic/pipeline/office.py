@@ -11,7 +11,7 @@ from rosic.contracts.messenger import Messenger
 from rosic.core.identity import Caller, CommandId
 from rosic.core.message import ChatKind, Inbound
 from rosic.core.saying import said
-from rosic.errors import NotPermitted, NotUnderstood
+from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.pipeline.desk import Reply
 
 if TYPE_CHECKING:
@@ -65,6 +65,22 @@ class Office:
                 said("I cannot do {verb} here.", verb=errand.verb), offers=("help",)
             )
         return await clerk(asked)
+
+
+def check_length(line: str, most: int) -> None:
+    """See that a line is read to its end: what would be cut off may be what makes it safe.
+
+    Raises:
+        OutOfBounds: It is longer than that many characters.
+    """
+    if len(line) > most:
+        raise OutOfBounds(
+            said(
+                "That line has {length} characters; I read at most {most}. Nothing was done.",
+                length=len(line),
+                most=most,
+            )
+        )
 
 
 def check_private(asked: Asked) -> None:

@@ -6,6 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Final
 
 from rosic.container.container import chat_digest
+from rosic.core.language.cleaning import echo
 from rosic.core.reach import FLEET
 from rosic.core.record import Decided, Fact
 from rosic.core.saying import said
@@ -86,7 +87,9 @@ class Topics:
         if name in NOTHING:
             name = ""
         elif not organiser.visible(who).intersection(self._members(name)):
-            raise NotUnderstood(said("I know no robot {name}.", name=name), offers=("robots",))
+            raise NotUnderstood(
+                said("I know no robot {name}.", name=echo(name)), offers=("robots",)
+            )
         elif len(self._about) >= AT_MOST and not about:
             raise TooManyRequests(
                 said("Too many topics are about a robot already."), retry_after_s=0.0

@@ -106,7 +106,7 @@ async def test_robots_without_a_camera_and_messengers_without_pictures_have_no_b
         assert "no camera" in await place.say("/card picture kuka1")
         card = await begins(place, "/card")
         assert labels(place, card) == ["Picture of cf1", "Picture of omni", "STOP"]
-        assert "There is no robot called" in await place.say("/card picture nobody")
+        assert "There is no robot and no group called" in await place.say("/card picture nobody")
     async with booth(Sketcher()).open() as plain:
         await plain.say("/card omni")
         assert [b.label for row in plain.last()[1].buttons for b in row] == ["STOP"]

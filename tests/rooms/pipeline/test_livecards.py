@@ -38,7 +38,9 @@ async def test_a_card_shows_every_robot_that_its_owner_may_see_and_the_ones_name
         assert shown.card().buttons[0][0].command == "stop omni kuka1"
         text = await shown.begins("/card swarm.")
         assert text.count("free") == 2
-        assert "There is no robot called omin here." in await shown.place.say("/card omin")
+        assert "There is no robot and no group called omin here." in await shown.place.say(
+            "/card omin"
+        )
 
 
 async def test_it_follows_an_order_from_sent_to_done() -> None:

@@ -27,7 +27,7 @@ async def test_in_a_group_it_says_whose_eyes_it_has() -> None:
 async def test_a_robot_that_one_may_not_see_cannot_be_named() -> None:
     async with showing(roles={"Vi": "narrow"}) as shown:
         told = await shown.place.say("/card kuka1", account=VI, chat=VI)
-        assert told == "There is no robot called kuka1 here."
+        assert told == "There is no robot and no group called kuka1 here."
 
 
 async def test_what_somebody_says_to_a_robot_is_not_repeated_to_others() -> None:

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from rosic.authoriser.totp import hotp, step_at
 from rosic.core.record import Fact, Letter
 from rosic.core.robot import Slots
-from rosic.core.roles import DEFAULT_ROLES, Care, Grant, Role, Rulebook
+from rosic.core.roles import DEFAULT_ROLES, Care, Role, Rulebook
 from rosic.core.skill import Parameter, Skill
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.place import ADA, BO, FLEET, Place
@@ -78,96 +78,6 @@ async def test_what_wants_a_tap_moves_only_after_it() -> None:
         assert place.acted() == 1, "a button is good once"
         await place.say("!omni wave")
         assert place.acted() == 1, "nobody types a confirmation"
-
-
-async def test_a_second_person_has_to_agree_and_only_for_this_once() -> None:
-    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
-        told = await place.say("omni wave", account=BO, chat=BO)
-        assert "Wave on omni needs a second person who agrees. I have asked Ada" in told
-        assert place.acted() == 0
-        button, under = place.button("I agree")
-        told = await place.tap(button, under)
-        assert "Bo is told that you agree." in told
-        button, under = place.button("Do it")
-        await place.tap(button, under, account=BO)
-        assert place.acted() == 1
-        await place.say("omni wave", account=BO, chat=BO)
-        assert place.acted() == 1
-
-
-async def test_nobody_agrees_with_themselves_and_a_no_is_told() -> None:
-    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
-        await place.say("omni wave", account=BO, chat=BO)
-        button, _ = place.button("I agree")
-        bound = place.gateway.rooms.authoriser.buttons._bound[button.nonce]
-        told = await place.say(bound.command, account=BO, chat=BO)
-        assert "Somebody else has to agree." in told
-        button, under = place.button("No")
-        await place.tap(button, under)
-        assert (
-            "Ada does not agree: omni wave. Nothing was done."
-            in place.chat.told[-2].outbound.text + place.chat.told[-1].outbound.text
-        )
-        assert place.acted() == 0
-
-
-async def test_nobody_agrees_to_more_than_they_may_do_themselves() -> None:
-    tutor = Role(scopes=("*:*",), limits=("omni:move distance <= 1 m",), priority=5)
-    care = Care(scopes=("omni:move",), second_person=True)
-    async with lab(rules(care, junior=tutor), {"Bo": "junior"}) as place:
-        told = await place.say("omni move 2 m")
-        assert told == (
-            "Move on omni needs a second person who agrees. Nobody else here may do exactly that, "
-            "so nobody can agree."
-        )
-        told = await place.say("omni move 1 m")
-        assert "I have asked Bo" in told
-        button, under = place.button("I agree")
-        await place.tap(button, under, account=BO)
-        button, under = place.button("Do it")
-        await place.tap(button, under)
-        assert place.acted() == 1
-
-
-async def test_whose_limits_shrank_meanwhile_is_told_why_they_cannot_agree() -> None:
-    care = Care(scopes=("omni:move",), second_person=True)
-    async with lab(rules(care, junior=JUNIOR), {"Bo": "viewer"}) as place:
-        await regrant(place, "Bo", Grant(id="g1", role="operator"))
-        told = await place.say("omni move 2 m")
-        assert "I have asked Bo" in told
-        agree, under = place.button("I agree")
-        bound = place.gateway.rooms.authoriser.buttons._bound[agree.nonce].command
-        await regrant(place, "Bo", Grant(id="g2", role="junior"))
-        told = await place.tap(agree, under, account=BO)
-        assert told == (
-            "You cannot agree to omni move 2 m: for you it is allowed with distance <= 1 m."
-        )
-        await regrant(place, "Bo")
-        told = await place.say(bound, account=BO, chat=BO)
-        assert told == "Only somebody who may do that can agree to it."
-        assert place.acted() == 0
-
-
-async def test_an_agreement_ends_with_the_right_of_whoever_agreed() -> None:
-    care = Care(scopes=("omni:move",), second_person=True)
-    async with lab(rules(care, junior=JUNIOR), {"Bo": "viewer"}) as place:
-        await regrant(place, "Bo", Grant(id="g1", role="operator"))
-        await place.say("omni move 2 m")
-        button, under = place.button("I agree")
-        await place.tap(button, under, account=BO)
-        button, under = place.button("Do it")
-        await regrant(place, "Bo", Grant(id="g2", role="junior"))
-        told = await place.tap(button, under)
-        assert "so nobody can agree" in told
-        assert place.acted() == 0
-
-
-async def regrant(place: Place, name: str, *grants: Grant) -> None:
-    """Give somebody these rights beside the role they came with, and no others."""
-    access, roster = place.gateway.access, place.gateway.authority.roster
-    async with access.changes.turn() as turn:
-        await turn.write(roster.take(who(place, name), ""))
-        await turn.write(roster.give(who(place, name), grants, ""))
 
 
 async def test_somebodys_time_keeps_others_out_and_says_when() -> None:

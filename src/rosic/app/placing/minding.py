@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rosic.errors import RosicError
 from rosic.organiser.refusing import CLOCK_SET_BACK
+from rosic.pipeline.waking import sleep_or_wake
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -60,17 +61,8 @@ class Minder:
                 log.warning("not everything could be minded: %s", fault)
             except Exception:
                 log.exception("not everything could be minded")
-            await self._sleep(self._pause_s())
-
-    async def _sleep(self, seconds: float) -> None:
-        """Sleep, but not past a grant or a key that was given meanwhile: it may end sooner."""
-        timer = asyncio.create_task(self._clock.sleep(seconds))
-        woken = asyncio.create_task(self._woken.wait())
-        try:
-            await asyncio.wait((timer, woken), return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            timer.cancel()
-            woken.cancel()
+            # Not past a grant or a key that is given meanwhile: it may end sooner.
+            await sleep_or_wake(self._clock, self._pause_s(), self._woken)
 
     def _pause_s(self) -> float:
         now_ns = self._clock.wall_ns()

@@ -65,8 +65,13 @@ def clean_name(text: str) -> str:
 
 def quote(text: str) -> str:
     """Return somebody's words inside a sentence: inert, in one line, cut at 32 characters."""
+    return f'"{echo(text)}"'
+
+
+def echo(text: str) -> str:
+    """Return somebody's words as `quote` does, without the marks: for one name."""
     words = " ".join(inert_text(text).split())
-    return f'"{words[:LONGEST_QUOTE]}…"' if len(words) > LONGEST_QUOTE else f'"{words}"'
+    return f"{words[:LONGEST_QUOTE]}…" if len(words) > LONGEST_QUOTE else words
 
 
 def fold_word(word: str) -> str:

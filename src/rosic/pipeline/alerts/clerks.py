@@ -15,6 +15,7 @@ from rosic.pipeline.alerts.alerting import LISTED_AT_MOST
 from rosic.pipeline.alerts.book import Mute
 from rosic.pipeline.alerts.telling import MANY
 from rosic.pipeline.desk import Reply
+from rosic.pipeline.office import check_length
 from rosic.pipeline.people.invitation_line import length_said
 
 if TYPE_CHECKING:
@@ -202,7 +203,9 @@ class AlarmClerk:
     # ---- what is meant ----
 
     def _target(self, who: PrincipalId, said: str) -> Target:
-        first, *rest = clean(said)[:LONGEST_LINE].casefold().split() or [""]
+        line = clean(said)
+        check_length(line, LONGEST_LINE)
+        first, *rest = line.casefold().split() or [""]
         if first not in self._rooms.organiser.visible(who):
             raise NotUnderstood(words.no_robot(first or "?"))
         rules = self._alerting.following.get(first, [])

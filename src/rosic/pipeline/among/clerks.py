@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language import clean, inert_text
+from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.saying import joined
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
@@ -12,6 +13,7 @@ from rosic.pipeline.among import words_among as words
 from rosic.pipeline.among.post import Ear, Where
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.freshness import check_errand_fresh
+from rosic.pipeline.office import check_length
 from rosic.pipeline.people.invitation_line import length_said
 
 if TYPE_CHECKING:
@@ -218,17 +220,24 @@ class AmongClerk:
             profile = self._rooms.vocabulary.robot(" ".join(said[:used]))
             if profile is not None:
                 return profile.id, self._seen(who, profile.id), said[used:]
-        raise NotUnderstood(words.no_robot(said[0][:32]))
+        raise NotUnderstood(words.no_robot(echo(said[0])))
 
     def _seen(self, who: PrincipalId, robot: RobotId) -> str:
         """Return how a robot is shown, if somebody may see it."""
         if robot not in self._rooms.organiser.visible(who):
-            raise NotUnderstood(words.no_robot(robot[:32]))
+            raise NotUnderstood(words.no_robot(robot))
         return self._around.rights.shown(robot)
 
 
 def _words(asked: Asked) -> list[str]:
-    return clean(asked.rest)[:LONGEST_LINE].casefold().split()
+    """Return the words of a line.
+
+    Raises:
+        OutOfBounds: It is too long.
+    """
+    line = clean(asked.rest)
+    check_length(line, LONGEST_LINE)
+    return line.casefold().split()
 
 
 def _pairs(said: list[str]) -> list[tuple[str, str]]:

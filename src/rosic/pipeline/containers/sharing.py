@@ -14,7 +14,7 @@ from rosic.errors import NotUnderstood
 from rosic.organiser.words_calendar import moment
 from rosic.pipeline.containers import words_lending as words
 from rosic.pipeline.desk import Reply, rows
-from rosic.pipeline.office import check_private
+from rosic.pipeline.office import check_length, check_private
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -115,8 +115,7 @@ class Sharing:
         """
         check_private(asked)
         said, principal = " ".join(asked.rest.split()), asked.caller.principal
-        if len(said) > LONGEST_LINE:
-            raise NotUnderstood(words.HOW_TO_SHARE)
+        check_length(said, LONGEST_LINE)
         first, _, rest = said.partition(" ")
         if first.casefold() == BACK and rest and not _WITH.search(said):
             return await self._take_back(principal, rest)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.saying import said
 from rosic.core.words import headed
@@ -26,7 +27,7 @@ READY: Final = said("ready")
 
 def no_group(name: str) -> str:
     """Return that a name means no robot and no group."""
-    return said("I know no robot and no group called {name}.", name=name)
+    return said("I know no robot and no group called {name}.", name=echo(name))
 
 
 def none_begins(name: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import State, Why
+from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.saying import filled, joined, said, said_n
 from rosic.errors import NotPermitted
@@ -125,7 +126,7 @@ def for_example(why: str, line: str) -> str:
 
 def no_such_target(name: str) -> str:
     """Return that a name means no robot and no group."""
-    return said("I know no robot and no group called {name}.", name=name)
+    return said("I know no robot and no group called {name}.", name=echo(name))
 
 
 def not_permitted(shown: str, skill: Skill) -> NotPermitted:
@@ -302,7 +303,7 @@ def choices(task: Task) -> tuple[tuple[Button, ...], ...]:
 
 def no_such_task(number: str) -> str:
     """Return that a number means no task."""
-    return said("I know no task {number}.", number=number)
+    return said("I know no task {number}.", number=echo(number))
 
 
 def not_yours(task: Task, name: str) -> str:

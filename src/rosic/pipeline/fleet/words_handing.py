@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.saying import joined, said, said_n
 
@@ -23,7 +24,7 @@ DECLINE: Final = said("Not me")
 def nobody(name: str) -> str:
     """Return that a name does not say who it is."""
     return said("I do not know for certain who {name} is. Write the name as it stands in /people.",
-                name=name)  # fmt: skip
+                name=echo(name))  # fmt: skip
 
 
 def in_vain(name: str, tasks: Sequence[str]) -> str:

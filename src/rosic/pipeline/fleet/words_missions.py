@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import islice
 from typing import TYPE_CHECKING, Final
 
+from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.saying import joined, said, said_n
 
@@ -22,7 +23,7 @@ NONE: Final = said("There is no mission here. The operator can write some down."
 
 def no_mission(name: str) -> str:
     """Return that a name means no mission."""
-    return said("I know no mission called {name}.", name=name)
+    return said("I know no mission called {name}.", name=echo(name))
 
 
 def not_running(name: str) -> str:

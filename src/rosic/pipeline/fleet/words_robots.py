@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import Standing
+from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.saying import joined, said, said_n
 from rosic.organiser.words_calendar import length
@@ -26,7 +27,7 @@ _NOT_IN: Final = {
 
 def no_robot(name: str) -> str:
     """Return that a name means no robot."""
-    return said("I know no robot called {named}.", named=name)
+    return said("I know no robot called {named}.", named=echo(name))
 
 
 def about(can: str, state: str) -> str:

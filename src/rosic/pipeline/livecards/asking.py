@@ -116,12 +116,21 @@ class CardClerk:
         self, said: list[str], at: int, visible: frozenset[RobotId]
     ) -> tuple[tuple[RobotId, ...], int]:
         """Return whom the longest name means that begins here, and where it ends."""
-        for end in range(len(said), at, -1):
+        first = fold(said[at]).partition(" ")[0]
+        most = self._vocabulary.longest_callee.get(first, 1)
+        for end in range(min(len(said), at + most), at, -1):
             name = " ".join(said[at:end])
             profile = self._vocabulary.robot(name)
             meant = self._vocabulary.members(name) if profile is None else (profile.id,)
             seen = tuple(robot for robot in meant if robot in visible)
             if seen:
                 return seen, end
-        offers = tuple(f"/card {name}" for name in did_you_mean(fold(said[at]), sorted(visible)))
-        raise NotUnderstood(words.no_such_robot(said[at]), offers=offers or ("/card",))
+        close = did_you_mean(fold(said[at]), (*sorted(visible), *self._groups(visible)))
+        offers = tuple(f"/{self._verb} {name}" for name in close) or (f"/{self._verb}",)
+        raise NotUnderstood(words.no_such_robot(said[at]), offers=offers)
+
+    def _groups(self, visible: frozenset[RobotId]) -> list[str]:
+        """Return the groups of which somebody sees a robot."""
+        vocabulary = self._vocabulary
+        groups = (name for name in vocabulary.names if name not in vocabulary.profiles)
+        return [name for name in groups if not visible.isdisjoint(vocabulary.members(name))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from rosic.core.language.cleaning import echo
 from rosic.core.saying import joined, said
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ TOO_MANY: Final = said("There are too many cards already. End one with /card off
 
 def no_such_robot(name: str) -> str:
     """Nothing is called so, as far as this person may know."""
-    return said("There is no robot called {name} here.", name=name)
+    return said("There is no robot and no group called {name} here.", name=echo(name))
 
 
 def as_they_see(name: str) -> str:

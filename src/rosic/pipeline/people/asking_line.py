@@ -18,7 +18,7 @@ from rosic.core.words import spoken
 from rosic.errors import NotUnderstood
 from rosic.organiser.petitions import Want
 from rosic.organiser.zones import Zone
-from rosic.pipeline.office import Asked
+from rosic.pipeline.office import Asked, check_length
 from rosic.pipeline.people import words, words_asking
 from rosic.pipeline.people.invitation_line import length_said
 
@@ -105,6 +105,7 @@ def want_of(asked: Asked, rights: Rights, places: Places) -> Want:
 
     Raises:
         NotUnderstood: No such robot that they see, no such skill, or no time.
+        OutOfBounds: The line is too long.
     """
     said, lasts_s = read_tail(asked.rest)
     name, rest = places.naming(asked, said)
@@ -127,8 +128,11 @@ def read_tail(text: str) -> tuple[str, float | None]:
 
     Raises:
         NotUnderstood: What stands there is no length of time.
+        OutOfBounds: The line is too long.
     """
-    raw = clean(text).replace("\n", " ").strip()[:LONGEST_LINE].split()
+    line = clean(text).replace("\n", " ").strip()
+    check_length(line, LONGEST_LINE)
+    raw = line.split()
     low = [fold_word(word).casefold() for word in raw]
     if _FOR not in low:
         return " ".join(raw), None

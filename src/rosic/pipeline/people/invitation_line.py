@@ -17,6 +17,7 @@ from rosic.core.reach import FLEET
 from rosic.core.roles import Grant
 from rosic.core.saying import joined
 from rosic.errors import NotUnderstood
+from rosic.pipeline.office import check_length
 from rosic.pipeline.people import words, words_asking
 
 if TYPE_CHECKING:
@@ -42,10 +43,10 @@ def read_invitation(text: str, rights: Rights) -> Wanted:
 
     Raises:
         NotUnderstood: Which word is none; offers the line that was meant.
+        OutOfBounds: The line is too long.
     """
     said = clean(text).replace("\n", " ").strip()
-    if len(said) > LONGEST_LINE:
-        raise NotUnderstood(words.LINE_TOO_LONG)
+    check_length(said, LONGEST_LINE)
     before, *after = _AS.split(said, maxsplit=1)
     reading = _Reading(before, rights)
     if after:
@@ -58,10 +59,10 @@ def read_grant(text: str, rights: Rights) -> Given:
 
     Raises:
         NotUnderstood: Which word is none.
+        OutOfBounds: The line is too long.
     """
     said = clean(text).replace("\n", " ").strip()
-    if len(said) > LONGEST_LINE:
-        raise NotUnderstood(words.LINE_TOO_LONG)
+    check_length(said, LONGEST_LINE)
     return _Reading(said, rights, inviting=False).wanted().given
 
 

@@ -29,7 +29,7 @@ class Notices:
     def revoked(self, person: Principal, by: PrincipalId) -> None:
         """Somebody's access has ended for good."""
         self._person(person, words_keys.ENDED)
-        self._admins(by, PEOPLE, words_access.was_revoked(self._name(by), person.name))
+        self._admins(by, person, PEOPLE, words_access.was_revoked(self._name(by), person.name))
 
     def key_taken(self, person: Principal, by: PrincipalId) -> None:
         """A key of somebody was taken back; perhaps it was their last one."""
@@ -37,19 +37,19 @@ class Notices:
             self.revoked(person, by)
             return
         self._person(person, words_keys.KEY_TAKEN)
-        self._admins(by, PEOPLE, words_access.was_key_taken(self._name(by), person.name))
+        self._admins(by, person, PEOPLE, words_access.was_key_taken(self._name(by), person.name))
 
     def locked(self, person: Principal, by: PrincipalId) -> None:
         """Somebody is locked. Nothing is told to who did it in a chat: they read the answer."""
         if by == OPERATOR:
             self._person(person, words_keys.LOCKED)
-        self._admins(by, LOCK, words_access.was_locked(self._name(by), person.name))
+        self._admins(by, person, LOCK, words_access.was_locked(self._name(by), person.name))
 
     def unlocked(self, person: Principal, by: PrincipalId) -> None:
         """Somebody has their access back."""
         name = self._name(by)
         self._person(person, words_access.you_are_unlocked(name))
-        self._admins(by, LOCK, words_access.was_unlocked(name, person.name))
+        self._admins(by, person, LOCK, words_access.was_unlocked(name, person.name))
 
     def _name(self, by: PrincipalId) -> str:
         """Return who it was, as a sentence begins with it."""
@@ -58,5 +58,7 @@ class Notices:
     def _person(self, person: Principal, text: str) -> None:
         self._registry.reach.tell((person.id,), text)
 
-    def _admins(self, by: PrincipalId, verb: str, text: str) -> None:
-        self._registry.reach.tell(self._powers.holders(verb, besides=by), text, urgent=True)
+    def _admins(self, by: PrincipalId, person: Principal, verb: str, text: str) -> None:
+        """Tell everybody else who looks after people: whoever it is about has heard of it."""
+        others = [who for who in self._powers.holders(verb, besides=by) if who != person.id]
+        self._registry.reach.tell(others, text, urgent=True)

@@ -13,7 +13,8 @@ from rosic.core.language.cleaning import fold_word
 from rosic.core.reach import FLEET
 from rosic.core.roles import Role
 from rosic.errors import NotUnderstood
-from rosic.pipeline.people import words, words_roles
+from rosic.pipeline.office import check_length
+from rosic.pipeline.people import words_roles
 from rosic.pipeline.people.names import CONFIRMED
 
 if TYPE_CHECKING:
@@ -38,11 +39,10 @@ def said_line(text: str) -> str:
     """Return a line as it is read.
 
     Raises:
-        NotUnderstood: It is too long.
+        OutOfBounds: It is too long.
     """
     said = " ".join(clean(text).split())
-    if len(said) > LONGEST_LINE:
-        raise NotUnderstood(words.LINE_TOO_LONG)
+    check_length(said, LONGEST_LINE)
     return said
 
 

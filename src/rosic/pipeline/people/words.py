@@ -167,7 +167,6 @@ def can_do(helpers: Sequence[str]) -> str:
 
 # ---- inviting ----
 
-LINE_TOO_LONG: Final = said("That line is longer than any invitation. Nothing was done.")
 TAKEN_BACK: Final = said("Taken back: that code lets nobody in any more.")
 REOPENED: Final = said("Joining is open again.")
 UNWRITTEN: Final = said(

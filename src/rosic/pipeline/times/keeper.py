@@ -15,6 +15,7 @@ from rosic.pipeline.times.ending import Ending
 from rosic.pipeline.times.offering import Offering
 from rosic.pipeline.times.unused import Unused
 from rosic.pipeline.times.vacancy import SECOND_NS, Vacancy
+from rosic.pipeline.waking import sleep_or_wake
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
@@ -104,13 +105,8 @@ class Keeper:
             await asyncio.sleep(0)
             return
         # Half a nanosecond more: whole ones survive becoming seconds and back.
-        timer = asyncio.create_task(self._times.clock.sleep((delay_ns + 0.5) / SECOND_NS))
-        woken = asyncio.create_task(self._woken.wait())
-        try:
-            await asyncio.wait((timer, woken), return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            timer.cancel()
-            woken.cancel()
+        seconds = (delay_ns + 0.5) / SECOND_NS
+        await sleep_or_wake(self._times.clock, seconds, self._woken)
 
     # ---- bells ----
 

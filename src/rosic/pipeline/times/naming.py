@@ -8,7 +8,7 @@ from rosic.core import words as core_words
 from rosic.core.language.compiled import fold
 from rosic.core.language.misunderstanding import MOST_OFFERS, Misunderstanding
 from rosic.core.language.words import FILLERS
-from rosic.errors import NotPermitted, NotUnderstood
+from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.pipeline.times import words_times as words
 
 if TYPE_CHECKING:
@@ -74,12 +74,13 @@ class Naming:
 
         Raises:
             NotUnderstood: No such robot, several, or none was named.
+            OutOfBounds: More words than any line has.
             NotPermitted: The person sees no robot at all.
         """
         visible = self._sides.visible(asked.caller.principal)
         if not visible:
             raise NotPermitted(core_words.NOTHING_VISIBLE)
-        raw = text.split()[:MOST_WORDS]
+        raw = _split(text)
         low = [fold(word) for word in raw]
         begin = next((i for i, word in enumerate(low) if word not in FILLERS), len(low))
         name, robots, end = self._named(low, begin, visible)
@@ -100,7 +101,7 @@ class Naming:
         Raises:
             NotUnderstood, NotPermitted: As `robot`.
         """
-        raw = text.split()[:MOST_WORDS]
+        raw = _split(text)
         begin = 1 if raw and fold(raw[0]) == ANY else 0
         if begin and len(raw) > 1 and fold(raw[1]) in FILLERS:
             begin += 1
@@ -119,22 +120,22 @@ class Naming:
         Raises:
             NotUnderstood, NotPermitted: As `robot`.
         """
-        low = [fold(word) for word in text.split()[:MOST_WORDS]]
+        low = [fold(word) for word in _split(text)]
         name, robots, end = self._named(low, 0, self._sides.visible(asked.caller.principal))
         if len(robots) > 1 and robots == self._vocabulary.members(name):
-            return name, " ".join(text.split()[end:MOST_WORDS])
+            return name, " ".join(text.split()[end:])
         return self.robot(asked, verb, text)
 
     def calls(self, asked: Asked, text: str) -> bool:
         """Whether a text is the name of a robot that the person sees, and nothing else."""
-        low = [fold(word) for word in text.split()[:MOST_WORDS]]
+        low = [fold(word) for word in _split(text)]
         visible = self._sides.visible(asked.caller.principal)
         _, robots, end = self._named(low, 0, visible)
         return bool(robots) and end == len(low)
 
     def at_head(self, asked: Asked, text: str) -> tuple[tuple[RobotId, ...], str, str]:
         """Return the visible robots that a text begins with, their name, and what follows it."""
-        raw = text.split()[:MOST_WORDS]
+        raw = _split(text)
         visible = self._sides.visible(asked.caller.principal)
         name, robots, end = self._named([fold(word) for word in raw], 0, visible)
         return robots, name, " ".join(raw[end:])
@@ -159,6 +160,18 @@ class Naming:
         if len(visible) == 1:
             return next(iter(visible))
         raise NotUnderstood(words.which_robot(), offers=_offers(verb, tuple(sorted(visible)), text))
+
+
+def _split(text: str) -> list[str]:
+    """Return the words of a line: none of them is left out.
+
+    Raises:
+        OutOfBounds: They are too many.
+    """
+    said = text.split()
+    if len(said) > MOST_WORDS:
+        raise OutOfBounds(words.too_many_words(len(said), MOST_WORDS))
+    return said
 
 
 def _offers(verb: str, robots: tuple[RobotId, ...], rest: str) -> tuple[str, ...]:

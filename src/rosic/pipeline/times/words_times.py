@@ -154,6 +154,13 @@ def not_booked(shown: str) -> str:
 # ---- which robot ----
 
 
+def too_many_words(count: int, most: int) -> str:
+    """Return that more was said than is read."""
+    return said(
+        "That line has {low} words; I read at most {most}. Nothing was done.", low=count, most=most
+    )
+
+
 def which_robot() -> str:
     """None was named."""
     return said("Which robot?")

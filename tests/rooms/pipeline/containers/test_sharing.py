@@ -61,7 +61,7 @@ async def test_lent_to_a_robot_is_lent_to_whoever_sees_it_and_for_two_hours() ->
         ("bay with Bo", "That is yours already."),
         ("back bay", 'You share nothing called "bay" so.'),
         ("back bay from Vi", 'You share nothing called "bay" so.'),
-        ("x" * 400, "Write what and with whom"),
+        ("x" * 400, "That line has 400 characters; I read at most 300."),
     ],
 )
 async def test_what_cannot_be_shared(rest: str, answer: str) -> None:

@@ -322,41 +322,6 @@ async def test_locking_is_for_those_who_may() -> None:
         assert await hall.say(BO, "/lock Ada") == "Your access is locked. Ask an admin."
 
 
-async def test_unlocking() -> None:
-    async with a_hall() as hall:
-        assert await hall.say(ADA, "/unlock") == (
-            "Who shall have their access back? Write: /unlock NAME."
-        )
-        await hall.say(ADA, "/lock Cy Young")
-        assert await hall.say(BO, "/unlock") == (
-            "Who shall have their access back? Write: /unlock NAME. Locked now: Cy Young."
-        )
-        assert await hall.in_group(BO, "/unlock") == (
-            "Who shall have their access back? Write: /unlock NAME."
-        )
-        assert await hall.say(BO, "/unlock Cy Young") == "Cy Young is unlocked."
-        assert hall.last(CY).text == "Bo unlocked you. You may do again what you could before."
-        assert hall.last(ADA).text == "Bo unlocked Cy Young."
-        assert (await hall.say(CY, "/me")).startswith("You are Cy Young.")
-        assert await hall.say(BO, "/unlock Cy Young") == (
-            "Cy Young is not locked. Nothing was done."
-        )
-        assert await hall.say(ADA, "/unlock me") == ('I know nobody called "me". Nothing was done.')
-        assert await hall.say(ADA, "/unlock Ada") == (
-            "Another admin has to unlock you. Nothing was done."
-        )
-
-
-async def test_unlocking_waits_for_the_disk() -> None:
-    store = BrokenStore()
-    async with a_hall(store) as hall:
-        await hall.say(ADA, "/lock Cy Young")
-        store.broken = True
-        said = await hall.say(ADA, "/unlock Cy Young")
-        assert said.startswith("I cannot write this down now, so nothing was changed.")
-        assert hall.locks.locked("p-3")
-
-
 async def test_a_lock_ends_every_proof_of_a_phone() -> None:
     async with a_hall() as hall:
         chat = hall.chat.say("/me", account=CY, chat=CY).chat

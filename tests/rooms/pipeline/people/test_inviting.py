@@ -169,7 +169,6 @@ def test_an_admin_may_be_asked_for_a_tap() -> None:
             (),
         ),
         ("operator for 2h for 3h", 'That says "for" twice. Nothing was done.', ()),
-        ("x" * 301, "That line is longer than any invitation. Nothing was done.", ()),
     ],
 )
 def test_what_is_not_understood(line: str, sentence: str, offers: tuple[str, ...]) -> None:
