@@ -159,7 +159,7 @@ class Calendar(SlotBoard):
             raise OutOfBounds(words.too_long(limits.longest_s))
 
     def _check_start(self, start_ns: int, now_ns: int, by: PrincipalId) -> None:
-        zone = self._zone(by)
+        zone = self.zone(by)
         if start_ns < now_ns - self.limits.grace_s * _SECOND_NS:
             now = words.moment(now_ns, now_ns, zone)
             began = words.moment(max(start_ns, _DAY_NS), now_ns, zone)
@@ -275,19 +275,20 @@ class Calendar(SlotBoard):
     def refusal(self, hindrance: Hindrance, asking: PrincipalId) -> SlotTaken | OutsideSlot:
         """Return a hindrance as what the person is told, in their zone."""
         return hindrance.refusal(
-            self.shown_of(hindrance.robot), self.name_of, self._zone(asking), self.limits.useful_s
+            self.shown_of(hindrance.robot), self.name_of, self.zone(asking), self.limits.useful_s
         )
 
     # ---- refusals ----
 
-    def _zone(self, principal: PrincipalId) -> Zone:
+    def zone(self, principal: PrincipalId) -> Zone:
+        """Return the zone in which somebody reads and says times; of nobody, the place's."""
         try:
             return zone_named(self.zone_of(principal))
         except OutOfBounds:
             return zone_named(UNIVERSAL)
 
     def _taken(self, other: Slot, by: PrincipalId, length_ns: int, now_ns: int) -> SlotTaken:
-        zone, shown = self._zone(by), self.shown_of(other.robot)
+        zone, shown = self.zone(by), self.shown_of(other.robot)
         length_s = length_ns // _SECOND_NS
         free_ns = self.next_free(other.robot, max(other.end_ns, now_ns), length_s)
         span = (
@@ -307,7 +308,7 @@ class Calendar(SlotBoard):
         self, others: list[Slot], of_all: int, by: PrincipalId, now_ns: int
     ) -> SlotTaken:
         first = others[0]
-        when = words.moment(first.start_ns, now_ns, self._zone(by))
+        when = words.moment(first.start_ns, now_ns, self.zone(by))
         name = self.name_of(first.principal)
         sentence = words.series_taken(self.shown_of(first.robot), name, when, (len(others), of_all))
         return SlotTaken(sentence, slot=first, next_free_ns=first.end_ns)

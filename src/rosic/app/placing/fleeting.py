@@ -93,7 +93,7 @@ class Fleeting:
             self._changes.keep(kind, keeper.apply)
         follow(pipeline.lives, self._usage)
         office, rooms, dispatching = pipeline.reception.office, self._rooms, self.dispatching
-        tasks = TaskClerk(rooms, dispatching, self.telling, zone_named(settings.zone))
+        tasks = TaskClerk(rooms, dispatching, self.telling)
         tasks.employ(office)
         self._furnish_missions(tasks, memory, settings, pipeline)
         robots = self.robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)

@@ -19,7 +19,6 @@ from rosic.core.saying import joined
 from rosic.core.skill import SkillClass
 from rosic.errors import NotPermitted, TooManyRequests
 from rosic.organiser.words_calendar import moment
-from rosic.organiser.zones import zone_named
 from rosic.pipeline.alerts.running import Hands
 from rosic.pipeline.consent import Consent
 from rosic.pipeline.fleet.by_rule import RuleTasks
@@ -125,7 +124,7 @@ class Furnishing:
             messengers: Through which people are reached.
             clock: Of the gateway.
             entropy: Of the gateway.
-            zone: Of the place, in which times are said.
+            zone: Of the place, in which times are said to whoever has set no other.
         """
         rooms, reception = self._rooms, self._pipeline.reception
         self.reach = Reach(rooms.authoriser, self._teller, messengers)
@@ -140,8 +139,8 @@ class Furnishing:
         self.consent.has_phone = self._access.stepup.is_set_up
         reception.proof_used = self._proof_used
         reception.refused = self._refused
-        self._furnish_times(clock, zone)
-        self._furnish_people(authority, messengers, clock, entropy, zone)
+        self._furnish_times(clock)
+        self._furnish_people(authority, messengers, clock, entropy)
         self._furnish_cards(messengers, clock)
         reception.office.employ("take", self.handover.take)
         reception.office.employ("end", self.handover.give_back)
@@ -177,7 +176,6 @@ class Furnishing:
         messengers: Sequence[Messenger],
         clock: Clock,
         entropy: Entropy,
-        zone: str,
     ) -> None:
         access, profiles = self._access, self._rooms.profiles
 
@@ -218,7 +216,7 @@ class Furnishing:
             vocabulary=self._rooms.vocabulary,
             naming=lambda asked, text: self._naming.robot_or_group(asked, "/ask", text),
             shown=lambda name: profiles[name].shown if name in profiles else name,
-            zone_of=lambda _principal: zone_named(zone),
+            zone_of=self._rooms.organiser.calendar.zone,
         )
         self.granting = Granting(registry, powers, entropy, places.zone_of)
         self.petitioning = Petitioning(registry, powers, access.petitions, self.granting, places)
@@ -277,10 +275,9 @@ class Furnishing:
 
     # ---- times ----
 
-    def _furnish_times(self, clock: Clock, zone: str) -> None:
+    def _furnish_times(self, clock: Clock) -> None:
         rooms, access = self._rooms, self._access
         organiser = rooms.organiser
-        here = zone_named(zone)
         sides = Sides(
             visible=organiser.visible,
             may_book=organiser.why_not_move,
@@ -289,7 +286,7 @@ class Furnishing:
                 who, FLEET, "slots", clock.wall_ns()
             ),
             selected=rooms.container.selected,
-            zone_of=lambda _principal: here,
+            zone_of=organiser.calendar.zone,
             lease=organiser.lease,
             ready=self._ready,
             barred=lambda robot: rooms.board.barred(robot),  # noqa: PLW0108 - replaced
@@ -326,9 +323,9 @@ class Furnishing:
         calendar = organiser.calendar
         calendar.name_of = organiser.name_of
         calendar.shown_of = lambda robot: linker.profile(robot).shown
-        calendar.zone_of = lambda _principal: zone
+        calendar.zone_of = lambda _principal: zone  # until people's own settings are known
         self._access.waiting.shown_of = calendar.shown_of
-        organiser.moment = lambda _who, at_ns: moment(at_ns, organiser.wall_ns(), zone_named(zone))
+        organiser.moment = lambda who, at_ns: moment(at_ns, organiser.wall_ns(), calendar.zone(who))
 
     # ---- live cards ----
 

@@ -19,7 +19,6 @@ from rosic.core.language import skills_of
 from rosic.core.limits import unit_converter
 from rosic.core.reach import FLEET
 from rosic.errors import Refusal
-from rosic.organiser.zones import zone_named
 from rosic.pipeline.containers.clerks import employ_clerks, take_over
 from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings, Vault
@@ -318,7 +317,8 @@ def holdings_of(
     shelf.is_robot = profiles.__contains__
     shelf.sees = lambda who, robot: robot in organiser.visible(who)
     shelf.works_with = lambda who, robot: organiser.holder(robot) == who
-    place = organiser.calendar.zone_of
+    calendar, place = organiser.calendar, organiser.calendar.zone_of
+    calendar.zone_of = lambda who: preferences.of(who).zone or place(who)
     return Holdings(
         preferences=preferences,
         shelf=shelf,
@@ -332,7 +332,7 @@ def holdings_of(
         shown=lambda robot: profiles[robot].shown if robot in profiles else robot,
         visible=organiser.visible,
         choices=organiser.visible,
-        zone_of=lambda who: zone_named(preferences.of(who).zone or place(who)),
+        zone_of=calendar.zone,
         may_archive=lambda who: organiser.rights.holds(who, FLEET, "archive", clock.wall_ns()),
         robots=profiles.keys(),
         find=partial(_called, around.authoriser),

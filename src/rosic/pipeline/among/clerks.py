@@ -17,6 +17,8 @@ from rosic.pipeline.office import check_length
 from rosic.pipeline.people.invitation_line import length_said
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.core.identity import PrincipalId
     from rosic.core.record import Fact
     from rosic.core.robot import RobotId
@@ -196,19 +198,22 @@ class AmongClerk:
             raise NotPermitted(words.may_not_quiet(shown))
         if rest and rest[0] in OFF:
             await self._fellowship.silence(robot, who, 0)
-            self._tell_others(robot, who, words.heard_again(shown))
+            self._tell_others(robot, who, lambda _: words.heard_again(shown))
             return Reply(words.heard_again(shown), about=robot)
         lasts_s = _length(rest)
         until_ns = self._around.clock.wall_ns() + int(lasts_s * 1e9)
         await self._fellowship.silence(robot, who, until_ns)
         name = clean(self._rooms.organiser.name_of(who))
-        text = words.quieted(shown, name, self._rooms.organiser.moment(who, until_ns))
-        self._tell_others(robot, who, text)
-        return Reply(text, about=robot)
+        moment = self._rooms.organiser.moment
+        self._tell_others(robot, who, lambda o: words.quieted(shown, name, moment(o, until_ns)))
+        return Reply(words.quieted(shown, name, moment(who, until_ns)), about=robot)
 
-    def _tell_others(self, robot: RobotId, who: PrincipalId, text: str) -> None:
-        others = [o for o in self._around.rights.operators(robot) if o != who]
-        self._around.reach.tell(others, text)
+    def _tell_others(
+        self, robot: RobotId, who: PrincipalId, text: Callable[[PrincipalId], str]
+    ) -> None:
+        for other in self._around.rights.operators(robot):
+            if other != who:
+                self._around.reach.tell((other,), text(other))
 
     def _whom(self, who: PrincipalId, said: list[str]) -> tuple[RobotId, str, list[str]]:
         """Return the robot that the first words call, how it is shown, and what follows.

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
     from rosic.errors import Refusal
-    from rosic.organiser.zones import Zone
     from rosic.pipeline.fleet.completing import Lacking
     from rosic.pipeline.fleet.dispatching import Dispatching, Given
     from rosic.pipeline.fleet.task_line import Wish
@@ -50,13 +49,10 @@ class TaskClerk:
         dispatching: Where they change.
     """
 
-    def __init__(
-        self, rooms: Rooms, dispatching: Dispatching, telling: Telling, zone: Zone
-    ) -> None:
+    def __init__(self, rooms: Rooms, dispatching: Dispatching, telling: Telling) -> None:
         self._rooms = rooms
         self.dispatching = dispatching
         self._telling = telling
-        self._zone = zone
         self._acts = {"pause": self._pause, "cancel": self._cancel, "go": self._go,
                       "resume": self._go, "retry": self._go, "done": self._was_done}  # fmt: skip
 
@@ -131,8 +127,9 @@ class TaskClerk:
         """
         fleet, who = self.dispatching.fleet, asked.caller.principal
         check_room(fleet, who, 1)
-        now_ns = self._rooms.organiser.wall_ns()
-        wish = read_wish(asked.rest, now_ns, self._zone)
+        organiser = self._rooms.organiser
+        now_ns = organiser.wall_ns()
+        wish = read_wish(asked.rest, now_ns, organiser.calendar.zone(who))
         wanted, robots, used = self._target(wish, who)
         lines = wish.lines(used)
         found = able(self._rooms, fleet, who, robots, lines)

@@ -89,7 +89,7 @@ class MissionClerk:
     async def missions(self, asked: Asked) -> Reply:
         """List what there is, and what runs."""
         runs = [self._run_line(run) for run in self._open_runs(asked.caller.principal)]
-        runs += self._times(asked.caller.principal)
+        runs += self._times()
         known = [words.known(mission.name, mission.title) for mission in self._missions.values()]
         if not known and not runs:
             return Reply(words.NONE)
@@ -339,7 +339,7 @@ class MissionClerk:
             key = timetable.next_key()
             await turn.write((decided, timetable.fact(key, plan, where)))
         timetable.look()
-        moment = self._rooms.organiser.moment(who, at_ns)
+        moment = self._rooms.organiser.moment("", at_ns)  # as it is kept
         text = words.planned(key, mission.name, moment, again=bool(when.rrule))
         return Reply(text, words.off_button(key))
 
@@ -366,13 +366,13 @@ class MissionClerk:
             await turn.write((decided, Fact(kind=TIMES, key=key, body=b"")))
         return Reply(words.taken_back(plan.mission))
 
-    def _times(self, who: PrincipalId) -> list[str]:
+    def _times(self) -> list[str]:
         organiser = self._rooms.organiser
         found: list[str] = []
         for key, plan in self._timetable.plans.items():
             at_ns = self._timetable.next_ns(plan)
             if at_ns is not None:
-                moment = organiser.moment(who, at_ns)
+                moment = organiser.moment("", at_ns)
                 found.append(words.planned(key, plan.mission, moment, again=bool(plan.rrule)))
         return found
 

@@ -72,7 +72,7 @@ class Telling:
             return late.task(task.id, what, length(task.due.lasts_ns // 10**9), task.due.cancels)
         tasks = self._dispatching.fleet.mission(task.mission)
         done = sum(one.state is State.DONE for one in tasks)
-        at = self._rooms.organiser.moment(task.author, task.due.at_ns)
+        at = self._rooms.organiser.moment("", task.due.at_ns)
         return late.mission(task.mission, at, (done, len(tasks)), task.due.cancels_all)
 
     def _of_held(self, before: Task, after: Task, what: str) -> str:

@@ -103,7 +103,8 @@ class Glimpses:
         who = organiser.whose(robot)
         if who is not None:
             ends = slot is not None and slot.principal == who
-            until = organiser.moment(who, slot.end_ns) if slot is not None and ends else ""
+            # On the place's clocks, as all of a card: others look at it as well.
+            until = organiser.moment("", slot.end_ns) if slot is not None and ends else ""
             return words.theirs(organiser.name_of(who) if named else words.taken(), until)
         following = calendar.next_of(robot, now_ns) if booked else None
         return words.free("" if following is None else organiser.moment("", following.start_ns))
