@@ -218,7 +218,9 @@ class PreferenceBook:
         except ValueError:
             raise NotUnderstood(words.HOW_FAST) from None
         if not rule.unit:
-            raise NotUnderstood(words.HOW_FAST, offers=(f"/settings speed {wanted} m/s",))
+            offered = rule.high is not None and rule.high > 0
+            offers = (f"/settings speed {wanted} m/s",) if offered else ()
+            raise NotUnderstood(words.HOW_FAST, offers=offers)
         if rule.high is None or rule.high <= 0:
             raise OutOfBounds(words.SPEED_NOT_POSITIVE)
         if not self._caps.texts(rule.said):

@@ -152,3 +152,12 @@ async def test_a_stop_of_the_operator_reaches_the_disk_when_the_control_socket_c
         latch.ready.set()
         await place.quiet()
         assert latch.read().get("omni") == (1, True)
+
+
+async def test_of_ones_own_container_no_id_is_said() -> None:
+    async with Place().open() as place:
+        assert await place.say("/data a =") == 'Your container keeps nothing called "a".'
+        place.gateway.rooms.organiser.charge = lambda _caller: None  # type: ignore[method-assign, assignment]
+        for number in range(64):
+            assert await place.say(f"/data n{number} = {number}") == "Data stored."
+        assert (await place.say("/data more = 1")).startswith("Your container keeps at most 64")

@@ -24,6 +24,7 @@ from rosic.pipeline.containers.erasing import Erasing, Sides
 from rosic.pipeline.containers.parts import Holdings, Vault
 from rosic.pipeline.containers.recording import Recorded
 from rosic.pipeline.containers.tidying import tidy
+from rosic.pipeline.containers.words_containers import YOU
 from rosic.pipeline.files.aside import Aside
 from rosic.pipeline.files.handing import Handing, Ways
 from rosic.pipeline.files.receiving import Receiving
@@ -315,6 +316,7 @@ def holdings_of(
     preferences = PreferenceBook(clock, Caps(skills, unit_converter(parts.units)), LANGUAGES)
     shelf = Shelf(clock, parts.entropy)
     shelf.is_robot = profiles.__contains__
+    shelf.shown = lambda owner: profiles[owner].shown if owner in profiles else YOU
     shelf.sees = lambda who, robot: robot in organiser.visible(who)
     shelf.works_with = lambda who, robot: organiser.holder(robot) == who
     calendar, place = organiser.calendar, organiser.calendar.zone_of

@@ -16,7 +16,7 @@ from rosic.core.language.when_said import Said, Unclear
 from rosic.core.reach import FLEET
 from rosic.core.roles import Grant
 from rosic.core.saying import joined
-from rosic.errors import NotUnderstood
+from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.pipeline.office import check_length
 from rosic.pipeline.people import words, words_asking
 
@@ -25,12 +25,15 @@ if TYPE_CHECKING:
 
 LONGEST_LINE = 300
 LENGTH_WORDS = 4
+SHORTEST_S = 1.0
+_WITH = "with"
 _FILLERS = frozenset(
     {"a", "an", "and", "as", "at", "everywhere", "on", "the", "with", "limit", ",", "&"}
 )
 _LASTS, _CODE, _CONFIRM = "for", "code", "confirm"
 _SIGNS = frozenset("<>=≤≥")
 _NUMBER = re.compile(r".*[<>=≤≥]\s*[+-]?\.?\d")
+_SCOPE = re.compile(r"[a-z0-9_*?-]+:[a-z0-9_*?-]+\Z", re.ASCII)
 _AS = re.compile(r"\s+as\s+", re.IGNORECASE)
 
 
@@ -55,15 +58,20 @@ def read_invitation(text: str, rights: Rights) -> Wanted:
 
 
 def read_grant(text: str, rights: Rights) -> Given:
-    """Read what somebody who is in already shall be given: roles, robots, limits, how long.
+    """Read what somebody who is in already shall be given.
+
+    Roles and robots, or single rights such as ``omni:move``; limits, and how long.
 
     Raises:
         NotUnderstood: Which word is none.
-        OutOfBounds: The line is too long.
+        OutOfBounds: The line is too long, or it is for no time.
     """
     said = clean(text).replace("\n", " ").strip()
     check_length(said, LONGEST_LINE)
-    return _Reading(said, rights, inviting=False).wanted().given
+    given = _Reading(said, rights, inviting=False).wanted().given
+    if given.lasts_s is not None and given.lasts_s < SHORTEST_S:
+        raise OutOfBounds(words_asking.no_time())
+    return given
 
 
 class _Reading:
@@ -78,6 +86,7 @@ class _Reading:
         self._lengths: dict[str, float] = {}
         self._given: list[str] = []
         self._where: list[str] = []
+        self._scopes: list[str] = []
         self._name = ""
         self._said = before
         self._walk(_raw(before))
@@ -91,6 +100,8 @@ class _Reading:
                 at += 1 + self._length(word, low[at + 1 : at + 1 + LENGTH_WORDS])
             elif _begins_limit(low, at):
                 at += self._limit(raw, low, at)
+            elif _limits_a_scope(low, at):
+                at += 1 + self._limit(raw, low, at + 1, word)
             else:
                 self._word(word)
                 at += 1
@@ -103,25 +114,28 @@ class _Reading:
             self._given.append(self._roles[word])
         elif word != FLEET and self._rights.fleet.robots(word):
             self._where.append(word)
+        elif not self._inviting and _SCOPE.match(word):
+            self._scopes.append(word)
         elif word == _CONFIRM and self._inviting:
             self._confirm = True
         elif word not in _FILLERS:
             raise self._unknown(word)
 
-    def _limit(self, raw: list[str], low: list[str], begin: int) -> int:
-        """Read ``speed <= 0.2 m/s``; return how many words it took."""
+    def _limit(self, raw: list[str], low: list[str], begin: int, scope: str = "") -> int:
+        """Read ``speed <= 0.2 m/s``, perhaps of one right only; return how many words it took."""
         end = begin + 1
         while end < len(low) and not _NUMBER.match(" ".join(low[begin:end])):
             end += 1
         while end < len(low) and not self._means(low[end]) and not _begins_limit(low, end):
             end += 1
-        self._limits.append(" ".join([low[begin], *raw[begin + 1 : end]]))
+        said = " ".join([scope, low[begin], *raw[begin + 1 : end]])
+        self._limits.append(said.strip())
         return end - begin
 
     def _means(self, word: str) -> bool:
         """Whether a word says something by itself, so that it is no unit."""
         known = {_LASTS, _CODE, _CONFIRM}
-        if word in known or word in self._roles or word in _FILLERS - {"a"}:
+        if word in known or word in self._roles or word in _FILLERS - {"a"} or _SCOPE.match(word):
             return True
         return bool(self._rights.fleet.robots(word))
 
@@ -131,7 +145,8 @@ class _Reading:
             raise NotUnderstood(words.twice_how_long(which))
         seconds, used = length_said(low)
         if not used:
-            raise NotUnderstood(words.no_length(which, " ".join(low[:1])))
+            count = 2 if low and low[0].isdecimal() else 1
+            raise NotUnderstood(words.no_length(which, " ".join(low[:count])))
         self._lengths[which] = seconds
         return used
 
@@ -149,11 +164,14 @@ class _Reading:
 
     def wanted(self) -> Wanted:
         """Return what was said."""
-        if not self._given:
+        if not self._given and not self._scopes:
             raise NotUnderstood(words.no_role(tuple(self._roles.values())))
+        if self._where and not self._given:
+            raise NotUnderstood(words_asking.says_where(self._scopes[0]))
         given = Given(
             roles=tuple(dict.fromkeys(self._given)),
             robots=tuple(dict.fromkeys(self._where)),
+            scopes=tuple(dict.fromkeys(self._scopes)),
             limits=tuple(dict.fromkeys(self._limits)),
             lasts_s=self._lengths.get(_LASTS),
         )
@@ -169,8 +187,10 @@ class _Reading:
         Raises:
             NotUnderstood: A limit that cannot be read, or limits nothing.
         """
-        for role in given.roles:
-            grant = Grant(role=role, robots=given.robots, limits=given.limits)
+        grants = [Grant(role=r, robots=given.robots, limits=given.limits) for r in given.roles]
+        if given.scopes:
+            grants.append(Grant(scopes=given.scopes, limits=given.limits))
+        for grant in grants:
             for mistake in self._rights.mistakes(grant):
                 what = joined(" ", filter(None, (mistake.sentence, mistake.hint)))
                 raise NotUnderstood(words_asking.nothing_done(what))
@@ -202,6 +222,12 @@ def _begins_limit(low: list[str], at: int) -> bool:
         return False
     following = low[at + 1][:1] if at + 1 < len(low) else ""
     return bool(_SIGNS & {*low[at], following})
+
+
+def _limits_a_scope(low: list[str], at: int) -> bool:
+    """Whether a single right stands here only for what limits it: ``with omni:move speed <= 1``."""
+    after_with = at > 0 and low[at - 1] == _WITH and bool(_SCOPE.match(low[at]))
+    return after_with and at + 1 < len(low) and _begins_limit(low, at + 1)
 
 
 def length_said(low: list[str]) -> tuple[float, int]:

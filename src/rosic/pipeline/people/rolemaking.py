@@ -62,7 +62,7 @@ class Rolemaking:
             return Reply(self._line(name))
         if verb.casefold() == OFF and not what:
             return await self._take(by, name)
-        if verb.casefold() != MAY:
+        if verb.casefold() != MAY or not what:
             raise NotUnderstood(words_roles.HOW)
         return await self._make(by, name, what, sure=sure)
 

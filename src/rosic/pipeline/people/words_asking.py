@@ -210,9 +210,22 @@ def how_to_grant(role: str, robot: str) -> str:
     """Return how to give somebody a right."""
     return said(
         "Whom, what, where and for how long? Write for example: /grant NAME {role}{robot} for 2h\n"
-        "Without a robot it is good everywhere, without a time until it is taken back.",
+        "Without a robot it is good everywhere, without a time until it is taken back. A single "
+        "right is written ROBOT:SKILL.",
         role=role, robot=f" {robot}" if robot else "",
     )  # fmt: skip
+
+
+def no_time() -> str:
+    """Return that a right for no time is none."""
+    return said("A right lasts at least a second. Nothing was done.")
+
+
+def says_where(scope: str) -> str:
+    """Return that a single right names its robot."""
+    return said(
+        "{scope} says already on which robot, so name no other. Nothing was done.", scope=scope
+    )
 
 
 def give_label() -> str:

@@ -74,12 +74,55 @@ async def test_what_is_given_for_good_is_confirmed_first() -> None:
         ("/grant Vi operator omni for ever", 'I cannot read "ever" as a length of time.'),
         ("/grant Vi operator omni with force <= 5 N", "No skill given here has a parameter"),
         ("/grant Vi operatr omni", 'I know no role and no robot called "operatr".'),
+        ("/grant Vi operator omni for 0 min", "A right lasts at least a second."),
+        ("/grant Vi operator omni for 2 bananas", 'I cannot read "2 bananas" as a length of'),
+        ("/grant Vi operator omni for", "How long?"),
+        ("/grant Vi omni:fly for 2h", "omni has no skill 'fly'."),
+        ("/grant Vi onmi:move for 2h", "No robot or group is called 'onmi'. Did you mean omni?"),
+        ("/grant Vi omni:move on kuka1 for 2h", "omni:move says already on which robot"),
+        ("/grant Vi omni:move with distance <= 1 kg for 2h", "On omni, 'distance <= 1 kg'"),
+        ("/grant Vi omni:move with distance < 1 m for 2h", "'distance < 1 m' leaves open"),
     ],
 )
 async def test_a_gift_that_makes_no_sense_gives_nothing(line: str, said: str) -> None:
     async with house() as place:
         assert (await place.line(ADA, line)).startswith(said)
         assert not place.gateway.authority.roster.next_end_ns(0)
+
+
+async def test_a_single_right_is_given_with_its_limit_and_ends() -> None:
+    async with house() as place:
+        told = await place.line(ADA, "/grant Vi omni:move with distance <= 1 m for 2h")
+        assert told == (
+            "Vi has been told: move on omni, with distance <= 1 m, until tomorrow 00:13."
+        )
+        await place.line(VI, "omni move 2 m")
+        await place.line(VI, "omni wave")
+        assert place.acted() == 0
+        await place.line(VI, "omni move 1 m")
+        assert place.acted() == 1
+        await place.pass_s(2 * 3_600 + 1)
+        await place.line(VI, "omni move 1 m")
+        assert place.acted() == 1
+
+
+async def test_a_single_right_after_with_only_says_what_is_limited() -> None:
+    async with house() as place:
+        told = await place.line(ADA, "/grant Vi operator with omni:move distance <= 1 m for 2h")
+        assert "operator, with omni:move distance <= 1 m, until" in told
+        await place.line(VI, "omni move 2 m")
+        assert place.acted() == 0
+        await place.line(VI, "kuka1 move 2 m")
+        assert place.acted("kuka1") == 1
+
+
+async def test_whoever_gives_rights_on_one_robot_gives_single_ones_there_only() -> None:
+    async with house() as place:
+        told = await place.line(TIM, "/grant Vi kuka1:wave for 1h")
+        assert told.startswith("Vi has been told: wave on kuka1")
+        for scope in ("omni:wave", "kuka1:grant", "*:wave", "fleet:lock"):
+            told = await place.line(TIM, f"/grant Vi {scope} for 1h")
+            assert "it is more than you may give" in told, scope
 
 
 async def test_who_gives_no_rights_learns_nobodys_name() -> None:

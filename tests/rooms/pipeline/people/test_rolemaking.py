@@ -138,7 +138,7 @@ async def test_the_file_wins_over_a_role_of_the_same_name_and_says_so_once(
         ("guest may guest", "The role guest includes itself: guest includes guest."),
         ("guest may omni:move with distance <= 1 kg", "On omni,"),
         ("guest may omni:move with force <= 5 N", "No skill given here has a parameter 'force'"),
-        ("guest may", "The role guest gives nothing."),
+        ("guest may", "To make one, write for example: /role guest may ROBOT:SKILL"),
         ("guest may fleet:lock", "Rights about the place as a whole"),
         ("guest may admin", "Rights about the place as a whole"),
         ("viewer may omni:move", "The role viewer is one of this place's configuration"),
