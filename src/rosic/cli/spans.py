@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from rosic.core.language.when_said import Said, Unclear
+from rosic.core.language.clock_words import Unclear
+from rosic.core.language.when_said import Said
 from rosic.errors import OutOfBounds
 
 if TYPE_CHECKING:

@@ -29,6 +29,14 @@ def understood(text: str) -> When:
     return found
 
 
+def over(text: str, now_ns: int = NOW_NS) -> bool:
+    """Whether a time has begun already."""
+    found = read_when(text, now_ns, local_at)
+    assert isinstance(found, When), found
+    now, start = local_at(now_ns), found.start
+    return (start.day_number, start.minute_of_day) < (now.day_number, now.minute_of_day)
+
+
 def misunderstood(text: str) -> Misunderstood:
     found = read(text)
     assert isinstance(found, Misunderstood), found
@@ -170,6 +178,18 @@ def test_an_end_that_was_said_is_kept() -> None:
         ("now 9:00 1h", "two times at once"),
         ("now tomorrow 1h", "two times at once"),
         ("in 10000 h 1h", "a year"),
+        ("31 feb 14:00 1h", "Feb 2027 has no day 31"),
+        ("31 nov 14:00 1h", "Nov 2026 has no day 31"),
+        ("31.2.2020 14:00 1h", "Feb 2020 has no day 31"),
+        ("32.13. 9:00 1h", "no such month"),
+        ("today 1h", "At what time?"),
+        ("yesterday 1h", "At what time?"),
+        ("every tue 1h 3 times", "At what time?"),
+        ("tomorrow 14:00 1h Europe/Berlin", 'leave "europe/berlin" out. /settings zone'),
+        ("tomorrow 14:00 UTC 1h", 'leave "utc" out. /settings zone'),
+        ("tomorrow 14:00 CEST 1h", 'leave "cest" out. /settings zone'),
+        ("every mon 14:00 1h until whenever", '"whenever"'),
+        ("tomorrow until", '"until"'),
         ("tomorrow 9:00 1h until 2027-02-01", "Every which day"),
         ("tomorrow 9:00 1h 5 times", "Every which day"),
         ("every tue 9:00 1h until 2026-11-01", "over before it begins"),
@@ -186,7 +206,28 @@ def test_what_nobody_can_read_is_said_with_what_can_be(text: str, why: str) -> N
     assert why in found.sentence
     assert found.offers
     for offer in found.offers:
-        understood(offer)
+        assert not over(offer), offer
+
+
+@pytest.mark.parametrize("minute", [0, 9 * 60, 14 * 60, 23 * 60 + 59])
+def test_what_is_offered_is_never_over_whatever_the_hour(minute: int) -> None:
+    now_ns = day_number(2026, 11, 21) * DAY_NS + (minute - HOURS_AHEAD * 60) * MINUTE_NS
+    for text in ("", "tomorrow", "today", "1h", "mon 2h", "24 Nov", "31 feb 14:00 1h", "yesterday"):
+        found = read_when(text, now_ns, local_at)
+        assert isinstance(found, Misunderstood)
+        assert found.offers, text
+        assert not [offer for offer in found.offers if over(offer, now_ns)], text
+
+
+def test_the_day_that_was_said_is_kept_in_what_is_offered() -> None:
+    assert misunderstood("tomorrow").offers == ("2026-11-22 14:00 1h",)
+    assert misunderstood("24 Nov 2h").offers == ("2026-11-24 14:00 2 h",)
+    assert misunderstood("mon 2h").offers == ("2026-11-23 14:00 2 h",)
+    assert misunderstood("1h").offers == ("2026-11-21 14:00 1 h", "2026-11-22 14:00 1 h")
+
+
+def test_yesterday_is_a_time_that_is_over() -> None:
+    assert over("yesterday 14:00 1h")
 
 
 def test_the_examples_are_understood() -> None:

@@ -22,8 +22,9 @@ from rosic.core.civil import (
     month_length,
     weekday_of,
 )
+from rosic.core.language.clock_words import Unclear
 from rosic.core.language.lines import Misunderstood
-from rosic.core.language.when_said import Said, Unclear
+from rosic.core.language.when_said import Said
 from rosic.core.saying import said
 
 if TYPE_CHECKING:
@@ -31,11 +32,14 @@ if TYPE_CHECKING:
 
     from rosic.core.language.when_said import Date
 
-EXAMPLES = ("tomorrow 14:00 1h", "today 9-10", "now 30 min", "every tue 14:00 1h until 2027-02-01")
+# Good at any time: none of them is over before somebody taps it.
+EXAMPLES = ("tomorrow 14:00 1h", "mon 9-10", "now 30 min", "every tue 14:00 1h 10 times")
 
 _LONGEST_DELAY_S = 366 * 86_400
 _CODES = ("MO", "TU", "WE", "TH", "FR", "SA", "SU")
 _A_WEEK = 7
+_A_YEAR = 365
+_TWO = 14 * 60
 
 
 class When(msgspec.Struct, frozen=True):
@@ -109,7 +113,8 @@ class _Reckoning:
             raise Unclear(said("That says two times at once."))
         if delay_s > _LONGEST_DELAY_S:
             raise Unclear(
-                said("That is further away than a year; name the day."), "2027-02-01 14:00 1h"
+                said("That is further away than a year; name the day."),
+                self._again(self._now.day_number + _A_YEAR),
             )
         start_ns = (self._now_ns + int(delay_s * 1e9)) // MINUTE_NS * MINUTE_NS
         start = self._local_at(start_ns)
@@ -118,11 +123,17 @@ class _Reckoning:
 
     def _what_time(self) -> Unclear:
         given = self._said
-        if given.length_s is None and not (given.weekdays or given.date or given.day is not None):
+        if given.length_s is None and not self._named_day():
             return Unclear(said("When, and for how long?"), *EXAMPLES)
-        length = _length_text(given.length_s)
-        today = Local.at(self._now.day_number).date_text()
-        return Unclear(said("At what time?"), f"tomorrow 14:00 {length}", f"{today} 14:00 {length}")
+        if given.every or given.rrule:
+            return Unclear(said("At what time?"), EXAMPLES[-1])
+        day = self._day(_TWO)
+        days = dict.fromkeys((day,) if self._named_day() else (day, self._now.day_number + 1))
+        return Unclear(said("At what time?"), *map(self._again, days))
+
+    def _named_day(self) -> bool:
+        given = self._said
+        return bool(given.weekdays) or given.date is not None or given.day is not None
 
     # ---- the day ----
 
@@ -167,11 +178,14 @@ class _Reckoning:
                 number = day_number(candidate, month, day)
                 if year is not None or number >= today:
                     return number
-        raise self._no_such_day(year or self._now.year, month, day)
+        raise self._no_such_day(year, month, day)
 
-    def _no_such_day(self, year: int, month: int, day: int) -> Unclear:
+    def _no_such_day(self, said_year: int | None, month: int, day: int) -> Unclear:
+        year = said_year or self._now.year
         if not is_date(year, month, 1):
             return Unclear(said("There is no such month."), self._again(self._now.day_number))
+        if said_year is None and day_number(year, month, 28) < self._now.day_number:
+            year += 1  # the next such month is meant: this year's is over
         last = day_number(year, month, month_length(year, month))
         name = MONTHS[month - 1]
         return Unclear(
@@ -180,9 +194,12 @@ class _Reckoning:
         )
 
     def _again(self, day: int) -> str:
-        """Return what would be understood, on another day."""
+        """Return what would be understood, on another day; not what is over today."""
         said = self._said
-        clock = Local.at(0, said.start or 0).time_text() if said.start else "14:00"
+        start = _TWO if said.start is None else said.start
+        day = max(day, self._now.day_number)
+        day += day == self._now.day_number and start <= self._now.minute_of_day
+        clock = Local.at(0, start % MINUTES_A_DAY).time_text()
         year, month, date = date_of(day)
         return f"{year}-{month:02}-{date:02} {clock} {_length_text(said.length_s)}"
 
@@ -220,9 +237,7 @@ class _Reckoning:
         given = self._said
         if not given.every:
             if given.until or given.count is not None:
-                raise Unclear(
-                    said("Every which day until then?"), "every tue 14:00 1h until 2027-02-01"
-                )
+                raise Unclear(said("Every which day until then?"), EXAMPLES[-1])
             return ""
         parts = ["FREQ=DAILY" if len(given.weekdays) == _A_WEEK else "FREQ=WEEKLY"]
         if given.every > 1:

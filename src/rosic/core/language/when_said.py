@@ -11,7 +11,8 @@ from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.civil import MINUTES_A_DAY, MONTHS, WEEKDAYS
-from rosic.core.language.cleaning import clean, fold_word, quote
+from rosic.core.language.cleaning import quote
+from rosic.core.language.clock_words import Unclear, clock_of, words_of
 from rosic.core.language.numerals import read_numeral
 from rosic.core.saying import said
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 Date: TypeAlias = tuple[int | None, int, int]
 """Year, if it was said, month and day; perhaps no such day."""
 
-LONGEST_TEXT = 200
 LONGEST_S = 1e9
 
 FILLERS = frozenset({"a", "an", "at", "from", "the", "on", "please", "of", ",", "/book", "o'clock"})
@@ -39,6 +39,7 @@ UNITS: dict[str, int] = {
 WORKDAYS = (0, 1, 2, 3, 4)
 
 _FULL_DAYS = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
+_DAYS_AWAY = {"yesterday": -1, "today": 0, "tonight": 0, "tomorrow": 1}
 _OTHER_DAYS = {"tues": 1, "weds": 2, "thur": 3, "thurs": 3}
 _DAYS: dict[str, int] = {
     **{name.lower(): number for number, name in enumerate(WEEKDAYS)},
@@ -61,25 +62,16 @@ _DOTTED = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4}|\d{2})?\Z", re.ASCII)
 _SLASHED = re.compile(r"\d{1,4}/\d{1,2}(?:/\d{1,4})?\Z", re.ASCII)
 _DAY_OF_MONTH = re.compile(r"(\d{1,2})(?:\.|st|nd|rd|th)?\Z", re.ASCII)
 _YEAR = re.compile(r"(?:19|20|21)\d\d\Z", re.ASCII)
-_CLOCK = re.compile(r"(\d{1,2})(?::(\d{2}))?(am|pm|a\.m\.|p\.m\.)?\Z", re.ASCII)
 _HOURS_AND_MINUTES = re.compile(r"(\d{1,3})h(\d{1,2})(?:m|min)?\Z", re.ASCII)
+_ZONE = re.compile(r"(?:[a-z_]+/[a-z_/]+|utc|gmt|ce?s?t|[ecmp][sd]t|bst|jst|(?:utc|gmt)[+-].*)\Z")
 _TIMES = re.compile(r"(\d{1,6})(?:x|times)?\Z", re.ASCII)
-
-
-class Unclear(Exception):
-    """The words say no time. ``str()`` is the sentence, ``offers`` what would be understood."""
-
-    def __init__(self, sentence: str, *offers: str) -> None:
-        super().__init__(sentence)
-        self.sentence = sentence
-        self.offers = offers
 
 
 class Said:
     """What the words say, each thing at most once.
 
     Attributes:
-        day: Days from today: 0 or 1.
+        day: Days from today: -1, 0 or 1.
         weekdays: Monday is 0. Several only if it comes again.
         start: Minutes since midnight; ``end`` as well.
         delay_s: ``in 20 min``; 0 for ``now``.
@@ -99,7 +91,7 @@ class Said:
         self.until: Date | None = None
         self.count: int | None = None
         self.rrule = ""
-        self._words = _words(text)
+        self._words = words_of(text)
         self._at = 0
         self._told: set[str] = set()
         self._read()
@@ -118,9 +110,21 @@ class Said:
         )
         while self._at < len(self._words):
             if not any(rule() for rule in rules):
-                raise Unclear(
-                    said("I cannot read {quote} as a time.", quote=quote(self._words[self._at]))
+                raise self._unread()
+
+    def _unread(self) -> Unclear:
+        """Return what cannot be read: what stands after ``until``, and not that word itself."""
+        word = self._word()
+        if _ZONE.match(word):
+            return Unclear(
+                said(
+                    "I read times on your own clock, so leave {quote} out. /settings zone says "
+                    "which clock that is.",
+                    quote=quote(word),
                 )
+            )
+        following = self._word(1) if word in JOINTS else ""
+        return Unclear(said("I cannot read {quote} as a time.", quote=quote(following or word)))
 
     def _word(self, ahead: int = 0) -> str:
         at = self._at + ahead
@@ -143,8 +147,8 @@ class Said:
 
     def _day_word(self) -> bool:
         word = self._word()
-        if word in {"today", "tonight", "tomorrow"}:
-            self._once("day", int(word == "tomorrow"))
+        if word in _DAYS_AWAY:
+            self._once("day", _DAYS_AWAY[word])
         elif word in _DAYS:
             self._once("weekdays", (_DAYS[word],))
         elif word == "now":
@@ -183,7 +187,7 @@ class Said:
                 days.add(_DAYS[self._word()])
             self._at += 1
         if not days:
-            raise Unclear(said("Every which day?"), "every tue 14:00 1h until 2027-02-01")
+            raise Unclear(said("Every which day?"), "every tue 14:00 1h 10 times")
         self.weekdays = tuple(sorted(days))
 
     def _ending(self) -> bool:
@@ -311,7 +315,7 @@ class Said:
     def _time(self) -> bool:
         """Read ``14:00``, ``2 pm``, ``9-10``, ``9 to 10``, ``9-10pm``."""
         first, dash, second = self._word().partition("-")
-        clock = _clock(first, "" if dash else self._word(1))
+        clock = clock_of(first, "" if dash else self._word(1))
         if clock is None:
             return self._end_time(1) if self._word() in JOINTS else False
         minute, half, used = clock
@@ -338,7 +342,7 @@ class Said:
             ahead: How many words before it.
             half: ``am`` or ``pm`` if the start said so; ``?``: no start stands right before.
         """
-        clock = _clock(self._word(ahead), self._word(ahead + 1))
+        clock = clock_of(self._word(ahead), self._word(ahead + 1))
         if clock is None:
             return False
         minute, ends_in, used = clock
@@ -351,47 +355,3 @@ class Said:
         if half == "pm" and not ends_in and start is not None and start < late <= MINUTES_A_DAY:
             self.end = late
         return True
-
-
-def _words(text: str) -> list[str]:
-    """Split into folded lower-case words; a comma is a word of its own."""
-    if len(text) > LONGEST_TEXT:
-        raise Unclear(
-            said(
-                "That is longer than any time: I read at most {longest_text} characters.",
-                longest_text=LONGEST_TEXT,
-            )
-        )
-    folded = (fold_word(word).casefold() for word in clean(text).split())
-    words: list[str] = []
-    for word in folded:
-        words.extend(_at_commas(word))
-    return words
-
-
-def _at_commas(word: str) -> list[str]:
-    """``tue,thu`` is three words; ``1,5h`` and a rule are one."""
-    if "," not in word or "=" in word or (word[0].isdigit() and word[-1] != ","):
-        return [word]
-    return word.replace(",", " , ").split()
-
-
-def _clock(word: str, after: str) -> tuple[int, str, int] | None:
-    """Read a time of day: minutes since midnight, am or pm if said, how many words."""
-    if word in {"noon", "midday"}:
-        return MINUTES_A_DAY // 2, "pm", 1
-    match = _CLOCK.match(word)
-    if match is None:
-        return None
-    apart = not match[3] and after in {"am", "pm", "a.m.", "p.m."}
-    half = (after if apart else match[3] or "").replace(".", "")
-    hour, minute = int(match[1]), int(match[2] or 0)
-    if half:
-        if not 1 <= hour <= 12:  # noqa: PLR2004
-            raise Unclear(f"There is no {quote(word)} {half}.".replace('"', ""))
-        hour = hour % 12 + 12 * (half == "pm")
-    if (hour, minute) == (24, 0):
-        return MINUTES_A_DAY, half, 1 + apart
-    if hour > 23 or minute > 59:  # noqa: PLR2004
-        raise Unclear(said("There is no {quote} on a clock.", quote=quote(word)))
-    return hour * 60 + minute, half, 1 + apart

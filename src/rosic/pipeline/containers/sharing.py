@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.container import words_container
 from rosic.core.language.cleaning import clean_name
-from rosic.core.language.when_said import Said, Unclear
+from rosic.core.language.clock_words import Unclear
+from rosic.core.language.when_said import Said
 from rosic.core.message import Button
 from rosic.core.saying import joined
 from rosic.errors import NotUnderstood

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 from rosic.authoriser.invitation import CODE_TTL_S, Given, Wanted
 from rosic.core.language import clean, clean_name
 from rosic.core.language.cleaning import fold_word
+from rosic.core.language.clock_words import Unclear
 from rosic.core.language.suggestions import did_you_mean
-from rosic.core.language.when_said import Said, Unclear
+from rosic.core.language.when_said import Said
 from rosic.core.reach import FLEET
 from rosic.core.roles import Grant
 from rosic.core.saying import joined

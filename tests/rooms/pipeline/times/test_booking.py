@@ -138,9 +138,12 @@ async def test_half_a_time_is_asked_for() -> None:
         assert "book kuka1 2026-11-22 14:00 1h" in lab.offers()
         assert (await lab.say(BEN, "/book kuka1")).startswith("When, and for how long?")
         assert lab.offers()[0] == "book kuka1 tomorrow 14:00 1h"
-        assert await lab.say(BEN, "/book kuka1 yesterday 14:00 1h") == (
-            'I cannot read "yesterday" as a time. Write it as tomorrow 14:00 1h, or the day as '
+        assert await lab.say(BEN, "/book kuka1 blursday 14:00 1h") == (
+            'I cannot read "blursday" as a time. Write it as tomorrow 14:00 1h, or the day as '
             "2027-02-01."
+        )
+        assert (await lab.say(BEN, "/book kuka1 yesterday 14:00 1h")).startswith(
+            "That time is over: it would have begun at Fri 20 Nov 14:00"
         )
 
 
