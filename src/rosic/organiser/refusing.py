@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.asking import Code
 from rosic.core.language.suggestions import AND, OR
+from rosic.core.limits import broken_limit
 from rosic.core.robot import Slots
 from rosic.core.roles import Assurance, Need
 from rosic.core.saying import joined, said
@@ -27,9 +28,11 @@ if TYPE_CHECKING:
     from rosic.core.asking import Allowed, Denied
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import Profile, RobotId
+    from rosic.core.skill import Argument, Parameter, Skill
     from rosic.core.stopboard import StopBoard
     from rosic.organiser.organiser import Organiser
 
+_SI = frozenset({"", "m", "m/s", "m/s^2", "s", "N", "Nm", "rad", "rad/s", "kg"})
 LOCKED = said("Your access is locked. The admin of this place can unlock it. Stop still works.")
 NOTHING_DONE = said("Nothing was done.")
 ENDED = said("Your access here has ended. The admin of this place can renew it.")
@@ -225,6 +228,7 @@ class Refusing:
                 within=within,
                 who=self._who_allows_more(denied.who),
             ),
+            offers=within_limits(denied, self._profiles[denied.ask.robot].skills),
             petition=_petition(denied),
         )
 
@@ -285,6 +289,33 @@ class Refusing:
 def _petition(denied: Denied) -> str:
     """Return how to ask for what is missing; nothing when there is nobody to ask."""
     return f"/ask {denied.ask.robot} {_spoken(denied.ask.skill)}" if denied.who else ""
+
+
+def within_limits(denied: Denied, skills: Mapping[str, Skill]) -> tuple[str, ...]:
+    """Return the same command with as much as their limits allow, if that can be typed."""
+    skill, way, arguments = skills.get(denied.ask.skill), denied.way, denied.ask.arguments
+    if skill is None or way is None or arguments is None:
+        return ()
+    allowed = dict(arguments)
+    for limit in way.limits:
+        value = allowed.get(limit.parameter)
+        if isinstance(value, int | float):
+            allowed[limit.parameter] = float(f"{min(max(value, limit.min), limit.max):g}")
+    said = [
+        _typed(name, allowed[name], parameter)
+        for name, parameter in skill.parameters.items()
+        if allowed[name] != parameter.default or allowed[name] != arguments[name]
+    ]
+    if not all(said) or broken_limit(way.limits, allowed) is not None:
+        return ()
+    return (f"{denied.ask.robot} {_spoken(skill.id)} {' '.join(said)}",)
+
+
+def _typed(name: str, value: Argument, parameter: Parameter) -> str:
+    """Return a value as somebody types it; nothing where what is typed is not in SI."""
+    if isinstance(value, str):
+        return f"{name}={value}"
+    return f"{name}={value:g} {parameter.unit}".rstrip() if parameter.unit in _SI else ""
 
 
 def bound_of(limit: str) -> str:

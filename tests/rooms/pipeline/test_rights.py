@@ -64,6 +64,21 @@ async def test_a_limit_of_a_role_is_said_and_kept(skills: str) -> None:
         assert place.acted() == 2
 
 
+async def test_what_is_over_a_limit_is_offered_within_it() -> None:
+    async with lab(rules(junior=JUNIOR), {"Bo": "junior"}) as place:
+        told = await place.say("omni move 2 m left", account=BO, chat=BO)
+        assert "for you, move is allowed with distance <= 1 m" in told
+        button, under = place.button("omni move direction=left distance=1 m")
+        told = await place.tap(button, under, account=BO)
+        assert "omni: move, 1.00 m left" in told
+        assert place.acted() == 1
+    other = replace(JUNIOR, limits=("distance >= 2 m",))
+    async with lab(rules(junior=other), {"Bo": "junior"}) as place:
+        await place.say("omni move 50 cm", account=BO, chat=BO)
+        await place.tap(*place.button("omni move distance=2 m"), account=BO)
+        assert place.acted() == 1
+
+
 async def test_what_wants_a_tap_moves_only_after_it() -> None:
     async with lab(rules(Care(scopes=("omni:wave",), confirm=True))) as place:
         told = await place.say("omni wave")
