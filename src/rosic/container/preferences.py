@@ -8,7 +8,7 @@ somebody has settings.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 import msgspec
@@ -23,11 +23,12 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.limits import Convert
     from rosic.core.robot import RobotId
-    from rosic.core.skill import Skill
+    from rosic.core.skill import Parameter, Skill
 
 KIND: Final = "preference"
 METRIC, IMPERIAL = "metric", "imperial"
 SPEED: Final = "speed"
+SPEEDS: Final = ("m/s", "rad/s")
 SLOW: Final = 0.1  # of a skill's highest speed: while it is not known how slow somebody wants it
 LONGEST: Final = 64
 
@@ -77,8 +78,8 @@ _decode = msgspec.msgpack.Decoder(Preferences).decode
 class Caps:
     """Turns one speed into the limits that it means for the robots here.
 
-    A skill whose speed is no speed of that kind, an angle a second, is not touched by it: a limit
-    in a unit that does not fit would forbid the skill altogether.
+    What is no speed of that kind, an angle a second, is not touched by it: a limit in a unit that
+    does not fit would forbid the skill altogether.
     """
 
     def __init__(self, skills: Mapping[RobotId, Mapping[str, Skill]], convert: Convert) -> None:
@@ -91,30 +92,35 @@ class Caps:
         return Caps({robot: skills}, self._convert)
 
     def texts(self, said: str) -> tuple[str, ...]:
-        """Return the limits, one for each skill that has such a speed."""
-        rule = parse_limit(said)
+        """Return the limits, one for each parameter that is such a speed, however it is called."""
+        rule, bound = parse_limit(said), said.partition(" ")[2]
+        if rule.high is None:
+            return ()
         return tuple(
-            f"{robot}:{name} {said}"
-            for robot, skills in self._skills.items()
-            for name, skill in skills.items()
-            if rule.high is not None and self._fits(rule.high, rule.unit, skill)
+            f"{robot}:{skill} {name} {bound}"
+            for robot, skill, name, parameter in self._numbers()
+            if self._fits(rule.high, rule.unit, parameter)
         )
 
     def slowest(self) -> tuple[str, ...]:
-        """Return limits that make every skill with a speed slow, whatever its unit."""
+        """Return limits that make everything with a speed slow, whatever its unit."""
         return tuple(
-            f"{robot}:{name} {SPEED} <= {max(lowest, highest * SLOW):.12g} {speed.unit}".rstrip()
-            for robot, skills in self._skills.items()
-            for name, skill in skills.items()
-            if (speed := skill.parameters.get(SPEED)) is not None
-            and (lowest := speed.min) is not None
-            and (highest := speed.max) is not None
+            f"{robot}:{skill} {name} <= {max(lowest, highest * SLOW):.12g} {one.unit}".rstrip()
+            for robot, skill, name, one in self._numbers()
+            if (name == SPEED or any(self._fits(1.0, unit, one) for unit in SPEEDS))
+            and (lowest := one.min) is not None
+            and (highest := one.max) is not None
         )
 
-    def _fits(self, number: float, unit: str, skill: Skill) -> bool:
-        parameter = skill.parameters.get(SPEED)
-        if parameter is None or parameter.max is None:
-            return False
+    def _numbers(self) -> Iterator[tuple[RobotId, str, str, Parameter]]:
+        """Yield robot, skill, name and description of whatever is given as a number."""
+        for robot, skills in self._skills.items():
+            for skill in skills.values():
+                for name, parameter in skill.parameters.items():
+                    if parameter.max is not None:
+                        yield robot, skill.id, name, parameter
+
+    def _fits(self, number: float, unit: str, parameter: Parameter) -> bool:
         try:
             self._convert(number, unit, parameter)
         except ValueError:

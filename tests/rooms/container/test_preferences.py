@@ -125,6 +125,34 @@ def test_a_speed_is_in_force_in_the_rights_it_is_given_to() -> None:
     assert rights.holds(ADA, "omni", "turn", 1)  # an angular speed is not touched
 
 
+def test_a_speed_limits_whatever_is_one_however_it_is_called_and_both_ways() -> None:
+    go = Skill(
+        id="go",
+        parameters={
+            "linear": Parameter(unit="m/s", min=-0.8, max=0.8, default=0),
+            "lateral": Parameter(unit="m/s", min=-0.8, max=0.8, default=0),
+            "angular": Parameter(unit="deg/s", min=-90, max=90, default=0),
+            "duration": Parameter(unit="s", min=0.1, max=5),
+        },
+    )
+    skills, convert = {"omni": {"go": go}}, unit_converter(known_units())
+    book = PreferenceBook(ManualClock(), Caps(skills, convert), LANGUAGES)
+    make_so(book, book.set_speed(ADA, "20 cm/s"))
+    held = {ADA: (Grant(role="driver", limits=book.limits(ADA)),)}
+    rulebook = Rulebook(roles={"driver": Role(scopes=("*:*",))})
+    rights = Rights.draw_up(1, rulebook, Fleet(skills=skills), held, convert)
+    [(way, _)] = rights.ways(ADA, "omni", "go")
+    bounds = {limit.parameter: (limit.min, limit.max) for limit in way.limits}
+    assert bounds == {  # type: ignore[comparison-overlap]
+        "linear": (pytest.approx(-0.2), pytest.approx(0.2)),
+        "lateral": (pytest.approx(-0.2), pytest.approx(0.2)),
+    }
+    slow = Caps(skills, convert).slowest()
+    assert slow == (
+        "omni:go linear <= 0.08 m/s", "omni:go lateral <= 0.08 m/s", "omni:go angular <= 9 deg/s",
+    )  # fmt: skip
+
+
 def test_zones_are_asked_of_whoever_knows_them() -> None:
     def name_of(said: str) -> str:
         if said != "Europe/Vienna":
