@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import echo
 from rosic.core.language.suggestions import AND
+from rosic.core.message import Button
 from rosic.core.reach import FLEET
 from rosic.core.saying import joined, said
 from rosic.errors import NotPermitted, NotUnderstood, RobotBusy
@@ -119,6 +120,8 @@ class Handover:
         shown = self._rooms.linker.profile(robot).shown
         organiser, who = self._rooms.organiser, asked.caller.principal
         holder = organiser.holder(robot)
+        if holder is None and organiser.whose(robot) == who:
+            return self._ended(robot, shown, who)
         if holder is None:
             raise NotUnderstood(said("Nobody has {shown}.", shown=shown))
         if holder != who and not organiser.rights.holds(who, FLEET, "slots", organiser.wall_ns()):
@@ -142,7 +145,24 @@ class Handover:
                 (holder,),
                 said("{name} ended your time with {shown}.", name=asked.caller.name, shown=shown),
             )
-        return Reply(said("Session ended. {shown} is at rest, and free.", shown=shown))
+        return self._ended(robot, shown, who)
+
+    def _ended(self, robot: RobotId, shown: str, who: PrincipalId) -> Reply:
+        """Return that a session was ended; and whose time with the robot goes on, if it does."""
+        organiser = self._rooms.organiser
+        owner, now_ns = organiser.whose(robot), organiser.wall_ns()
+        slot = None if owner is None else organiser.calendar.present(robot, now_ns)
+        if owner is None or slot is None or slot.principal != owner:
+            return Reply(said("Session ended. {shown} is at rest, and free.", shown=shown))
+        until = organiser.moment(who, slot.end_ns)
+        text = (
+            said("Session ended. {shown} is at rest, and yours until {until}.",
+                 shown=shown, until=until)
+            if owner == who
+            else said("Session ended. {shown} is at rest, and {name}'s until {until}.",
+                      shown=shown, name=self._name(owner), until=until)
+        )  # fmt: skip
+        return Reply(text, ((Button(said("Give that time back"), f"/cancel {slot.id}"),),))
 
     def _name(self, principal: PrincipalId) -> str:
         return self._rooms.organiser.name_of(principal)

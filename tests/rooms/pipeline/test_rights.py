@@ -112,6 +112,24 @@ async def test_somebodys_time_keeps_others_out_and_says_when() -> None:
         assert place.acted() == 2
 
 
+async def test_who_ends_a_session_within_their_time_reads_that_it_goes_on() -> None:
+    async with lab(rules()) as place:
+        await place.say("/book omni now 30 min", account=BO, chat=BO)
+        await place.say("omni wave", account=BO, chat=BO)
+        for _ in range(2):  # the second time without having moved it
+            told = await place.say("/end omni", account=BO, chat=BO)
+            assert told == "Session ended. omni is at rest, and yours until 22:43."
+        await place.say("omni wave", account=BO, chat=BO)
+        told = await place.say("/end omni")
+        assert "Session ended. omni is at rest, and Bo's until 22:43." in told
+        assert "Ada ended your time with omni." in told
+        told = await place.tap(*place.button("Give that time back"))
+        assert "omni" in told
+        await place.say("omni wave")
+        assert place.acted() == 3
+        assert (await place.say("/end omni")) == "Session ended. omni is at rest, and free."
+
+
 async def test_a_robot_that_has_to_be_booked_moves_for_nobody_else() -> None:
     async with lab(rules(), slots=Slots.REQUIRED) as place:
         told = await place.say("omni wave")

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.core.saying import joined
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.people import words, words_asking
 from rosic.pipeline.people.about import About
 from rosic.pipeline.people.admitting import Admitting
 from rosic.pipeline.people.custody import Custody
@@ -13,11 +16,11 @@ from rosic.pipeline.people.granting import Granting
 from rosic.pipeline.people.inviting import Inviting
 from rosic.pipeline.people.petitioning import Petitioning
 from rosic.pipeline.people.proving import Proving
+from rosic.pipeline.people.reminding import MOST
 from rosic.pipeline.people.rolemaking import Rolemaking
 
 if TYPE_CHECKING:
     from rosic.pipeline.consent import Consent
-    from rosic.pipeline.desk import Reply
     from rosic.pipeline.office import Asked, Office
 
 
@@ -48,12 +51,29 @@ class Answers:
         self._petitioning = petitioning
 
     async def approve(self, asked: Asked) -> Reply:
-        """Take a yes."""
+        """Take a yes; without saying to whom, show what may be answered."""
+        if reply := self._open(asked):
+            return reply
         return await self._asker(asked).approve(asked)
 
     async def decline(self, asked: Asked) -> Reply:
-        """Take a no."""
+        """Take a no; likewise."""
+        if reply := self._open(asked):
+            return reply
         return await self._asker(asked).decline(asked)
+
+    def _open(self, asked: Asked) -> Reply | None:
+        """Return the rights that somebody is asked for, in private, where none was named."""
+        if asked.rest.strip() or not asked.private or self._petitioning is None:
+            return None
+        found = self._petitioning.questions(asked.caller.principal)[:MOST]
+        if not found:
+            return None
+        lines = [joined("\n", (line, words_asking.answer_so(name))) for name, line, _ in found]
+        if names := [one.name for one in self._admitting.waiting(asked.caller.principal)]:
+            lines.append(words.who_waits(names))
+        text = joined("\n", (words_asking.these_wait(), *lines))
+        return Reply(text, tuple(row for *_, row in found))
 
     def _asker(self, asked: Asked) -> Admitting | Consent | Petitioning:
         consent, petitioning, said = self._consent, self._petitioning, asked.rest.strip()

@@ -294,7 +294,7 @@ def _seconds(said: str) -> float:
     """
     _, lasts_s = (said, float(said)) if _NUMBER.fullmatch(said) else read_tail(said)
     if lasts_s is None or not SHORTEST_S <= lasts_s <= LONGEST_S:
-        raise OutOfBounds(words_petitions.no_such_time())
+        raise OutOfBounds(words.no_such_length())
     return lasts_s
 
 

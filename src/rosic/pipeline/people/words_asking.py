@@ -193,9 +193,22 @@ def you_wait(what: str) -> str:
 # ---- buttons that are no good any more ----
 
 
+def these_wait() -> str:
+    """Return what stands above the questions that can be answered."""
+    return said("These wait for your answer:")
+
+
 def still_open() -> str:
     """Return what stands above the questions that can still be answered."""
     return said("That button is no good any more. These still wait for your answer:")
+
+
+def no_such_length() -> str:
+    """Return for how long a right that was asked for can be given."""
+    return said(
+        "What is asked for is given for half a minute at least and for a week at most. Nothing "
+        "was given."
+    )
 
 
 def answer_so(name: str) -> str:

@@ -114,6 +114,35 @@ async def test_what_ends_sooner_or_is_theirs_otherwise_is_allowed_as_it_was_aske
         )
 
 
+async def test_who_answers_nobody_by_name_is_shown_what_waits() -> None:
+    async with house() as place:
+        assert await place.line(ADA, "/approve") == "Nobody waits to come in. Nothing was done."
+        await place.line(VI, "/ask omni wave")
+        await place.line(VI, "/ask kuka1 wave for 2h")
+        told = await place.line(ADA, "/approve")
+        assert told.splitlines()[:3] == [
+            "These wait for your answer:",
+            "Vi · asks for wave on omni, for 1 h",
+            "Or write: /approve Vi, or /decline Vi",
+        ]
+        assert "kuka1" not in await place.line(EVE, "/decline Vi")
+        told = await place.line(TIM, "/decline")
+        assert "wave on kuka1" in told
+        assert "omni" not in told
+        assert (await place.press(TIM, "Allow Vi 2 h")).startswith("Vi may now: wave on kuka1")
+        assert "Nobody waits" in await place.line(ADA, "/approve")
+
+
+async def test_no_answer_gives_for_longer_than_can_be_asked() -> None:
+    async with house() as place:
+        await place.line(VI, "/ask omni wave")
+        for line in ("/approve Vi for 9 days", "/approve Vi for 3 s"):
+            assert await place.line(ADA, line) == (
+                "What is asked for is given for half a minute at least and for a week at most. "
+                "Nothing was given."
+            )
+
+
 async def test_allow_today_lasts_until_midnight() -> None:
     async with house() as place:
         await place.line(VI, "/ask omni wave")
