@@ -100,9 +100,8 @@ class Refusing:
         shown = self._shown(allowed.ask.robot)
         what = _spoken(allowed.ask.skill)
         if first is Need.CONFIRMATION:
-            sentence = said(
-                "{shown}: {what}? It moves only if you confirm it.", shown=shown, what=what
-            )
+            # As it was said: with its values, and of a group all that move.
+            sentence = said("{text}? It moves only if you confirm it.", text=text)
         elif first is Need.STEP_UP:
             sentence = said(
                 "{what} on {shown} needs your second factor first. Send: code, and the "
