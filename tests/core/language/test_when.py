@@ -182,6 +182,7 @@ def test_an_end_that_was_said_is_kept() -> None:
         ("31 nov 14:00 1h", "Nov 2026 has no day 31"),
         ("31.2.2020 14:00 1h", "Feb 2020 has no day 31"),
         ("32.13. 9:00 1h", "no such month"),
+        ("tomorrow 14:00 1h RRULE:", "A rule says how often."),
         ("today 1h", "At what time?"),
         ("yesterday 1h", "At what time?"),
         ("every tue 1h 3 times", "At what time?"),

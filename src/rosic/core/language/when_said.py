@@ -211,7 +211,10 @@ class Said:
     def _a_rule(self) -> bool:
         if not self._word().startswith(("rrule:", "freq=")):
             return False
-        self._once("rrule", self._word().upper().removeprefix("RRULE:"))
+        rule = self._word().upper().removeprefix("RRULE:")
+        if not rule:
+            raise Unclear(said("A rule says how often."), "every tue 14:00 1h 10 times")
+        self._once("rrule", rule)
         self._at += 1
         return True
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
+from rosic.core.language.cleaning import echo
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
 from rosic.core.saying import joined, said
@@ -28,6 +30,7 @@ MOST_LISTED = 8
 
 # Said by buttons, with an id after them.
 ONLY, ALL, FROM = "only", "all", "from"
+_ID = re.compile(r"[0-9a-f]{8,}\Z")
 
 
 class Cancelling:
@@ -44,16 +47,19 @@ class Cancelling:
             Refusal: Why not; nothing has changed.
         """
         said = fold(asked.rest).split()
-        if not said or said[0] == FROM:
+        if not said or said[0] == FROM or said in ([ALL], [ONLY]):
             return self._list(asked, _page(said))
-        if said[0] == ALL and len(said) > 1:
-            return await self._all(asked, said[1])
-        if said[0] == ONLY and len(said) > 1:
-            return await self._one(asked, said[1])
+        typed = asked.rest.strip()
+        if said[0] in {ALL, ONLY}:
+            if _ID.match(said[1]):
+                return await (self._all if said[0] == ALL else self._one)(asked, said[1])
+            typed = typed.partition(" ")[2].strip()
         if self._times.calendar.slot(said[0]) is None:  # a name, typed: which of those times?
-            robots, name, rest = self._naming.at_head(asked, asked.rest)
+            robots, name, rest = self._naming.at_head(asked, typed)
             if robots:
                 return self._list(asked, _page(fold(rest).split()), robots, name)
+            if not _ID.match(said[0]):
+                raise NotUnderstood(words.nothing_so_called(echo(typed)), offers=("cancel",))
         return await self._ask_or_cancel(asked, said[0])
 
     def _list(

@@ -161,6 +161,11 @@ def too_many_words(count: int, most: int) -> str:
     )
 
 
+def nothing_so_called(name: str) -> str:
+    """Return that what is to be cancelled is neither a robot nor a time."""
+    return said("I know no robot and no time called {name}. Nothing has changed.", name=name)
+
+
 def which_robot() -> str:
     """None was named."""
     return said("Which robot?")

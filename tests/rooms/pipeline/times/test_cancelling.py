@@ -94,11 +94,25 @@ async def test_a_time_that_has_begun_is_given_back() -> None:
 
 async def test_an_id_that_is_none_any_more() -> None:
     async with Lab().open() as lab:
-        for said in ("abc", "only abc", "all abc", "everything"):
+        gone = "0123456789abcdef"
+        for said in (gone, f"only {gone}", f"all {gone}"):
             assert await lab.say(ANN, f"/cancel {said}") == (
                 "There is no such time any more. Nothing has changed."
             )
             assert isinstance(lab.refusal, NotUnderstood)
+
+
+async def test_what_is_neither_a_robot_nor_a_time() -> None:
+    async with Lab().open() as lab:
+        await lab.book(ANN, "kuka1 14:00 1h")
+        for said, name in (("everything", "everything"), ("all of it", "of it"), ("1", "1")):
+            assert await lab.say(ANN, f"/cancel {said}") == (
+                f"I know no robot and no time called {name}. Nothing has changed."
+            )
+            assert lab.offers() == ("cancel",)
+        for said in ("all", "only", "all kuka1", "only kuka1 tomorrow"):
+            assert "KUKA iiwa: 14:00 to 15:00" in await lab.say(ANN, f"/cancel {said}"), said
+        assert len(lab.calendar) == 1, "nothing is cancelled before it is said which"
 
 
 async def test_other_peoples_times_stay_but_for_who_may_cancel_any() -> None:
