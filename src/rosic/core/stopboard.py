@@ -17,15 +17,21 @@ if TYPE_CHECKING:
 
 
 class Stopped:
-    """One robot's entry. ``generation`` never decreases (I13)."""
+    """One robot's entry.
 
-    __slots__ = ("at_ns", "by", "generation", "latched")
+    Attributes:
+        generation: Of its last stop; never decreases (I13).
+        by, since_ns: Whose that was and when, as people are told; wall clock, kept over a restart.
+        at_ns: When this run stopped it, wall clock: what was received before is older. 0: not yet.
+    """
+
+    __slots__ = ("at_ns", "by", "generation", "latched", "since_ns")
 
     def __init__(self, generation: int, *, latched: bool) -> None:
         self.generation = generation
         self.latched = latched
         self.by: PrincipalId = ""
-        self.at_ns = 0
+        self.at_ns = self.since_ns = 0
 
 
 class StopBoard(dict["RobotId", Stopped]):
@@ -52,7 +58,7 @@ class StopBoard(dict["RobotId", Stopped]):
         entry.generation += 1
         entry.latched = True
         entry.by = by
-        entry.at_ns = at_ns
+        entry.at_ns = entry.since_ns = at_ns
         return entry.generation
 
     def resume(self, robot: RobotId, generation: int) -> None:

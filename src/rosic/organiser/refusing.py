@@ -243,7 +243,7 @@ class Refusing:
                 "may resumes it. Nothing was done.",
                 shown=shown,
                 name=self._organiser.name_of(stopped.by),
-                when=self._organiser.moment(denied.ask.principal, stopped.at_ns),
+                when=self._organiser.moment(denied.ask.principal, stopped.since_ns),
             )
         else:
             sentence = said(

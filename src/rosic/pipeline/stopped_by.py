@@ -45,7 +45,7 @@ _decode = msgspec.msgpack.Decoder(StoppedBy).decode
 def stopped_by(robot: RobotId, board: StopBoard) -> Fact:
     """Return what is to be noted about the last stop of a robot."""
     entry = board[robot]
-    body = _encode(StoppedBy(entry.generation, entry.by, entry.at_ns))
+    body = _encode(StoppedBy(entry.generation, entry.by, entry.since_ns))
     return Fact(kind=KIND, key=robot, body=body)
 
 
@@ -61,4 +61,4 @@ def restore(board: StopBoard, facts: Iterable[Fact]) -> None:
             log.warning("it cannot be read who stopped a robot")
             continue
         if entry.latched and last.generation == entry.generation:
-            entry.by, entry.at_ns = last.by, last.at_ns
+            entry.by, entry.since_ns = last.by, last.at_ns

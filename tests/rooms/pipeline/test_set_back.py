@@ -184,10 +184,16 @@ async def test_what_was_stopped_before_the_clock_was_set_back_can_be_resumed() -
         await clock.advance(100)
         clock.jump_wall(-DAY_S)
         assert (await place.say("resume omni")).startswith(CLOCK_SET_BACK)
-    async with Place(store, latch, clock=clock).open() as place:
-        assert (await place.say("resume omni")).startswith(CLOCK_SET_BACK)
         await OperatorDesk(books_of(place.gateway, "UTC")).do(Ask(Verb.CLOCK, ("accept",)))
         assert await place.say("resume omni") == "omni is ready again."
+        await place.say("omni wave")
+        assert place.acted() == 1
+        await place.say("stop omni")
+    clock.jump_wall(-DAY_S)
+    async with Place(store, latch, clock=clock).open() as place:
+        assert "omni is stopped, by Ada, since" in await place.say("omni wave")
+        assert (await place.say("resume omni")).startswith("omni is ready again.")
+        await OperatorDesk(books_of(place.gateway, "UTC")).do(Ask(Verb.CLOCK, ("accept",)))
         await place.say("omni wave")
         assert place.acted() == 1
 

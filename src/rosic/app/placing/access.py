@@ -119,18 +119,13 @@ class Access:
         organiser.locked = self.locks.everybody()
         organiser.locked_out = lambda _principal: self.tally.count("locked")
         organiser.narrow = self._authoriser.directory.narrowed
-        self._right_stops()
 
     def _set_back(self, organiser: Organiser, behind: bool) -> None:
         organiser.in_doubt = behind
-        if not behind:
-            self._right_stops()
+        if self._board is not None and not behind:
+            self._board.not_later(self.time.wall_ns())
         self._authority.moved()
         self._authority.when_changed()
-
-    def _right_stops(self) -> None:
-        if self._board is not None:
-            self._board.not_later(self.time.wall_ns())
 
     def _booked(self, calendar: Calendar, fact: Fact) -> None:
         calendar.apply(fact)

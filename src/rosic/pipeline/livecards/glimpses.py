@@ -93,7 +93,7 @@ class Glimpses:
         if not entry.latched:
             return ""
         name = self._rooms.organiser.name_of(entry.by) if entry.by and named else ""
-        return words.stopped(name, self._face(entry.at_ns) if entry.at_ns else "")
+        return words.stopped(name, self._face(entry.since_ns) if entry.since_ns else "")
 
     def _holder(self, robot: RobotId, *, named: bool) -> str:
         organiser = self._rooms.organiser
