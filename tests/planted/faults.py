@@ -240,9 +240,10 @@ FAULTS = (
     Fault(
         name="I7 an ending is told before it is on disk",
         file="pipeline/lives.py",
-        guard="conclude(life.order, outcome, life.words, life.concluded)",
+        guard="conclude(life.order, outcome, life.words, at_ns, life.concluded)",
         without=(
-            "conclude(life.order, outcome, life.words, lambda: None)\n        life.concluded()"
+            "conclude(life.order, outcome, life.words, at_ns, lambda: None)"
+            "\n        life.concluded()"
         ),
         caught_by=(f"{WAY}::test_an_ending_is_not_told_before_it_is_on_disk",),
     ),
@@ -275,8 +276,8 @@ FAULTS = (
     Fault(
         name="L1 an order is cut off before its first step",
         file="pipeline/lives.py",
-        guard="(server.life.begun or self._idle(server))",
-        without="True",
+        guard="server.task is not None and begun:",
+        without="server.task is not None:",
         caught_by=(f"{EDGES}::test_an_order_that_has_not_begun_when_the_gateway_closes_is_told",),
     ),
     Fault(

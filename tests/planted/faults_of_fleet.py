@@ -160,9 +160,9 @@ OF_TASKS = (
         caught_by=(f"{COMPLETIONS}::test_where_to_is_asked_for_the_task_and_a_tap_gives_it",),
     ),
     Fault(
-        name="a robot rests when its order ends, though it has a task",
+        name="what a robot worked is forgotten when it is given an order at work",
         file="pipeline/fleet/usage.py",
-        guard="            if robot not in self._held:\n",
+        guard="            if not (robot.held or robot.ordered):\n",
         without="            if True:\n",
         caught_by=(f"{USAGE}::test_each_second_counts_once_whatever_begins_and_ends_in_it",),
     ),
@@ -284,7 +284,7 @@ OF_TASKS = (
     Fault(
         name="a drone follows for ever",
         file="robots/simulated/machines/following.py",
-        guard="return before and seen is not None and not seen.busy",
+        guard="return self._busy and not seen.busy",
         without="return False",
         caught_by=(f"{FOLLOW}::test_it_keeps_its_distance_and_bearing_while_the_leader_moves",),
     ),

@@ -17,7 +17,7 @@ class _Robot:
     Attributes:
         held: It has a task.
         ordered: An order that needs it for itself is with it.
-        since_ns: Since when it has been at work, or has not.
+        since_ns: Since when it has been at work, or has not, or since what was added up.
         worked_ns: For how long it had been at work before.
     """
 
@@ -33,8 +33,8 @@ class _Robot:
         """Whether it is at work now."""
         return self.held or self.ordered
 
-    def rests(self, now_ns: int) -> None:
-        """Hear that it is at work no more."""
+    def count(self, now_ns: int) -> None:
+        """Add up what it has worked so far; it may go on."""
         self.worked_ns += now_ns - self.since_ns
         self.since_ns = now_ns
 
@@ -70,8 +70,7 @@ class Usage:
         for name in before - self._held:
             robot = self._robots[name]
             robot.held = False
-            if not robot.ordered:
-                robot.rests(now_ns)
+            robot.count(now_ns)
 
     def began(self, order: Order) -> None:
         """Hear that an order is handed to its robot."""
@@ -86,8 +85,7 @@ class Usage:
         robot = self._robots.get(order.robot)
         if robot is not None and robot.ordered:
             robot.ordered = False
-            if not robot.held:
-                robot.rests(self._now_ns())
+            robot.count(self._now_ns())
 
     def _known(self, name: RobotId) -> _Robot:
         robot = self._robots.get(name)
