@@ -57,10 +57,14 @@ def clock_of(word: str, after: str) -> tuple[int, str, int] | None:
     hour, minute = int(match[1]), int(match[2] or 0)
     if half:
         if not 1 <= hour <= 12:  # noqa: PLR2004
-            raise Unclear(f"There is no {quote(word)} {half}.".replace('"', ""))
+            raise _no_such(f"{word} {after}" if apart else word)
         hour = hour % 12 + 12 * (half == "pm")
     if (hour, minute) == (24, 0):
         return MINUTES_A_DAY, half, 1 + apart
     if hour > 23 or minute > 59:  # noqa: PLR2004
-        raise Unclear(said("There is no {quote} on a clock.", quote=quote(word)))
+        raise _no_such(word)
     return hour * 60 + minute, half, 1 + apart
+
+
+def _no_such(word: str) -> Unclear:
+    return Unclear(said("There is no {quote} on a clock.", quote=quote(word)))
