@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from rosic.app.documents.profiles import shipped_profiles
 from rosic.cli.entry import main
 from tests.cli.running import CONFIG, write_config
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    import pytest
 
 
 def test_a_good_configuration_is_told_what_is_in_it(
@@ -69,6 +69,29 @@ def test_shipped_profiles_are_good(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["robot", "check", *files]) == 0
 
     assert capsys.readouterr().out.count(" is good: ") == len(files)
+
+
+@pytest.mark.parametrize(("kind", "status"), [("ros2", 0), ("ros3", 2)])
+def test_a_profile_whose_link_nothing_knows_is_not_good(
+    kind: str, status: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "rover.yaml"
+    service = "type: std_srvs/srv/Trigger }"
+    path.write_text(
+        f"id: rover\nlink:\n  kind: {kind}\n  namespace: /\nstop: {{ service: /stop, {service}\n"
+        "at_rest: { topic: /odom, type: nav_msgs/msg/Odometry, "
+        "field: twist.twist.linear.x, below: 0.01 }\n"
+        f"skills:\n  home:\n    service: {{ name: /home, {service}\n"
+    )
+
+    assert main(["robot", "check", str(path)]) == status
+
+    told = capsys.readouterr()
+    if status:
+        wrong = "There is no robot link of the kind 'ros3'. Did you mean ros2?"
+        assert (told.out, told.err) == ("", f"{path}:3: {wrong}\n")
+    else:
+        assert told.out.endswith(f"{path} is good: rover, 1 skill.\n")
 
 
 def test_a_wrong_profile_is_told_with_its_line(

@@ -34,13 +34,26 @@ def robot_factory(kind: str) -> RobotFactory:
     return cast("RobotFactory", _load(ROBOTS, kind, "robot link"))
 
 
-def _load(group: str, kind: str, what: str) -> object:
+def check_robot_kind(kind: str) -> None:
+    """Look whether a kind of robot link exists; what it needs may be missing on this machine.
+
+    Raises:
+        ConfigurationError: There is no such kind.
+    """
+    _find(ROBOTS, kind, "robot link")
+
+
+def _find(group: str, kind: str, what: str) -> EntryPoint:
     found = _installed(group)
-    entry = found.get(kind)
-    if entry is None:
+    if kind not in found:
         near = get_close_matches(kind, found, n=1)
         hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(sorted(found))}."
         raise ConfigurationError(f"There is no {what} of the kind {kind!r}.", hint=hint)
+    return found[kind]
+
+
+def _load(group: str, kind: str, what: str) -> object:
+    entry = _find(group, kind, what)
     try:
         return entry.load()
     except AttributeError as broken:

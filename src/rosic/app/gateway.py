@@ -238,7 +238,7 @@ class Gateway:
         )
         outbox.restore(memory.facts, messengers)
         if count:
-            log.warning("%d interrupted commands were settled", count)
+            log.warning("interrupted commands that were settled: %d", count)
 
     async def run(self) -> None:
         """Listen on every messenger until one of them fails for good, or until cancelled.

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rosic.app.adapters import check_robot_kind
 from rosic.app.documents.profiles import known_units, read_profile
+from rosic.app.documents.yaml_file import read_yaml
+from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from rosic.core.robot import Profile
 
 ABOUT = "Say everything that is wrong with robots' profiles, with file, line and a hint."
 
@@ -23,11 +29,26 @@ def run(arguments: Sequence[str]) -> int:
     wrong = 0
     for file in options.files:
         read = read_profile(file, units)
-        wrong += len(read.errors)
+        errors = read.errors or _unreachable(file, read.profile)
+        wrong += len(errors)
         for advice in read.advice:
             print(advice)
-        for error in read.errors:
+        for error in errors:
             print(error, file=sys.stderr)
-        if read.profile is not None:
-            print(f"{file} is good: {read.profile.shown}, {len(read.profile.skills)} skills.")
+        if read.profile is not None and not errors:
+            skills = len(read.profile.skills)
+            count = "1 skill" if skills == 1 else f"{skills} skills"
+            print(f"{file} is good: {read.profile.shown}, {count}.")
     return 2 if wrong else 0
+
+
+def _unreachable(file: str, profile: Profile | None) -> list[ConfigurationError]:
+    """Say if a good profile names a link that nothing here knows."""
+    if profile is None:
+        return []
+    try:
+        check_robot_kind(profile.link.kind)
+    except ConfigurationError as wrong:
+        where = read_yaml(Path(file)).where(("link", "kind"))
+        return [ConfigurationError(str(wrong), where=where)]
+    return []

@@ -149,10 +149,10 @@ class Recovery:
             for life in lives
         ]
         if len(lives) == 1 and origin.title.startswith(f"{shown[0]}:"):
-            text = _ended(origin.title, lives[0])
+            text = _ended(_named_once(origin.title), lives[0])
         else:  # in the order in which the line named them, which is that of their claims
             ends = [_ended(f"{name}:", life) for name, life in zip(shown, lives, strict=True)]
-            text = joined("\n", [origin.title, *ends])
+            text = joined("\n", [_named_once(origin.title), *ends])
         # Without a message to edit it may be the second time, unless the end was not known before.
         if not told.shown and any(life.ending is not None for life in lives):
             text = words.said_again(text)
@@ -176,6 +176,13 @@ class Recovery:
         self._teller.say(
             Note(messenger, outbound, first, edit_of, tuple(also), to=lives[0].principal)
         )
+
+
+def _named_once(title: str) -> str:
+    """Return ``omni: move 2 m`` of ``omni: omni move 2 m``: most people begin with the name."""
+    name, _, line = title.partition(": ")
+    begins = line[: len(name) + 1].casefold() == f"{name} ".casefold()
+    return f"{name}: {line[len(name) + 1 :]}" if begins else title
 
 
 def _ended(title: str, life: Unfinished) -> str:

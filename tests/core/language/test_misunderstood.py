@@ -29,6 +29,8 @@ if TYPE_CHECKING:
          ("crazyflies takeoff 1 m", "cf1 takeoff 1 m", "cf2 takeoff 1 m", "cf3 takeoff 1 m")),
         ("omni move 1,500 m", 'omni: "1,500" may mean 1.5 or 1500. Nothing was done.',
          ("omni move 1.5 m", "omni move 1500 m")),
+        ("omni move 1,000 m", 'omni: "1,000" may mean 1 or 1000. Nothing was done.',
+         ("omni move 1 m", "omni move 1000 m")),
         ("omni move 1,500m left", 'omni: "1,500m" may mean 1.5m or 1500m. Nothing was done.',
          ("omni move 1.5m left", "omni move 1500m left")),
         ("they said we had to stop there", "To stop, send stop in a line of its own.", ("stop",)),

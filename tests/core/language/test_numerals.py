@@ -52,7 +52,7 @@ def test_a_number_is_read(word: str, value: float, rest: str) -> None:
     [
         ("1,500", ("1.5", "1500")),
         ("-2,250", ("-2.25", "-2250")),
-        ("999,000", ("999.", "999000")),
+        ("999,000", ("999", "999000")),
         ("12,345m", ("12.345", "12345")),
     ],
 )
@@ -61,7 +61,7 @@ def test_a_number_that_may_be_two_says_so(word: str, readings: tuple[str, ...]) 
 
     assert numeral is not None
     assert isnan(numeral.value)
-    assert tuple(float(r) for r in numeral.readings) == tuple(float(r) for r in readings)
+    assert numeral.readings == readings
 
 
 def test_a_division_by_nothing_is_no_number_that_can_be_used() -> None:

@@ -13,7 +13,7 @@ halt HALT! stopp stop-stop freeze st0p
 
 LANGUAGES = {
     "German": "halt stopp anhalten",
-    "French": "arrête arrete ARRÊTEZ arrêtes halte",
+    "French": "arrête arrete ARRÊTEZ arrêtes arrêt arret ARRÊT! halte",
     "Spanish": "alto para pare parar detente ¡ALTO!",
     "Portuguese": "para pare parar pará",
     "Italian": "fermo ferma fermati alt basta",

@@ -143,6 +143,8 @@ def test_a_robot_that_does_not_exist_is_named() -> None:
         ConfigurationError, match=r"no simulated robot called 'kuka'; did you mean kuka1"
     ):
         main(["kuka"])
+    with pytest.raises(ConfigurationError, match=r"called 'tractor'; there are cf1, cf2"):
+        main(["tractor"])
     done = subprocess.run(  # noqa: S603 - our own module
         [sys.executable, "-m", SIMULATION, "omny"],
         capture_output=True,

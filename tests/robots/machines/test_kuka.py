@@ -153,6 +153,8 @@ def test_a_joint_moves_to_its_angle_and_not_beyond_its_range(joint: int) -> None
     watch, kuka, _ = watched()
     watch.do("move_joint", joint=joint, angle_rad=0.3)
     assert kuka.arm.positions[joint - 1] == pytest.approx(0.3, abs=1e-9)
+    assert kuka.activity is not None
+    assert kuka.activity.detail == f"joint {joint} at 17.2 deg"
     others = [a for i, a in enumerate(kuka.arm.positions) if i != joint - 1]
     assert others == [a for i, a in enumerate(HOME) if i != joint - 1]
     limit = IIWA_LIMITS[joint - 1].upper_rad

@@ -50,6 +50,8 @@ def test_a_turn_ends_where_it_was_asked(direction: str, yaw_rad: float) -> None:
     watch.do("turn", direction=direction, angle_rad=1.2)
     assert omni.base.yaw_rad == pytest.approx(yaw_rad, abs=0.001)
     assert hypot(omni.base.x_m, omni.base.y_m) < 1e-9
+    assert omni.activity is not None
+    assert omni.activity.detail == f"turned 68.8 deg {direction}"
 
 
 def test_goto_drives_diagonally_and_takes_the_short_way_round() -> None:

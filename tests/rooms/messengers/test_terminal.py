@@ -140,6 +140,23 @@ async def test_more_lines_than_can_wait_are_refused_and_a_stop_is_not() -> None:
     await asyncio.gather(running, return_exceptions=True)
 
 
+async def ignore(_inbound: Inbound) -> None:
+    pass
+
+
+async def test_a_pipe_that_breaks_while_it_listens_stays_the_cause() -> None:
+    class Broken(Script):
+        async def read(self) -> str | None:
+            raise MessengerFault("The terminal is gone.") from BrokenPipeError()
+
+    messenger = TerminalMessenger(clock=ManualClock(), screen=Broken(), account="1000")
+
+    with pytest.raises(MessengerFault) as gone:
+        await asyncio.wait_for(messenger.run(ignore), 5)
+
+    assert isinstance(gone.value.__cause__, BrokenPipeError)
+
+
 async def test_a_script_is_read_at_the_pace_it_is_carried_out() -> None:
     messenger, script = terminal("omni move 1 m", "omni move 2 m")
     order: list[str] = []

@@ -27,6 +27,14 @@ async def test_updates_repeat_until_the_offset_confirms_them(
     assert server.pending() == 2
 
 
+async def test_half_a_pair_of_surrogates_reaches_a_bot_and_blocks_nothing(
+    server: FakeTelegram, api: Api, ada: int
+) -> None:
+    server.say(ada, ada, "\ud800 omni")
+    server.say(ada, ada, "stop")
+    assert await api.texts() == ["\ud800 omni", "stop"]
+
+
 async def test_a_negative_offset_counts_from_the_end_and_forgets_the_rest(
     server: FakeTelegram, api: Api, ada: int
 ) -> None:

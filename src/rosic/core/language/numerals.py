@@ -47,7 +47,8 @@ def read_numeral(word: str) -> Numeral | None:
     sign, plain, power = match["sign"], match["plain"], match["power"]
     if plain is not None:
         if _AMBIGUOUS.match(plain):
-            readings = (sign + plain.replace(",", ".").rstrip("0"), sign + plain.replace(",", ""))
+            small = plain.replace(",", ".").rstrip("0").rstrip(".")
+            readings = (sign + small, sign + plain.replace(",", ""))
             return Numeral(float("nan"), rest, readings)
         return Numeral(float(sign + plain.replace(",", ".")), rest)
     if power is not None:

@@ -7,6 +7,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
+from rosic.core.language.kinds import article, kind_of, kinds
 from rosic.core.language.showing import show_bound, show_number, shown_bound, usual_values
 from rosic.core.language.suggestions import AND, did_you_mean, listed
 from rosic.core.order import Spoken
@@ -26,28 +27,6 @@ MOST_OFFERS = 4
 # Parameters that say how much of the skill itself: "one move may be at most 5 m".
 _EXTENTS = frozenset({"angle", "distance", "duration"})
 _NOTHING_DONE = said("Nothing was done.")
-_DIMENSIONS = {
-    "length": said("a length"),
-    "angle": said("an angle"),
-    "time": said("a time"),
-    "speed": said("a speed"),
-    "turning speed": said("a turning speed"),
-    "acceleration": said("an acceleration"),
-    "turning acceleration": said("a turning acceleration"),
-    "force": said("a force"),
-    "torque": said("a torque"),
-    "mass": said("a mass"),
-    "share": said("a share"),
-    "frequency": said("a frequency"),
-    "voltage": said("a voltage"),
-    "current": said("a current"),
-    "power": said("a power"),
-    "energy": said("an energy"),
-    "pressure": said("a pressure"),
-    "volume": said("a volume"),
-    "area": said("an area"),
-    "temperature": said("a temperature"),
-}
 
 
 class Objection:
@@ -82,7 +61,7 @@ class Objection:
         what = said(
             "{spoken} needs {article}",
             spoken=self._compiled.spoken,
-            article=_article(parameter.shown),
+            article=article(parameter.shown),
         )
         if parameter.words is not None:
             choices = tuple(dict.fromkeys(parameter.words.values()))
@@ -113,19 +92,19 @@ class Objection:
         if parameter is None:
             return self._unknown_parameter(at, value)
         if parameter.name in given:
-            return self._refuse(
-                said(
-                    "{shown} is given twice. Nothing was done.",
-                    shown=parameter.shown,
-                )
-            )
+            return self._twice(parameter)
         return self._to_number(at, value, parameter)
+
+    def _twice(self, parameter: CompiledParameter) -> Refusal:
+        return self._refuse(
+            said("{shown} is given twice. Nothing was done.", shown=parameter.shown)
+        )
 
     # ---- values without a name ----
 
     def _to_unnamed(self, at: int, value: Spoken, given: Mapping[str, Argument]) -> Refusal:
         if value.number is None:
-            return self._unknown_word(at, value)
+            return self._unknown_word(at, value, given)
         unit = self._units.find(value.word) if value.word else None
         if value.word and unit is None:
             return self._unknown_unit(at, value)
@@ -135,7 +114,9 @@ class Objection:
         free = [p for p in fitting if p.name not in given]
         if free:
             return self._to_number(at, value, free[0])
-        if fitting or not self._compiled.numbers or unit is None:
+        if fitting and unit is not None:
+            return self._twice(fitting[0])
+        if not self._compiled.numbers or unit is None:
             return self._no_place(value)
         return self._wrong_dimension(value, unit, self._compiled.numbers)
 
@@ -160,24 +141,22 @@ class Objection:
             )
         )
 
-    def _unknown_word(self, at: int, value: Spoken) -> Refusal:
+    def _unknown_word(self, at: int, value: Spoken, given: Mapping[str, Argument]) -> Refusal:
         word = value.word
         knowing = [p for p in self._compiled.choices if p.words and word in p.words]
         if knowing:
-            return self._refuse(
-                said(
-                    "{shown} is given twice. Nothing was done.",
-                    shown=knowing[0].shown,
-                )
-            )
-        return self._guess(at, word, chain(self._compiled.words, self._compiled.by_name))
+            return self._twice(knowing[0])
+        unsaid = [p.words for p in self._compiled.choices if p.words and p.name not in given]
+        takes = tuple(dict.fromkeys(unsaid[0].values())) if unsaid else ()
+        return self._guess(at, word, chain(self._compiled.words, self._compiled.by_name), takes)
 
     def _unknown_unit(self, at: int, value: Spoken) -> Refusal:
         dimensions = dict.fromkeys(p.unit.dimension for p in self._compiled.numbers)
         units = chain.from_iterable(self._units.of(d) for d in dimensions if d)
-        return self._guess(at, value.word, chain(self._compiled.words, units))
+        takes = kinds(self._compiled.numbers)
+        return self._guess(at, value.word, chain(self._compiled.words, units), takes)
 
-    def _guess(self, at: int, word: str, candidates: chain[str]) -> Refusal:
+    def _guess(self, at: int, word: str, candidates: chain[str], takes: tuple[str, ...]) -> Refusal:
         if any(value.word == "stop" for value in self._spoken):
             stops = [f"stop {self._addressee}", "stop"]
             return self._refuse(
@@ -191,7 +170,8 @@ class Objection:
             "{spoken} does not know {quote}.", spoken=self._compiled.spoken, quote=quote(word)
         )
         if not close:
-            return self._refuse(joined(" ", (sentence, _NOTHING_DONE)))
+            known = [said("It takes {listed}.", listed=listed(_few(takes)))] if takes else []
+            return self._refuse(joined(" ", (sentence, *known, _NOTHING_DONE)))
         value = self._spoken[at]
         offers = [self._command(at, Spoken(value.name, value.number, other)) for other in close]
         return self._refuse(
@@ -282,20 +262,14 @@ class Objection:
     def _wrong_dimension(
         self, value: Spoken, unit: Unit, parameters: tuple[CompiledParameter, ...]
     ) -> Refusal:
-        wanted = dict.fromkeys(
-            said("{dimension} ({symbol})", dimension=_kind(p.unit.dimension), symbol=p.unit.symbol)
-            if p.unit.dimension
-            else said("a plain number")
-            for p in parameters
-        )
         taker = parameters[0].shown if len(parameters) == 1 else self._compiled.spoken
         return self._refuse(
             said(
                 "{rest} is {article}; {taker} takes {listed}. Nothing was done.",
                 rest=_said(value),
-                article=_kind(unit.dimension),
+                article=kind_of(unit.dimension),
                 taker=taker,
-                listed=listed(_few(tuple(wanted))),
+                listed=listed(_few(kinds(parameters))),
             )
         )
 
@@ -373,15 +347,6 @@ def _said(value: Spoken) -> str:
     if value.number is None:
         return quote(value.word)
     return f"{show_number(value.number)} {value.word[:16]}".rstrip()
-
-
-def _article(noun: str) -> str:
-    return said("an {noun}", noun=noun) if noun[:1] in "aeiou" else said("a {noun}", noun=noun)
-
-
-def _kind(dimension: str) -> str:
-    """Return what a unit measures, as a thing: ``a length``."""
-    return _DIMENSIONS.get(dimension) or _article(dimension)
 
 
 def _count(number: int) -> str:

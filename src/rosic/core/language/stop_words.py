@@ -11,7 +11,7 @@ from string import ascii_lowercase, digits
 _STRONG = """
     stop halt freeze abort
     stopp anhalten stehenbleiben
-    arrête arrêtez arrêter arrêtes halte
+    arrêt arrête arrêtez arrêter arrêtes halte
     detente detén deténgase deténganse
     fermati fermatevi fermare fermate
     stoppen stanna stans stands pysähdy pysäytä

@@ -99,7 +99,8 @@ class TerminalMessenger:
                     self.ended.set()
                     await asyncio.Event().wait()
         except ExceptionGroup as several:
-            raise several.exceptions[0] from None
+            first = several.exceptions[0]
+            raise first from first.__cause__  # whether a pipe broke is asked later
 
     async def _listen(self, screen: Screen, receive: Receive, group: asyncio.TaskGroup) -> None:
         while (line := await screen.read()) is not None:

@@ -81,15 +81,15 @@ def is_under(name: str, namespace: str) -> bool:
     return name == prefix or name.startswith(f"{prefix}/")
 
 
-def did_you_mean(wrong: str, known: Iterable[str]) -> str:
+def did_you_mean(wrong: str, known: Iterable[str], *, have: str = "it has") -> str:
     """Return the closing half of a sentence that offers the nearest name, or lists a few."""
     names = sorted(known)
     near = get_close_matches(wrong, names, n=1)
     if near:
         return f"did you mean {near[0]}?"
     if not names:
-        return "it has none."
-    return f"it has {', '.join(names[:8])}{' and more' if len(names) > 8 else ''}."  # noqa: PLR2004 - a line's worth
+        return f"{have} none."
+    return f"{have} {', '.join(names[:8])}{' and more' if len(names) > 8 else ''}."  # noqa: PLR2004 - a line's worth
 
 
 def _shown(text: str) -> str:

@@ -88,7 +88,8 @@ def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -
     for robot in robots:
         if robot not in OTHERS and not model_of(robot):
             raise ConfigurationError(
-                f"There is no simulated robot called {robot!r}; {did_you_mean(robot, KNOWN)}"
+                f"There is no simulated robot called {robot!r}; "
+                f"{did_you_mean(robot, KNOWN, have='there are')}"
             )
     find_own_interfaces()
     find_interfaces(name for robot in robots for name in OTHERS.get(robot, ((),))[0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import re
 import socket
 import struct
@@ -176,10 +177,18 @@ def _respond(reply: Reply) -> web.Response:
         headers["Retry-After"] = str(wait_s)
     return web.Response(
         status=reply.status,
-        body=msgspec.json.encode(reply.body),
+        body=_encoded(reply.body),
         content_type="application/json",
         headers=headers,
     )
+
+
+def _encoded(body: object) -> bytes:
+    """Return JSON; what is no text, such as half of a pair of surrogates, as the escapes for it."""
+    try:
+        return msgspec.json.encode(body)
+    except UnicodeEncodeError:
+        return json.dumps(msgspec.to_builtins(body)).encode()
 
 
 def _reset(request: web.Request) -> web.Response:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import radians
+from math import degrees, radians
 from typing import TYPE_CHECKING
 
 from rosic.core.saying import said
@@ -157,9 +157,9 @@ class Kuka(SteppedMachine):
         self._stage(said("moving joint {index}", index=index + 1))
         yield from self._move(targets, SHARE, 0.0, 1.0)
         return said(
-            "joint {index} at {angle:.3f} rad",
+            "joint {index} at {angle:.1f} deg",
             index=index + 1,
-            angle=self.arm.positions[index],
+            angle=degrees(self.arm.positions[index]),
         )
 
     def _recipe_grasp(self, force_n: float, way: list[Sequence[float]]) -> Recipe:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, isfinite, pi, radians, sin
+from math import atan2, cos, degrees, hypot, isfinite, pi, radians, sin
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -196,10 +196,10 @@ class Omni(SteppedMachine):
 
     def _recipe_turn(self, yaw_rad: float, speed: float) -> Recipe:
         yield from self._turn_to(yaw_rad, speed, 0.0)
-        turned = self._measured()["angle_rad"]
+        turned = degrees(self._measured()["angle_rad"])
         if turned > 0:
-            return said("turned {turned:.2f} rad left", turned=turned)
-        return said("turned {turned:.2f} rad right", turned=-turned)
+            return said("turned {turned:.3g} deg left", turned=turned)
+        return said("turned {turned:.3g} deg right", turned=-turned)
 
     def _recipe_goto(self, x_m: float, y_m: float, yaw: float | None, speed: float) -> Recipe:
         share = 1.0 if yaw is None else 0.7
