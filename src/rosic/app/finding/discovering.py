@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 NODE = "rosic_discover"
 Space: TypeAlias = "tuple[dict[str, str], dict[str, str], dict[str, str], dict[str, str]]"
-OURS = frozenset({"chat_interface", NODE})
 RESTING = ("/odom", "/joint_states")
 TELLING = ("/cmd_vel", "/odom", "/joint_states", "/to_robot_topic")
 

@@ -21,7 +21,6 @@ from rosic.testing.telegram.spool import OnDisk
 if TYPE_CHECKING:
     from rosic.testing.telegram.state import JsonObject
 
-MAX_DIGITS = 19
 WHOLE = re.compile(r"-?[0-9]{1,19}\Z")
 
 
