@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 ABOUT = """Run simulated robots as ROS 2 nodes, for gateways that reach them over ROS 2, until
-Ctrl-C. Without names: kuka1, omni, yumi, cf1, cf2 and cf3. By name alone: rover and picker, as others
-build robots, and those of the plays: watch, carrier1, rover1. To try them without ROS: rosic demo."""
+Ctrl-C. Without names: kuka1, omni, yumi, cf1, cf2 and cf3. By name alone: rover and picker, as
+others build robots, and those of the plays: watch, carrier1, rover1. To try them without ROS:
+rosic demo."""
 NODES = "rosic.robots.ros2.simulation"
 
 
