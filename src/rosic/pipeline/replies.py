@@ -31,6 +31,8 @@ CONFIRMED = "!"
 # from.
 TRAIL = "\x1f"
 DO_IT, LEAVE_IT, PREVIOUS = said("Do it"), said("Leave it"), said("Previous")
+# What a refusal offers to tap: a page. A robot beyond it can be named; Telegram takes 100 at most.
+OFFERED_AT_MOST = 8
 STRANGERS = RateLimit(burst=5.0, per_s=0.2)
 STRANGERS_KEPT = 1_000
 AGAIN_NS = 600_000_000_000
@@ -154,7 +156,7 @@ class Replies:
             await self._container.refuse(cid, caller, refusal, answer)
         except Repeated:
             return  # the same message was settled before
-        buttons = tuple((Button(offer, offer),) for offer in refusal.offers)
+        buttons = tuple((Button(offer, offer),) for offer in refusal.offers[:OFFERED_AT_MOST])
         if refusal.petition:
             buttons = (*buttons, (Button(ask_for_it(), refusal.petition),))
         outbound = Outbound(

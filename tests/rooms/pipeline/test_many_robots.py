@@ -17,6 +17,7 @@ from rosic.core.words import NAMED_AT_MOST
 from rosic.messengers.telegram.text import MESSAGE_UNITS
 from rosic.pipeline.fleet.watching import at_once
 from rosic.pipeline.livecards.drawing import ROBOTS_AT_MOST
+from rosic.pipeline.replies import OFFERED_AT_MOST
 from rosic.pipeline.rounds import AT_ONCE, go_round
 from rosic.robots.memory import MemoryRobot
 from rosic.testing.clock import ManualClock, settle
@@ -107,6 +108,17 @@ async def test_all_are_stopped_and_who_does_not_confirm_is_named() -> None:
         assert "r800 has not confirmed" in told
         assert "998 of 1000 robots have confirmed that they are at rest, within 0.00 s." in told
         assert len(told) < MESSAGE_UNITS
+
+
+async def test_which_robot_is_asked_with_a_page_of_buttons_at_most() -> None:
+    async with Place(fleet=FLEET[:150]).open() as here:
+        await here.say("stop")
+        for asked in ("resume", "book"):
+            await here.say(asked)
+            assert len(here.last()[1].buttons) == OFFERED_AT_MOST
+    async with Place(fleet=FLEET[:6]).open() as here:
+        await here.say("book")
+        assert len(here.last()[1].buttons) == 6, "one was left out"
 
 
 async def test_a_card_looks_at_those_that_it_shows_alone() -> None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from rosic.core import words as core_words
 from rosic.core.language.compiled import fold
-from rosic.core.language.misunderstanding import MOST_OFFERS, Misunderstanding
+from rosic.core.language.misunderstanding import Misunderstanding
 from rosic.core.language.words import FILLERS
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.pipeline.times import words_times as words
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.office import Asked
 
 MOST_WORDS = 64
+# Of a place like the demonstration none is left out; a page of buttons is enough all the same.
+MOST_ROBOTS = 8
 ANY = "any"
 """Said before the name of a group, of which one robot is enough."""
 
@@ -175,4 +177,4 @@ def _split(text: str) -> list[str]:
 
 
 def _offers(verb: str, robots: tuple[RobotId, ...], rest: str) -> tuple[str, ...]:
-    return tuple(f"{verb} {robot} {rest}".strip() for robot in robots[:MOST_OFFERS])
+    return tuple(f"{verb} {robot} {rest}".strip() for robot in robots[:MOST_ROBOTS])
