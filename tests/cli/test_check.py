@@ -53,6 +53,22 @@ def test_what_could_be_better_is_said_too(
     assert "Bob has no address on a messenger of this file." in said
 
 
+@pytest.mark.parametrize(("account", "status"), [("1001", 0), ("ada", 2), ("10x1", 2)])
+def test_a_username_is_no_address(
+    account: str, status: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    token = tmp_path / "token"
+    token.write_text(f"4242424242:{'A' * 35}")
+    token.chmod(0o600)
+    text = CONFIG.replace('kind = "terminal"', 'kind = "telegram"\ntoken = {{ file = "token" }}')
+    text = text.replace("terminal:99999", f"telegram:{account}")
+
+    assert main(["check", "-c", str(write_config(tmp_path, text))]) == status
+
+    wrong = f"telegram:{account} of Bob is no account's id."
+    assert (wrong in capsys.readouterr().err) == (status != 0)
+
+
 def test_a_robot_that_is_somebody_needs_no_messenger(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

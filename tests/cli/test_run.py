@@ -216,6 +216,15 @@ def test_bad_input_is_one_sentence(tmp_path: Path, text: str, status: int, sente
     assert ran.out == ""
 
 
+def test_a_username_ends_the_start(tmp_path: Path) -> None:
+    config = write_config(tmp_path, TELEGRAM, api_base="http://127.0.0.1:1", ada="ada")
+
+    ran = rosic("run", "-c", config, env=WRONG_TOKEN)
+
+    assert ran.status == 1
+    assert "telegram:ada of Ada is no account's id." in one_sentence(ran.err)
+
+
 def test_a_missing_file_is_one_sentence(tmp_path: Path) -> None:
     for command in ("run", "status"):
         ran = rosic(command, cwd=tmp_path)

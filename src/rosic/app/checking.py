@@ -9,7 +9,7 @@ from rosic.app.config import Config, read_config
 from rosic.app.desk.control import socket_path
 from rosic.app.documents.profiles import known_units
 from rosic.app.documents.rulebook import fleet_of
-from rosic.app.start import messenger_of
+from rosic.app.start import messenger_of, nobodies
 from rosic.core.identity import ROBOT
 from rosic.core.language import Vocabulary
 from rosic.core.limits import unit_converter
@@ -50,7 +50,7 @@ def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
     errors: list[ConfigurationError] = []
     for table in config.messengers:
         try:
-            messenger_of(table, clock)
+            errors += nobodies(config, messenger_of(table, clock))
         except ConfigurationError as wrong:
             errors.append(wrong)
     for kind in dict.fromkeys(profile.link.kind for profile in config.robots):

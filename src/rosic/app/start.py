@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from zoneinfo import ZoneInfo
 
@@ -11,6 +11,7 @@ from rosic.app.documents.profiles import known_units
 from rosic.app.face import face_of
 from rosic.app.parts import Completing, Parts, Settings
 from rosic.app.placing.painting import painter
+from rosic.contracts.messenger import is_account
 from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
 from rosic.stores.database import DatabaseStore
@@ -49,10 +50,13 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
         entropy: The gateway's.
 
     Raises:
-        ConfigurationError: An adapter is not there, or does not take its settings.
+        ConfigurationError: An adapter is not there, or does not take its settings; or an address
+            can be nobody's there.
     """
     messengers = messengers_of(config.messengers, clock)
     for messenger in messengers:
+        for wrong in nobodies(config, messenger):
+            raise wrong
         if isinstance(messenger, Completing):
             messenger.know(config.robots)
     return Parts(
@@ -90,6 +94,20 @@ def settings_of(config: Config) -> Settings:
         lease_idle_s=config.lease_idle_s,
         missions=config.missions,
     )
+
+
+def nobodies(config: Config, messenger: Messenger) -> Iterator[ConfigurationError]:
+    """Say which addresses no account of a messenger can have: nobody could write as them."""
+    for person in config.people:
+        for address in person.addresses:
+            if address.platform == messenger.platform and not is_account(
+                messenger, address.account
+            ):
+                yield ConfigurationError(
+                    f"{address.platform}:{address.account} of {person.name} is no account's id.",
+                    where=str(config.path),
+                    hint="Give the account's number or id, not a name, which can pass to others.",
+                )
 
 
 def messengers_of(tables: Iterable[MessengerSettings], clock: Clock) -> tuple[Messenger, ...]:

@@ -155,6 +155,12 @@ def catching_up(messenger: Messenger) -> bool:
     return ask is not None and ask()
 
 
+def is_account(messenger: Messenger, account: str) -> bool:
+    """Whether an account can exist there, as far as a messenger can tell by its id alone."""
+    ask: Callable[[str], bool] | None = getattr(messenger, "is_account", None)
+    return ask is None or ask(account)
+
+
 def watch_chats(messenger: Messenger, passed: Passed) -> None:
     """Have a messenger with chats of many say what happens to them; see `Passing`.
 

@@ -140,6 +140,11 @@ class TelegramMessenger:
         """Have somebody told what people put beside messages; see ``contracts.messenger``."""
         self._listener.reacted = reacted
 
+    @staticmethod
+    def is_account(account: str) -> bool:
+        """Telegram's ids are numbers; anything else is a username, which passes to others."""
+        return account.isascii() and account.isdecimal()
+
     async def react(self, chat: Chat, message: str, emoji: str) -> None:
         """Put one of Telegram's reactions beside a message, without waiting for the limits.
 
