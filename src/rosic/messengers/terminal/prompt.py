@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from shutil import get_terminal_size
 from textwrap import fill
 from typing import TYPE_CHECKING, Self
@@ -59,6 +60,7 @@ class PromptScreen:
             reserve_space_for_menu=6,
         )
         self._above: AbstractContextManager[None] = patch_stdout(raw=True)
+        self._raw: ExitStack | None = None
 
     def __enter__(self) -> Self:
         self._above.__enter__()
@@ -70,10 +72,27 @@ class PromptScreen:
         error: BaseException | None,
         at: TracebackType | None,
     ) -> None:
+        self._cook()
         self._above.__exit__(kind, error, at)
 
     async def read(self) -> str | None:
         """Return the next line; None after Ctrl-D, Ctrl-C on an empty line, exit or quit."""
+        if self._raw is None:
+            # Between two lines as well: a Ctrl-D that a terminal in its usual mode takes is lost.
+            self._raw = ExitStack()
+            self._raw.enter_context(self._session.input.raw_mode())
+        line = await self._line()
+        if line is None:
+            self._cook()
+        return line
+
+    def _cook(self) -> None:
+        """Let the terminal make signals of keys again: nobody reads any more."""
+        if self._raw is not None:
+            self._raw.close()
+            self._raw = None
+
+    async def _line(self) -> str | None:
         while True:
             try:
                 line = await self._session.prompt_async(
