@@ -33,7 +33,6 @@ ROS 2 graph. Nothing that exists is overwritten. With --yes nothing is asked: wh
 as if the question had been left empty."""
 NAME = "lab"
 ROBOTS = ("omni", "kuka1")
-LOOK_S = 3.0
 LINKS = ("simulated", "ros2")
 CODE = "code"
 
@@ -113,7 +112,7 @@ def _drafts(options: argparse.Namespace, ask: Questions) -> dict[str, str]:
     """
     if not options.discover and (options.robot or not _wants_ros(ask)):
         return {}
-    from rosic.app.finding.discovering import discover  # noqa: PLC0415 - ROS 2, only for who has it
+    from rosic.app.finding.discovering import LOOK_S, discover  # noqa: PLC0415 - ROS 2, only for who has it
 
     try:
         seen = asyncio.run(discover(SystemClock(), seconds=LOOK_S))

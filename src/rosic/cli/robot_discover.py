@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.app.documents.profiles import check_profile
-from rosic.app.finding.discovering import discover
+from rosic.app.finding.discovering import LOOK_S, discover
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
@@ -28,7 +28,9 @@ def run(arguments: Sequence[str]) -> int:
     """
     parser = argparse.ArgumentParser(prog="rosic robot discover", description=ABOUT)
     parser.add_argument("-o", "--output", metavar="FOLDER", help="write files instead of printing")
-    parser.add_argument("--seconds", type=float, default=3.0, help="how long to look (3)")
+    parser.add_argument(
+        "--seconds", type=float, default=LOOK_S, help=f"how long to look ({LOOK_S:g})"
+    )
     options = parser.parse_args(arguments)
     drafts = asyncio.run(discover(SystemClock(), seconds=min(max(options.seconds, 0.1), 60.0)))
     if options.output is None:

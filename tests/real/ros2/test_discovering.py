@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.documents.profiles import check_profile, load_profile
-from rosic.app.finding.discovering import discover
+from rosic.app.finding.discovering import LOOK_S, discover
 from rosic.core.order import Ending, Outcome
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built, make_importable
@@ -37,10 +37,25 @@ def robots(graph: RosGraph, tmp_path: Path, interfaces: Path) -> Iterator[Simula
 @pytest.fixture
 async def drafts(robots: Simulated, tmp_path: Path) -> dict[str, Path]:  # noqa: ARG001 - on the graph
     """What is found while both robots are there."""
-    found = await discover(SystemClock(), seconds=3.0)
+    found = await discover(SystemClock(), seconds=LOOK_S)
     for name, text in found.items():
         (tmp_path / f"{name}.yaml").write_text(text)
     return {name: tmp_path / f"{name}.yaml" for name in found}
+
+
+class Hasty(SystemClock):
+    """Whoever looks before anybody can have said that they are there; and then in earnest."""
+
+    def __init__(self) -> None:
+        self.slept = 0
+
+    async def sleep(self, seconds: float) -> None:
+        self.slept += 1
+        await super().sleep(0.0 if self.slept == 1 else 3 * seconds)
+
+
+async def test_where_nobody_is_seen_at_first_it_looks_again(robots: Simulated) -> None:  # noqa: ARG001 - on the graph
+    assert set(await discover(Hasty(), seconds=LOOK_S)) == {"picker", "rover"}
 
 
 async def test_drafts_pass_the_check_and_drive_after_filling_in(drafts: dict[str, Path]) -> None:

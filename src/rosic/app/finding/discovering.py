@@ -18,13 +18,19 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
 
 NODE = "rosic_discover"
+ANNOUNCED_S = 3.0
+"""Fast DDS, which most robots have, says so often who is there; the first word may be lost."""
+LOOK_S = ANNOUNCED_S + 1.0
 Space: TypeAlias = "tuple[dict[str, str], dict[str, str], dict[str, str], dict[str, str]]"
 RESTING = ("/odom", "/joint_states")
 TELLING = ("/cmd_vel", "/odom", "/joint_states", "/to_robot_topic")
 
 
 async def discover(clock: Clock, *, seconds: float) -> dict[str, str]:
-    """Look at the graph for a while. Return a profile for each robot, by its id.
+    """Look at the graph for a while, longer if nobody is seen. Return a profile for each robot.
+
+    Returns:
+        By the robot's id.
 
     Raises:
         RosMissing: There is no ROS 2 here.
@@ -34,6 +40,10 @@ async def discover(clock: Clock, *, seconds: float) -> dict[str, str]:
     try:
         await clock.sleep(seconds)
         robots = robots_in(await snapshot(runtime))
+        if not robots:
+            seconds += ANNOUNCED_S
+            await clock.sleep(ANNOUNCED_S)
+            robots = robots_in(await snapshot(runtime))
         robots = [await looked_at(runtime, robot) for robot in robots]
     finally:
         await runtime.close()
