@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.language.cleaning import echo
 from rosic.core.measures import measured
 from rosic.core.saying import filled, joined, said
 
@@ -35,9 +36,18 @@ NOTHING_VISIBLE = said(
     "There is no robot here for you yet. The admin of this place can change that."
 )
 
-
 NAMED_AT_MOST = 50
 """A message that names more robots than this is read by nobody, and is sent in many parts."""
+
+
+def no_robot(named: str) -> str:
+    """Return that a name, as somebody typed it, means no robot."""
+    return said("I know no robot called {name}.", name=echo(named))
+
+
+def no_robot_or_group(named: str) -> str:
+    """Return that a name, as somebody typed it, means no robot and no group."""
+    return said("I know no robot and no group called {name}.", name=echo(named))
 
 
 def help_for_all(examples: Sequence[str]) -> str:

@@ -10,6 +10,7 @@ from rosic.core.limits import broken_limit
 from rosic.core.robot import Slots
 from rosic.core.roles import Assurance, Need
 from rosic.core.saying import joined, said
+from rosic.core.words import no_robot
 from rosic.errors import (
     FirstNeeded,
     NotPermitted,
@@ -60,9 +61,7 @@ class Refusing:
             Code.KEY_REVOKED: lambda _: Unrecognised(ENDED),
             Code.KEY_EXPIRED: lambda _: Unrecognised(ENDED),
             Code.LOCKED: lambda _: NotPermitted(LOCKED),
-            Code.NO_SUCH_ROBOT: lambda d: NotPermitted(
-                said("I know no robot called {robot}.", robot=d.ask.robot)
-            ),
+            Code.NO_SUCH_ROBOT: lambda d: NotPermitted(no_robot(d.ask.robot)),
             Code.KEY_TOO_NARROW: self._too_narrow,
             Code.NOT_GRANTED: self._not_granted,
             Code.RIGHT_ENDED: self._right_ended,

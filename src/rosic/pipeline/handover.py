@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.language.cleaning import echo
 from rosic.core.language.suggestions import AND
 from rosic.core.message import Button
 from rosic.core.reach import FLEET
 from rosic.core.saying import joined, said
+from rosic.core.words import no_robot
 from rosic.errors import NotPermitted, NotUnderstood, RobotBusy
 from rosic.pipeline.desk import Reply
 
@@ -175,7 +175,7 @@ class Handover:
     def _named(self, named: str, asked: Asked) -> RobotId:
         robot = named.casefold()
         if robot not in self._rooms.organiser.visible(asked.caller.principal):
-            raise NotUnderstood(said("I know no robot called {named}.", named=echo(named)))
+            raise NotUnderstood(no_robot(named))
         return robot
 
     def _in_the_way(self, robot: RobotId) -> list[PrincipalId]:

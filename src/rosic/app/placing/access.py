@@ -76,15 +76,13 @@ class Access:
         self._authoriser = authoriser
         self._authority = authority
         self._calendar: Calendar | None = None
-        self._board: StopBoard | None = None
         authoriser.wall_ns = time.wall_ns
         authoriser.ends_of = self.keys.ends_ns
 
     def restore(self, memory: Memory, organiser: Organiser, board: StopBoard | None = None) -> None:
         """Take over what earlier runs wrote, and say who keeps what from now on."""
-        self._board = board
         authority, changes = self._authority, self.changes
-        self.time.when_behind = partial(self._set_back, organiser)
+        self.time.when_behind = partial(self._set_back, organiser, board)
         keepers = {
             "high-water": self.time.apply,
             "tally": self.tally.apply,
@@ -120,10 +118,10 @@ class Access:
         organiser.locked_out = lambda _principal: self.tally.count("locked")
         organiser.narrow = self._authoriser.directory.narrowed
 
-    def _set_back(self, organiser: Organiser, behind: bool) -> None:
+    def _set_back(self, organiser: Organiser, board: StopBoard | None, behind: bool) -> None:
         organiser.in_doubt = behind
-        if self._board is not None and not behind:
-            self._board.not_later(self.time.wall_ns())
+        if board is not None and not behind:
+            board.not_later(self.time.wall_ns())
         self._authority.moved()
         self._authority.when_changed()
 

@@ -8,6 +8,7 @@ from rosic.core.language import clean
 from rosic.core.message import Button
 from rosic.core.record import Decided
 from rosic.core.saying import joined
+from rosic.core.words import no_robot
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.pipeline.alerts import words_alerts as words
 from rosic.pipeline.alerts import words_gathered
@@ -207,7 +208,7 @@ class AlarmClerk:
         check_length(line, LONGEST_LINE)
         first, *rest = line.casefold().split() or [""]
         if first not in self._rooms.organiser.visible(who):
-            raise NotUnderstood(words.no_robot(first or "?"))
+            raise NotUnderstood(no_robot(first or "?"))
         rules = self._alerting.following.get(first, [])
         if not rules:
             raise NotUnderstood(words.no_rules(self._rooms.profiles[first].shown))

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from rosic.core.alert_rule import Severity
 from rosic.core.benchmark import DEVIATION, Kind
 from rosic.core.language import clean, inert_text
-from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.rule import PAUSE, REALLOCATE
 from rosic.core.saying import joined, said
@@ -156,11 +155,6 @@ def no_such_rule(named: str, names: Sequence[str]) -> str:
 def no_rules(shown: str) -> str:
     """Return that a robot has none."""
     return said("{robot} has no rules about alarms.", robot=shown)
-
-
-def no_robot(named: str) -> str:
-    """Return that a robot is not known."""
-    return said("I know no robot called {name}.", name=echo(named))
 
 
 def may_not(shown: str) -> str:

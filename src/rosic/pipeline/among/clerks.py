@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language import clean, inert_text
-from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.saying import joined
+from rosic.core.words import no_robot
 from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
 from rosic.pipeline.among import words_among as words
 from rosic.pipeline.among.post import Ear, Where
@@ -225,12 +225,12 @@ class AmongClerk:
             profile = self._rooms.vocabulary.robot(" ".join(said[:used]))
             if profile is not None:
                 return profile.id, self._seen(who, profile.id), said[used:]
-        raise NotUnderstood(words.no_robot(echo(said[0])))
+        raise NotUnderstood(no_robot(said[0]))
 
     def _seen(self, who: PrincipalId, robot: RobotId) -> str:
         """Return how a robot is shown, if somebody may see it."""
         if robot not in self._rooms.organiser.visible(who):
-            raise NotUnderstood(words.no_robot(robot))
+            raise NotUnderstood(no_robot(robot))
         return self._around.rights.shown(robot)
 
 

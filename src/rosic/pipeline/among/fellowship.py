@@ -20,6 +20,7 @@ from rosic.core.authority import ASK, READ, SHARE
 from rosic.core.identity import PrincipalId
 from rosic.core.message import Button
 from rosic.core.record import Decided, Fact
+from rosic.core.words import no_robot
 from rosic.errors import NotPermitted, NotUnderstood, Refusal, TooManyRequests
 from rosic.organiser.words_calendar import length
 from rosic.pipeline.among import words_among as words
@@ -273,7 +274,7 @@ class Fellowship:
         if cause is None or cause.robot != said.to:  # whoever spoke to it may be answered
             around.rights.check(caller, said.to, ASK)
         if said.to == robot:
-            raise NotUnderstood(words.no_robot(said.to))
+            raise NotUnderstood(no_robot(said.to))
         shown, other = around.rights.shown(robot), around.rights.shown(said.to)
         if circle.guard.is_cut(robot, said.to, now_ns):
             raise TooManyRequests(words.is_cut(other), retry_after_s=CUT_NS / 1e9)

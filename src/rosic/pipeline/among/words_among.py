@@ -59,11 +59,6 @@ def nobody_shares() -> str:
     return said("No robot that you may see shares anything now.")
 
 
-def no_robot(named: str) -> str:
-    """Return that a robot is not known."""
-    return said("I know no robot called {name}.", name=named)
-
-
 def follow_label() -> str:
     """Return what a button says that has something shared said in a chat."""
     return said("Follow")

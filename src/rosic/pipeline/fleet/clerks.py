@@ -11,6 +11,7 @@ from rosic.core.language.suggestions import did_you_mean
 from rosic.core.reach import FLEET
 from rosic.core.record import Decided
 from rosic.core.saying import joined
+from rosic.core.words import no_robot_or_group
 from rosic.errors import NotPermitted, NotUnderstood, TooManyRequests
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_fleet as words
@@ -159,7 +160,7 @@ class TaskClerk:
     ) -> Refusal:
         """Return why nobody can, and which tasks could be given instead."""
         if lacking is None:
-            return NotUnderstood(words.no_such_target(wanted or "?"))
+            return NotUnderstood(no_robot_or_group(wanted or "?"))
         sentence = lacking.why.sentence
         if wanted not in self._rooms.profiles:
             sentence = words.nobody_can(wanted, sentence)
@@ -186,7 +187,7 @@ class TaskClerk:
         close = did_you_mean(low[0], (*sorted(visible), *known)) if low else ()
         rest = " ".join(wish.words[1:])
         offers = tuple(f"/task {name} {rest}".strip() for name in close)
-        raise NotUnderstood(words.no_such_target(wish.words[0] if low else "?"), offers=offers)
+        raise NotUnderstood(no_robot_or_group(wish.words[0] if low else "?"), offers=offers)
 
     # ---- what people do to one ----
 

@@ -17,6 +17,7 @@ from rosic.core.language import Do
 from rosic.core.life import ENGLISH, wording_in
 from rosic.core.roles import Need
 from rosic.core.saying import in_language, joined
+from rosic.core.words import no_robot_or_group
 from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.desk import Reply
@@ -204,7 +205,7 @@ class CompanyClerk:
             members = vocabulary.members(part) if profile is None else (profile.id,)
             seen = [robot for robot in members if robot in visible]
             if part and not seen:  # all or none of those who were named: nobody is left out
-                raise NotUnderstood(words.no_group(part))
+                raise NotUnderstood(no_robot_or_group(part))
             robots.update(dict.fromkeys(seen))
         if not robots or not line.strip() or len(robots) > ROBOTS_AT_MOST:
             raise NotUnderstood(words.HOW_TO)

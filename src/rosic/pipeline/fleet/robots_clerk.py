@@ -10,6 +10,7 @@ from rosic.core.fleet.task import Standing
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.reach import FLEET
 from rosic.core.record import Decided
+from rosic.core.words import no_robot
 from rosic.errors import NotPermitted, NotUnderstood, RobotStopped
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_fleet
@@ -93,9 +94,7 @@ class RobotClerk:
             raise NotUnderstood(words.HOW_TO)
         if profile is None or profile.id not in visible:
             close = did_you_mean(name, sorted(visible))
-            raise NotUnderstood(
-                words.no_robot(name), offers=tuple(f"/robot {other}" for other in close)
-            )
+            raise NotUnderstood(no_robot(name), offers=tuple(f"/robot {other}" for other in close))
         return profile.id
 
     def _about(self, robot: RobotId) -> Reply:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.saying import said
 from rosic.core.words import headed
@@ -23,11 +22,6 @@ AT_WORK: Final = said("at work")
 NOT_AT_REST: Final = said("not at rest")
 BATTERY_LOW: Final = said("battery too low")
 READY: Final = said("ready")
-
-
-def no_group(name: str) -> str:
-    """Return that a name means no robot and no group."""
-    return said("I know no robot and no group called {name}.", name=echo(name))
 
 
 def none_begins(name: str) -> str:

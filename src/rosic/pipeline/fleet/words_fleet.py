@@ -124,11 +124,6 @@ def for_example(why: str, line: str) -> str:
     return joined(" ", (why, said("For example: {line}", line=line)))
 
 
-def no_such_target(name: str) -> str:
-    """Return that a name means no robot and no group."""
-    return said("I know no robot and no group called {name}.", name=echo(name))
-
-
 def not_permitted(shown: str, skill: Skill) -> NotPermitted:
     """Return the refusal of whoever lacks the right."""
     return NotPermitted(

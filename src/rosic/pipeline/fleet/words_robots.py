@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import Standing
-from rosic.core.language.cleaning import echo
 from rosic.core.message import Button
 from rosic.core.saying import joined, said, said_n
 from rosic.organiser.words_calendar import length
@@ -23,11 +22,6 @@ _NOT_IN: Final = {
     Standing.DISABLED: said("not to be used now"),
     Standing.RETIRED: said("retired"),
 }
-
-
-def no_robot(name: str) -> str:
-    """Return that a name means no robot."""
-    return said("I know no robot called {named}.", named=echo(name))
 
 
 def about(can: str, state: str) -> str:
