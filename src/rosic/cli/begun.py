@@ -6,6 +6,8 @@ import os
 import time
 from pathlib import Path
 
+from rosic.system import SystemClock
+
 _STARTED_FIELD = 19  # of /proc/self/stat, counted behind the name
 
 
@@ -15,7 +17,7 @@ def begun_ns() -> int:
     The kernel's word, within 10 ms: starting the interpreter counts, and so does starting it anew
     in the same process, which the ROS wheels do.
     """
-    now_ns = time.monotonic_ns()
+    now_ns = SystemClock.monotonic_ns()
     try:
         fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
         ticks = int(fields[_STARTED_FIELD])

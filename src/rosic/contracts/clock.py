@@ -6,16 +6,25 @@ from typing import Protocol
 
 
 class Clock(Protocol):
-    """Two clocks and a way to wait. Durations are taken on the monotonic one."""
+    """Two clocks and a way to wait.
+
+    Durations are taken on the monotonic one. What has a lifetime ends by both: while a machine
+    is suspended both run on; while a virtual machine is paused neither does, and the wall clock
+    jumps when it goes on.
+    """
 
     def wall_ns(self) -> int:
         """Return Unix time in nanoseconds; may jump."""
         ...
 
     def monotonic_ns(self) -> int:
-        """Return nanoseconds that never go back, on every machine-wide reading in one process."""
+        """Return nanoseconds that never go back and run on while the machine is suspended.
+
+        ``CLOCK_BOOTTIME``, not Python's ``time.monotonic``: that one stands still in suspend, and
+        so does the event loop's. The same for all processes of one machine.
+        """
         ...
 
     async def sleep(self, seconds: float) -> None:
-        """Wait; other tasks run meanwhile."""
+        """Wait; other tasks run meanwhile. Time in suspend may not count: look at the clock."""
         ...

@@ -63,10 +63,10 @@ def test_a_turn_is_offered_for_a_minute_and_then_to_the_next() -> None:
     assert offer is not None
     assert (offer.principal, offer.expires_ns) == ("ann", clock.monotonic_ns() + MIN)
     assert waiting.next_expiry_ns() == offer.expires_ns
-    clock._monotonic_ns += MIN - 1
+    clock._loop_ns += MIN - 1
     assert waiting.offer("kuka1") == offer
     assert waiting.lapsed() == ()
-    clock._monotonic_ns += 1
+    clock._loop_ns += 1
     assert [lapsed.principal for lapsed in waiting.lapsed()] == ["ann"]
     assert offered(waiting) == "ben"
     assert waiting.queue("kuka1") == ("ann", "ben")  # until it is written down
@@ -80,7 +80,7 @@ def test_a_turn_is_offered_for_a_minute_and_then_to_the_next() -> None:
 def test_nobody_left_is_nobody() -> None:
     waiting, clock = a_list("ann")
     offered(waiting)
-    clock._monotonic_ns += MIN
+    clock._loop_ns += MIN
     assert waiting.offer("kuka1") is None
     assert waiting.offer("omni") is None
     assert waiting.next_expiry_ns() is None
@@ -103,7 +103,7 @@ def test_a_turn_that_is_over_or_somebody_elses_cannot_be_taken() -> None:
         waiting.take("ben", "kuka1")
     with pytest.raises(RobotTaken, match="You are not waiting for kuka1"):
         waiting.take("dan", "kuka1")
-    clock._monotonic_ns += MIN
+    clock._loop_ns += MIN
     with pytest.raises(Expired, match="has passed on"):
         waiting.take("ann", "kuka1")
     offered(waiting)
@@ -179,7 +179,7 @@ def test_a_queue_is_a_list(steps: list[tuple[str, int]]) -> None:
             write(waiting, waiting.leave(who, "kuka1"))
             naive = [one for one in naive if one != who]
         elif what == "wait":
-            clock._monotonic_ns += number * 20 * S
+            clock._loop_ns += number * 20 * S
             for lapsed in waiting.lapsed():
                 assert naive[0] == lapsed.principal
                 waiting.apply(lapsed.no_more())

@@ -1,0 +1,46 @@
+"""The clock runs on while the machine sleeps; Python's own monotonic clock does not."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from rosic.testing.clock import ManualClock
+
+HOURS_S = 8 * 3600
+# A time namespace is a machine that has slept: its boot clock is ahead of what runs awake.
+ASLEEP = ("unshare", "--user", "--map-root-user", "--time", "--boottime", str(HOURS_S), "--fork")
+READINGS = """
+import time
+from rosic.cli.begun import begun_ns
+from rosic.system import SystemClock
+print(SystemClock().monotonic_ns() - time.monotonic_ns(), SystemClock().monotonic_ns() - begun_ns())
+"""
+
+
+def _may_sleep() -> bool:
+    if shutil.which("unshare") is None:
+        return False
+    tried = subprocess.run((*ASLEEP, "true"), capture_output=True, check=False)  # noqa: S603
+    return tried.returncode == 0
+
+
+@pytest.mark.skipif(not _may_sleep(), reason="no time namespace may be made here (unshare --time)")
+def test_the_clock_has_run_on_while_the_machine_slept() -> None:
+    run = subprocess.run(  # noqa: S603
+        (*ASLEEP, sys.executable, "-c", READINGS), capture_output=True, text=True, check=True
+    )
+    slept_ns, age_ns = map(int, run.stdout.split())
+    assert abs(slept_ns / 1e9 - HOURS_S) < 60, "it stands still in suspend"
+    assert 0 <= age_ns / 1e9 < 60, "the start of this process is told by another clock"
+
+
+async def test_in_suspend_both_clocks_run_on_and_nobody_wakes() -> None:
+    clock = ManualClock()
+    wall_ns, monotonic_ns = clock.wall_ns(), clock.monotonic_ns()
+    clock.suspend(HOURS_S)
+    assert clock.wall_ns() - wall_ns == HOURS_S * 10**9
+    assert clock.monotonic_ns() - monotonic_ns == HOURS_S * 10**9
