@@ -8,9 +8,15 @@ from difflib import unified_diff
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from rosic.app.languages import LANGUAGES, catalogue
+from rosic.core.civil import MONTHS, WEEKDAYS, Local
+from rosic.core.saying import in_language
+from rosic.organiser.words_calendar import clock_and_day
 from rosic.testing.telegram.picture import draw, in_picture
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from rosic.testing.telegram.transcript import Transcript
 
 DOCS: Final = Path(__file__).parents[2] / "docs"
@@ -19,15 +25,28 @@ PAGE: Final = DOCS / "first-time.md"
 ASKED_TO_DRAW: Final = "ROSIC_PICTURES"
 STALE: Final = "docs/pictures/{name}.svg does not say this any more: look, then run make pictures"
 
+
+def _in_every_language(sentences: Iterable[str]) -> str:
+    """Return what matches any of these sentences, said in any language, the longest first."""
+    catalogues = [catalogue(code) for code in LANGUAGES]
+    found = {in_language(one, spoken) for one in sentences for spoken in catalogues}
+    return "|".join(map(re.escape, sorted(found, key=len, reverse=True)))
+
+
+_WEEKDAY, _MONTH = _in_every_language(WEEKDAYS), _in_every_language(MONTHS)
+_NEXT_DAY: Final = _in_every_language([clock_and_day(Local.at(1), Local.at(0))]).replace(
+    "00:00", ""
+)
+
 # What differs from run to run: when it was, how fast a stop was, how far a robot had come by then.
 _VARIES: Final = (
-    (re.compile(r"\b(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun) \d{1,2} [A-Z][a-z]{2}(?: \d{4})?"), "DAY"),
-    (re.compile(r"\b\d{4}-\d\d-\d\d\b|\b(?:today|tomorrow|DAY) (?=\d\d:\d\d)"), "DAY "),
+    (re.compile(rf"\b(?:{_WEEKDAY}) \d{{1,2}} (?:{_MONTH})(?: \d{{4}})?"), "DAY"),
+    (re.compile(rf"\b\d{{4}}-\d\d-\d\d\b|\b(?:{_NEXT_DAY}|DAY )(?=\d\d:\d\d)"), "DAY "),
     (re.compile(r"\b\d\d:\d\d(?::\d\d)?\b"), "TIME"),
     (re.compile(r"(?:DAY +)?TIME"), "TIME"),
-    (re.compile(r"\(\d+\.\d\d s\)|\bwithin \d+ s\b"), "(SO SOON)"),
+    (re.compile(r"\(\d+\.\d\d s\)|\b(?:within|innerhalb von) \d+ s\b"), "(SO SOON)"),
     (re.compile(r"\b\d+ %"), "SO MUCH"),
-    (re.compile(r"(stopped before it ended TIME).*"), r"\1"),
+    (re.compile(r"((?:stopped before it ended|vor dem Ende angehalten) TIME).*"), r"\1"),
 )
 
 
