@@ -2,6 +2,7 @@
 #
 #   make demo          six simulated robots in the terminal; no account, no ROS
 #   make test          every check and every test
+#   make servers       install what tests use and no wheel brings (by apt, as root or with sudo); nothing where it is there
 #   make check         the checks alone: style, types, imports
 #   make pictures      draw the chats in docs/pictures anew, from what is said today
 #   make campaign      the long runs; hours, not minutes
@@ -30,7 +31,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DELETE_ON_ERROR:
 # Two pips at work in one environment would spoil it.
 .NOTPARALLEL:
-.PHONY: help demo test check pictures campaign texts requirements clean
+.PHONY: help demo test servers check pictures campaign texts requirements clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -40,6 +41,9 @@ demo: $(VENV)/.core
 
 test: check
 	$(call bounded,$(TEST_SECONDS)) $(BIN)/python -m tests.alone -n $(WORKERS) --dist loadfile --no-loadscope-reorder $(PYTEST_ARGS) $(TESTS)
+
+servers: $(VENV)/.dev
+	@$(BIN)/python -m tests.servers
 
 check: $(VENV)/.dev
 	$(BIN)/ruff check .

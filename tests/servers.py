@@ -1,0 +1,107 @@
+"""Installs what tests start or use and no wheel brings: `make servers`.
+
+What is there already is left alone, so that a second call costs nothing. Tests ask `needed`.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from typing import Final, NamedTuple
+
+import pytest
+
+WITHIN_S: Final = 300.0
+"""For one call of apt: a mirror may be slow, and nobody is asked anything."""
+
+
+class Need(NamedTuple):
+    """A program that tests need.
+
+    Attributes:
+        command: As it is found on the path.
+        package: Of Debian and what descends from it.
+        what_for: What is skipped without it.
+    """
+
+    command: str
+    package: str
+    what_for: str
+
+
+NEEDS: Final = (Need("faketime", "faketime", "tests under another date"),)
+
+_QUIETLY: Final = ("-qq", "-o", "Acquire::Retries=3", "-o", "DPkg::Lock::Timeout=120")
+_APT: Final = (
+    ("apt-get", *_QUIETLY, "update"),
+    ("apt-get", *_QUIETLY, "-y", "--no-install-recommends", "install"),
+)
+
+
+def needed(command: str) -> str:
+    """Return where a program is; skip the test that asks, where it is not installed."""
+    found = shutil.which(command)
+    if found is None:
+        pytest.skip(f"{command} is not installed: run make servers")
+    return found
+
+
+def missing() -> list[Need]:
+    """Return what is not installed."""
+    return [need for need in NEEDS if shutil.which(need.command) is None]
+
+
+def install(packages: list[str]) -> str:
+    """Install Debian packages; return why that was not possible, or nothing."""
+    if shutil.which("apt-get") is None:
+        return "there is no apt-get here"
+    as_root: tuple[str, ...] = ()
+    if os.geteuid() != 0:
+        if shutil.which("sudo") is None:
+            return "only root may install, and there is no sudo here"
+        as_root = ("sudo", "-n")
+    update, add = _APT
+    # Old lists may do: only what is installed in the end counts.
+    _run((*as_root, "env", "DEBIAN_FRONTEND=noninteractive", *update))
+    return _run((*as_root, "env", "DEBIAN_FRONTEND=noninteractive", *add, *packages))
+
+
+def _run(command: tuple[str, ...]) -> str:
+    try:
+        done = subprocess.run(  # noqa: S603 - apt, with names that stand above
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            timeout=WITHIN_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return f"{' '.join(command)} took longer than {WITHIN_S:g} s"
+    last = done.stdout.strip().splitlines()[-1:]
+    return "" if done.returncode == 0 else "; ".join([f"{' '.join(command)} failed", *last])
+
+
+def main() -> int:
+    """Install what is missing; return 1 and say it in one sentence where that cannot be."""
+    wanted = missing()
+    if not wanted:
+        return 0
+    packages = [need.package for need in wanted]
+    sys.stdout.write(f"Installing {', '.join(packages)}\n")
+    sys.stdout.flush()
+    why = install(packages)
+    lacking = missing()
+    if not lacking:
+        return 0
+    names = ", ".join(f"{need.command} (for {need.what_for})" for need in lacking)
+    sys.stderr.write(f"Not installed: {names}: {why or 'apt-get installed something else'}.\n")
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
