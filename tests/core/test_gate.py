@@ -88,3 +88,22 @@ def test_looking_needs_no_lease_and_is_allowed_while_stopped_but_not_too_late() 
 
 def test_an_order_for_another_robot_is_void() -> None:
     assert not passes(Gate("q"), order(1, 1, 0, NOW_NS))
+
+
+def test_what_was_ordered_before_a_stop_does_not_go_on_after_the_resume() -> None:
+    gate = Gate("r")
+    before = order(1, 1, 0, NOW_NS)
+    gate.pass_order(before, NOW_NS)
+    assert gate.still_allows(before)
+    gate.apply_stop(Stop("r", 1))
+    assert not gate.still_allows(before)
+    gate.resume(1)
+    assert not gate.still_allows(before), "I5: never again, though the robot may move"
+    assert gate.still_allows(order(2, 1, 1, NOW_NS))
+
+
+def test_looking_goes_on_through_a_stop() -> None:
+    gate = Gate("r")
+    looking = order(1, 1, 0, NOW_NS, LOOK)
+    gate.apply_stop(Stop("r", 1))
+    assert gate.still_allows(looking)

@@ -12,6 +12,7 @@ from tests.planted.faults_of_among import OF_AMONG
 from tests.planted.faults_of_cards import OF_CARDS
 from tests.planted.faults_of_dispatch import OF_DISPATCH
 from tests.planted.faults_of_fleet import OF_FLEET, OF_TASKS
+from tests.planted.faults_of_keeping import OF_KEEPING
 from tests.planted.faults_of_orders import OF_ORDERS
 from tests.planted.faults_of_telling import OF_TELLING
 from tests.planted.messenger_faults import MESSENGER_FAULTS
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 ALL = (
     *FAULTS, *OF_ORDERS, *OF_DISPATCH, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *OF_AMONG, *OF_FLEET,
-    *OF_TASKS, *MESSENGER_FAULTS,
+    *OF_TASKS, *OF_KEEPING, *MESSENGER_FAULTS,
 )  # fmt: skip
 
 

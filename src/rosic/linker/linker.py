@@ -188,10 +188,10 @@ class Linker:
             await asyncio.wait(self._latching)  # unlike gather, it leaves them be when cut off
         if self._stops[robot_id].generation != generation:
             return False
-        await self._latch.write(robot_id, generation, latched=False)
         try:
+            await self._latch.write(robot_id, generation, latched=False)
             await self._robots[robot_id].resume(generation)
-        except RosicError:
+        except BaseException:  # failed or cut off: on disk, too, it stays stopped
             await self.hold_for_good(robot_id, generation)
             raise
         self._stops.resume(robot_id, generation)

@@ -14,6 +14,7 @@ from rosic.stores.rootkey import create
 from rosic.stores.slots import Damaged, State
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
     from rosic.core.robot import RobotId
@@ -48,10 +49,19 @@ class FileLatch:
         robots_max: Room in a new file.
         robots_min: An existing one with less room is made anew with as much, before anything
             moves; one with more keeps what it has.
+        wait_for_disk: Returns when what was written to a descriptor would survive a power cut.
     """
 
-    def __init__(self, path: Path, *, robots_max: int = 4096, robots_min: int = 0) -> None:
+    def __init__(
+        self,
+        path: Path,
+        *,
+        robots_max: int = 4096,
+        robots_min: int = 0,
+        wait_for_disk: Callable[[int], None] = os.fdatasync,
+    ) -> None:
         self._path = path
+        self._wait_for_disk = wait_for_disk
         self._robots_max = max(robots_max, robots_min)
         self._robots_min = robots_min
         self._free: list[int] = []
@@ -171,7 +181,7 @@ class FileLatch:
             for job in jobs:
                 self._accept(job)
             self._overwrite(descriptor)
-            os.fdatasync(descriptor)
+            self._wait_for_disk(descriptor)
         except (OSError, Damaged) as error:
             for job in jobs:
                 if job.error is None:

@@ -25,7 +25,7 @@ from rosic.errors import ConfigurationError
 from rosic.stores.sealing import KEY_BYTES, Root, fresh_key
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
 ROOT_KEY: Final = "root.key"
 SALT: Final = "root.salt"
@@ -146,8 +146,14 @@ def _read(path: Path, most: int, *, handed_over: bool = False) -> bytes:
         os.close(descriptor)
 
 
-def create(path: Path, content: bytes) -> None:
+def create(path: Path, content: bytes, *, wait_for_disk: Callable[[int], None] = os.fsync) -> None:
     """Make a file for the owner alone: whole after a power cut, or not there at all.
+
+    Args:
+        path: Of the file; its folder is there.
+        content: All of it.
+        wait_for_disk: Returns when what is behind a descriptor would survive a power cut; asked
+            for the file before it has its name, and for the folder when the name stands in it.
 
     Raises:
         OSError: It could not be made. Nothing stays behind.
@@ -160,19 +166,14 @@ def create(path: Path, content: bytes) -> None:
         with os.fdopen(descriptor, "wb") as file:
             file.write(content)
             file.flush()
-            os.fsync(file.fileno())
+            wait_for_disk(file.fileno())
         draft.rename(path)
     except OSError:
         with suppress(OSError):
             draft.unlink()
         raise
-    sync(path.parent)
-
-
-def sync(folder: Path) -> None:
-    """Make the names in a folder survive a power cut."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
-        os.fsync(descriptor)
+        wait_for_disk(folder)
     finally:
-        os.close(descriptor)
+        os.close(folder)

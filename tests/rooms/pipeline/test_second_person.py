@@ -43,6 +43,30 @@ async def test_nobody_agrees_with_themselves_and_a_no_is_told() -> None:
         assert place.acted() == 0
 
 
+async def test_an_agreement_is_good_for_five_minutes_since_it_was_asked_for() -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
+        await place.say("omni wave", account=BO, chat=BO)
+        agree, under = place.button("I agree")
+        await place.clock.advance(299.0)
+        await place.tap(agree, under)
+        button, under = place.button("Do it")
+        await place.clock.advance(2.0)
+        told = await place.tap(button, under, account=BO)
+        assert "Nothing was done." in told
+        assert place.acted() == 0
+
+
+async def test_nobody_agrees_after_five_minutes_by_typing_it_either() -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
+        await place.say("omni wave", account=BO, chat=BO)
+        agree, _ = place.button("I agree")
+        bound = place.gateway.rooms.authoriser.buttons._bound[agree.nonce]
+        await place.clock.advance(301.0)
+        told = await place.say(bound.command)
+        assert told == "That question is settled already. Nothing was done."
+        assert place.acted() == 0
+
+
 async def test_nobody_agrees_to_more_than_they_may_do_themselves() -> None:
     tutor = Role(scopes=("*:*",), limits=("omni:move distance <= 1 m",), priority=5)
     care = Care(scopes=("omni:move",), second_person=True)

@@ -147,6 +147,29 @@ class Slow(Desk):
         return lane
 
 
+async def test_a_write_that_is_cut_off_is_waited_for_until_it_is_known_what_became_of_it() -> None:
+    desk = Slow()
+    lane = desk.lane()
+    kept = asyncio.create_task(lane.put("kept"))
+    failed = asyncio.create_task(lane.put("bad"))
+    await asyncio.to_thread(desk.begun.wait, 10)
+    kept.cancel()
+    failed.cancel()
+    for _ in range(10):
+        await asyncio.sleep(0)
+    assert not kept.done(), "whoever goes on now does not know whether it was written"
+    assert not failed.done()
+    desk.go.set()
+    with pytest.raises(asyncio.CancelledError) as written:
+        await kept
+    assert written.value.__cause__ is None
+    with pytest.raises(asyncio.CancelledError) as unwritten:
+        await failed
+    assert isinstance(unwritten.value.__cause__, StoreFault)
+    assert desk.groups == [["kept", "bad"]]
+    await lane.stop()
+
+
 async def test_what_is_urgent_is_not_refused_because_of_what_is_not_and_goes_before_it() -> None:
     desk = Slow()
     lane = desk.urgent_lane(queue_max=20)

@@ -240,6 +240,43 @@ async def test_a_failed_write_is_said_and_made_good_by_the_next(tmp_path: Path) 
     os.close(held)
 
 
+class Disk:
+    """Keeps for good, at each wait, what the file held by then: what a power cut leaves of it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.kept = path.with_name("kept")
+
+    def wait(self, descriptor: int) -> None:
+        assert os.fstat(descriptor).st_ino == self.path.stat().st_ino
+        self.kept.write_bytes(self.path.read_bytes())
+
+    def after_a_power_cut(self) -> dict[str, tuple[int, bool]]:
+        return FileLatch(self.kept).read()
+
+
+async def test_a_stop_is_kept_only_when_the_disk_has_confirmed_it(tmp_path: Path) -> None:
+    disk = Disk(tmp_path / "latch")
+    latch = FileLatch(disk.path, robots_max=ROOM, wait_for_disk=disk.wait)
+    await latch.write("omni", 1, latched=True)
+    assert disk.after_a_power_cut() == {"omni": (1, True)}
+    await asyncio.gather(
+        latch.write("omni", 1, latched=False), latch.write("kuka1", 2, latched=True)
+    )
+    assert disk.after_a_power_cut() == {"omni": (1, False), "kuka1": (2, True)}
+    await latch.close()
+
+
+async def test_a_disk_that_does_not_confirm_a_stop_is_said(tmp_path: Path) -> None:
+    def fail(_descriptor: int) -> None:
+        raise OSError(5, "Input/output error")
+
+    latch = FileLatch(tmp_path / "latch", robots_max=ROOM, wait_for_disk=fail)
+    with pytest.raises(StoreFault, match="could not be kept on disk"):
+        await latch.write("omni", 1, latched=True)
+    await latch.close()
+
+
 def test_a_folder_that_cannot_be_written_is_said(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(ConfigurationError, match="cannot be used"):

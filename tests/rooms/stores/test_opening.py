@@ -112,14 +112,38 @@ async def test_what_would_not_survive_a_power_cut_is_refused(tmp_path: Path, wea
     assert "would not survive a power cut" in await refused(folder, Settings(synchronous=weak))
 
 
+# What a SQLite is built with decides what it does unasked: everything is turned off first.
+LAX = (
+    "synchronous=OFF",
+    "foreign_keys=OFF",
+    "trusted_schema=ON",
+    "secure_delete=OFF",
+    "cell_size_check=OFF",
+    "wal_autocheckpoint=7",
+    "journal_size_limit=-1",
+    "cache_size=7",
+)
+STRICT = {
+    "synchronous": 2,
+    "journal_mode": "wal",
+    "foreign_keys": 1,
+    "busy_timeout": 250,
+    "trusted_schema": 0,
+    "secure_delete": 1,
+    "cell_size_check": 1,
+    "wal_autocheckpoint": 4_000,
+    "journal_size_limit": 64 << 20,
+    "cache_size": -16_384,
+}
+
+
 async def test_the_settings_really_hold(tmp_path: Path) -> None:
     folder = await a_used_folder(tmp_path)
     with sqlite.engine_for(folder / DATABASE, Settings()).connect() as connection:
+        for text in LAX:
+            sqlite.pragma(connection, text)
         sqlite.make_durable(connection, Settings())
-        assert sqlite.pragma(connection, "synchronous") == 2
-        assert sqlite.pragma(connection, "journal_mode") == "wal"
-        assert sqlite.pragma(connection, "foreign_keys") == 1
-        assert sqlite.pragma(connection, "busy_timeout") == 250
+        assert {name: sqlite.pragma(connection, name) for name in STRICT} == STRICT
 
 
 async def test_a_newer_record_is_refused(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from rosic.core.record import Fact, Letter
 from rosic.errors import ConfigurationError
 from rosic.stores.database import DatabaseStore
-from rosic.stores.rootkey import ROOT_KEY, SALT
+from rosic.stores.rootkey import ROOT_KEY, SALT, create
 from rosic.testing.clock import ManualClock
 
 if TYPE_CHECKING:
@@ -118,3 +119,33 @@ async def test_a_file_goes_on_opening_what_was_made_with_it(
     assert len(await used(folder)) == 1
     (folder / ROOT_KEY).unlink()
     assert "is missing" in str(await refused(folder)), "a passphrase is no way around it"
+
+
+def test_a_key_is_on_disk_before_it_has_its_name_and_its_name_before_it_is_used(
+    tmp_path: Path,
+) -> None:
+    """After a power cut a folder without its name in it is a folder without its key."""
+    path = tmp_path / ROOT_KEY
+    seen: list[tuple[str, set[str]]] = []
+
+    def confirm(descriptor: int) -> None:
+        inode = os.fstat(descriptor).st_ino
+        (of,) = [
+            each.name for each in (tmp_path, *tmp_path.iterdir()) if each.stat().st_ino == inode
+        ]
+        seen.append((of, {each.name for each in tmp_path.iterdir()}))
+
+    create(path, b"k" * 32, wait_for_disk=confirm)
+    draft = f"{ROOT_KEY}.new"
+    assert seen == [(draft, {draft}), (tmp_path.name, {ROOT_KEY})]
+    assert path.read_bytes() == b"k" * 32
+    assert path.stat().st_mode & 0o777 == 0o600
+
+
+def test_a_key_that_the_disk_did_not_confirm_is_not_there(tmp_path: Path) -> None:
+    def fail(_descriptor: int) -> None:
+        raise OSError(5, "Input/output error")
+
+    with pytest.raises(OSError, match="Input/output"):
+        create(tmp_path / ROOT_KEY, b"k" * 32, wait_for_disk=fail)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,91 @@
+"""Guards of what has to be on disk, or gone from it, and of what a stop leaves behind."""
+
+from __future__ import annotations
+
+from tests.planted.faults import GATE, Fault
+
+LINKER = "tests/rooms/test_linker.py"
+LATCH = "tests/rooms/stores/test_latch.py"
+LANE = "tests/rooms/stores/test_lane.py"
+ROOT_KEY = "tests/rooms/stores/test_rootkey.py"
+SECOND_PERSON = "tests/rooms/pipeline/test_second_person.py"
+OPENING = "tests/rooms/stores/test_opening.py"
+
+OF_KEEPING = (
+    Fault(
+        name="I5 a resume that failed leaves the latch open on disk",
+        file="linker/linker.py",
+        guard="            await self.hold_for_good(robot_id, generation)\n            raise",
+        without="            raise",
+        caught_by=(
+            f"{LINKER}::test_a_resume_that_failed_leaves_the_robot_stopped_on_disk_too",
+            f"{LINKER}::test_a_resume_that_was_cut_off_leaves_the_robot_stopped_on_disk_too",
+        ),
+    ),
+    Fault(
+        name="I5 only a refusal of the robot's side keeps the latch closed on disk",
+        file="linker/linker.py",
+        guard="except BaseException:  # failed or cut off",
+        without="except RosicError:  # failed or cut off",
+        caught_by=(
+            f"{LINKER}::test_a_resume_that_was_cut_off_leaves_the_robot_stopped_on_disk_too",
+        ),
+    ),
+    Fault(
+        name="I5 the generation is ignored by what goes on",
+        file="core/gate.py",
+        guard="return not self.latched and order.permit.stop_generation >= self.generation",
+        without="return not self.latched",
+        caught_by=(f"{GATE}::test_what_was_ordered_before_a_stop_does_not_go_on_after_the_resume",),
+    ),
+    Fault(
+        name="I10 a stop is not waited for at the disk",
+        file="stores/latch.py",
+        guard="            self._wait_for_disk(descriptor)\n",
+        without="",
+        caught_by=(f"{LATCH}::test_a_stop_is_kept_only_when_the_disk_has_confirmed_it",),
+    ),
+    Fault(
+        name="I13 the name of a key is not waited for at the disk",
+        file="stores/rootkey.py",
+        guard="        wait_for_disk(folder)\n",
+        without="        pass\n",
+        caught_by=(
+            f"{ROOT_KEY}::test_a_key_is_on_disk_before_it_has_its_name_and_its_name_before_it_is_used",
+        ),
+    ),
+    Fault(
+        name="a key is not waited for at the disk before it has its name",
+        file="stores/rootkey.py",
+        guard="            wait_for_disk(file.fileno())\n",
+        without="",
+        caught_by=(
+            f"{ROOT_KEY}::test_a_key_is_on_disk_before_it_has_its_name_and_its_name_before_it_is_used",
+        ),
+    ),
+    Fault(
+        name="what is erased stays in the file",
+        file="stores/sqlite.py",
+        guard='        "secure_delete=ON",  # what is erased is overwritten\n',
+        without="",
+        caught_by=(f"{OPENING}::test_the_settings_really_hold",),
+    ),
+    Fault(
+        name="a write that is cut off is not waited for",
+        file="stores/lane.py",
+        guard="            await self._decided(job)\n",
+        without="",
+        caught_by=(
+            f"{LANE}::test_a_write_that_is_cut_off_is_waited_for_until_it_is_known_what_became_of_it",
+        ),
+    ),
+    Fault(
+        name="I16 an agreement never expires",
+        file="pipeline/consent.py",
+        guard="if request is None or self._clock.monotonic_ns() > request.until_ns:",
+        without="if request is None:",
+        caught_by=(
+            f"{SECOND_PERSON}::test_an_agreement_is_good_for_five_minutes_since_it_was_asked_for",
+        ),
+    ),
+)
