@@ -59,6 +59,29 @@ async def test_an_invitation_and_a_typed_code_go_once_they_are_used(
         assert await place.control.violations() == []
 
 
+async def test_an_invitation_that_was_taken_away_is_said_nowhere_again(
+    tmp_path: Path, launcher: Launcher
+) -> None:
+    async with lab(tmp_path, launcher, robots=OMNI) as place:
+        await place.start()
+        shown = await place.ask(place.ada, "/invite operator omni for 2h code 12s", "start=")
+        [code] = CODE.findall(shown["text"])
+        cy = await place.control.create_user("Cy")
+        offered = await place.ask(cy, code, "You are invited")
+        await place.control.tap(cy, cy, offered["message_id"], "Join")
+        await gone(place, place.ada, shown["message_id"])
+
+        async def buttons_are_due() -> bool:
+            edits = [c for c in await place.control.calls() if "editMessage" in c["method"]]
+            changed = {str(call["parameters"].get("message_id")) for call in edits}
+            return str(shown["message_id"]) in changed
+
+        assert await place.until(buttons_are_due, 30.0)
+        await place.drained()
+        for message in await place.control.messages(place.ada):
+            assert message["deleted"] or code not in message["text"], "a secret is there again"
+
+
 async def test_the_key_of_an_authenticator_and_its_codes_go(
     tmp_path: Path, launcher: Launcher
 ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 OUTBOX = "tests/rooms/pipeline/test_outbox.py"
+EXPIRING = "tests/rooms/pipeline/test_expiring.py"
 SPEAKING = "tests/rooms/pipeline/test_turns_to_speak.py"
 
 OF_TELLING = (
@@ -49,6 +50,24 @@ OF_TELLING = (
         guard="            self.asking.cancel()\n",
         without="            pass\n",
         caught_by=(f"{SPEAKING}::test_an_outcome_goes_before_an_answer_and_progress_goes_last",),
+    ),
+    Fault(
+        name="what was taken out of a chat is said there again",
+        file="pipeline/voice.py",
+        guard="if note.edit_only:",
+        without="if False:",
+        caught_by=(
+            f"{EXPIRING}::test_a_message_that_is_gone_is_not_said_again_only_to_lose_its_buttons",
+        ),
+    ),
+    Fault(
+        name="buttons outlive their time beside ones that live longer",
+        file="pipeline/expiring.py",
+        guard="if self._watching is not None and due_ns < self._looks_ns:",
+        without="if False:",
+        caught_by=(
+            f"{EXPIRING}::test_what_expires_sooner_than_a_menu_that_was_shown_before_goes_in_its_time",
+        ),
     ),
     Fault(
         name="L1 a life that was perhaps told is told again unmarked",

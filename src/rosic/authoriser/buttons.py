@@ -78,13 +78,14 @@ class Buttons:
             principal: Who alone may tap it.
             chat: Where.
             lifetime_ns: Only a button that moves nothing may live longer than a minute: an
-                admin's answer to whoever wants to come in.
+                admin's answer to whoever wants to come in. What the button says itself counts
+                more.
             still: Nothing moves by it, and nothing will move because of it alone: it is good
                 after a gap in listening too, for as long as it lives, once.
         """
         if is_stop(button):
             return msgspec.structs.replace(button, nonce=button.command)
-        lifetime_ns = max(lifetime_ns, lifetime_of(button))
+        lifetime_ns = button.good_for_ns or max(lifetime_ns, lifetime_of(button))
         nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
         self._bound[nonce] = _Bound(
             principal, chat, button.command, self._clock.monotonic_ns(), self._clock.wall_ns(),
@@ -92,7 +93,7 @@ class Buttons:
         )  # fmt: skip
         if len(self._bound) > self._at_most:
             self._bound.popitem(last=False)
-        return msgspec.structs.replace(button, nonce=nonce)
+        return msgspec.structs.replace(button, nonce=nonce, good_for_ns=lifetime_ns)
 
     def redeem(self, nonce: str, principal: PrincipalId, inbound: Inbound) -> str:
         """Return what the tap says, and void the button.
@@ -128,6 +129,8 @@ def uncounted(_kind: str) -> None:
 
 def lifetime_of(button: Button) -> int:
     """Return for how long a button is good at least, in nanoseconds."""
+    if button.good_for_ns:
+        return button.good_for_ns
     return MENU_LIFETIME_NS if button.command.startswith(MENU) else LIFETIME_NS
 
 

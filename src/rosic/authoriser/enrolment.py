@@ -87,6 +87,10 @@ class Enrolment:
         """Return a code for the first admin, or None when somebody is admin already."""
         return None if self._has_admin() else self.invitations.first_admin()
 
+    def nobody_is_admin(self) -> bool:
+        """Whether the first admin is still to come."""
+        return not self._has_admin()
+
     def _has_admin(self) -> bool:
         good = self._directory.has_good_key
         return any(ADMIN in p.roles and good(p.id) for p in self._directory.people())

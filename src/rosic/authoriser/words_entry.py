@@ -18,6 +18,14 @@ AND = said(" and ")
 NOT_GOOD = said(
     "This code is not good here. Ask whoever invited you for a new one. Nothing was done."
 )
+NOT_GOOD_FOR_THE_FIRST = said(
+    "This code is not good here. Nobody is admin here yet: the code for that was shown where ROSIC "
+    "was started, and each start makes a new one. Nothing was done."
+)
+FIRST_WANTED = said(
+    "Hello. Nobody is admin here yet. Whoever runs ROSIC here finds a code where it was started, "
+    "or gets one with: rosic invite --role admin\nSend it to me here, and you are the admin."
+)
 IN_GROUP = said(
     "A code is only good in a private chat with me, and one that was shown here is "
     "not good any more. Ask whoever invited you for a new one."

@@ -190,11 +190,14 @@ class Button(msgspec.Struct, frozen=True, gc=False):
         label: What the person reads.
         command: What a tap says, as if typed.
         nonce: What travels through the messenger instead of the command; empty until issued.
+        good_for_ns: For how long it is good, where that is not the usual; only for one that moves
+            nothing.
     """
 
     label: str
     command: str
     nonce: str = ""
+    good_for_ns: int = 0
 
 
 class Pieces(msgspec.Struct, frozen=True):

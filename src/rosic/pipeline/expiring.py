@@ -35,6 +35,7 @@ class Expiring:
         self._due: list[tuple[int, int, str]] = []
         self._shown: dict[str, tuple[int, Note]] = {}
         self._watching: asyncio.Task[None] | None = None
+        self._looks_ns = 0
         teller.on_buttons = self.shown
 
     def shown(self, note: Note, message: str) -> None:
@@ -49,10 +50,13 @@ class Expiring:
             del self._shown[next(iter(self._shown))]
         serial = next(self._serial)
         self._shown[where] = (serial, replace(note, edit_of=message, cid=None, also=()))
-        good_for_ns = note.good_for_ns or min(map(lifetime_of, mortal))
-        due_ns = self._clock.monotonic_ns() + good_for_ns
+        due_ns = self._clock.monotonic_ns() + min(map(lifetime_of, mortal))
         heappush(self._due, (due_ns, serial, where))
+        if self._watching is not None and due_ns < self._looks_ns:
+            self._watching.cancel()  # it sleeps until something that is due later
+            self._watching = None
         if self._watching is None:
+            self._looks_ns = due_ns
             self._watching = asyncio.create_task(self._watch())
 
     async def _watch(self) -> None:
@@ -65,8 +69,9 @@ class Expiring:
                     del self._shown[where]
                     self._strip(known[1])
             if self._due:
-                wait_s = (self._due[0][0] - now_ns) / 1e9
-                await self._clock.sleep(max(LOOK_EVERY_S, wait_s))
+                wait_s = max(LOOK_EVERY_S, (self._due[0][0] - now_ns) / 1e9)
+                self._looks_ns = now_ns + int(wait_s * 1e9)
+                await self._clock.sleep(wait_s)
         self._watching = None
 
     def _strip(self, note: Note) -> None:
@@ -77,6 +82,7 @@ class Expiring:
             replace(
                 note,
                 outbound=replace(note.outbound, buttons=left, weight=Weight.FEEDBACK),
+                edit_only=True,
                 then=None,
                 landed=None,
             )

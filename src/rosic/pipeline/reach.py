@@ -118,10 +118,8 @@ class Reach:
     def _offer(self, who: PrincipalId, note: Note, notice: Notice) -> None:
         """Put the buttons of a notice under a note, bound to its reader and chat."""
         messenger, chat = note.messenger_and_chat
-        note.good_for_ns = int(notice.lifetime_s * 1e9)
-        issue = partial(
-            self._authoriser.buttons.issue, lifetime_ns=note.good_for_ns, still=notice.still
-        )
+        lifetime_ns = int(notice.lifetime_s * 1e9)
+        issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns, still=notice.still)
         bound = tuple(tuple(issue(b, who, chat.id) for b in row) for row in notice.buttons)
         offering = msgspec.structs.replace(note.outbound, buttons=bound)
         note.outbound = translated(offering, self._teller.languages.of(who))

@@ -22,7 +22,16 @@ from rosic.errors import ChatGone, MessageGone, MessengerFault
 from rosic.pipeline.cards import Card
 from rosic.pipeline.languages import Languages
 from rosic.pipeline.subjects import Subjects
-from rosic.pipeline.voice import Item, Note, Voice, matters, outbound_of, place_of, weight_of
+from rosic.pipeline.voice import (
+    Item,
+    Note,
+    Voice,
+    edit_or_send,
+    matters,
+    outbound_of,
+    place_of,
+    weight_of,
+)
 
 __all__ = ["Note", "Teller"]
 
@@ -248,14 +257,8 @@ class Teller:
             await self._show_in_place(item, voice)
 
     async def _say(self, note: Note) -> None:
-        message = note.edit_of if note.messenger.edits else ""
         try:
-            if message:
-                await note.messenger.edit(message, note.outbound)
-            else:
-                message = await note.messenger.send(note.outbound)
-        except MessageGone:
-            message = await note.messenger.send(note.outbound)
+            message = await edit_or_send(note)
         except MessengerFault as fault:
             # An edit may be made twice; a message that is sent twice says so.
             if fault.perhaps_sent and not note.edit_of and not note.doubted:
@@ -263,6 +266,8 @@ class Teller:
                 address = Address(note.outbound.chat.platform, note.outbound.chat.id)
                 note.outbound = _marked(note.outbound, self.languages.of_address(address))
             raise
+        if not message:
+            return
         self.on_buttons(note, message)
         self.subjects.note(note.messenger.name, note.outbound.chat, message, note.about)
         if note.cid is not None:

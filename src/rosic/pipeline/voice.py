@@ -11,6 +11,7 @@ import msgspec
 from rosic.contracts.messenger import Messenger
 from rosic.core.identity import CommandId, PrincipalId
 from rosic.core.message import Chat, Outbound, Weight
+from rosic.errors import MessageGone
 from rosic.pipeline.cards import Card
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ class Note(msgspec.Struct):
     """A message that stands for itself. ``cid`` and ``also`` are noted as told once it was sent.
 
     Attributes:
-        good_for_ns: How long its buttons are good, if that is not the usual.
+        edit_only: It only takes buttons off ``edit_of``: where that message is gone, nothing is
+            said in its place. What was taken out of a chat, a secret first of all, stays out.
         then: Called once it was sent; it is never dropped before.
         landed: Called with the id of the message that shows it, each time it was said.
         doubted: It may have arrived already, or not.
@@ -37,7 +39,7 @@ class Note(msgspec.Struct):
     cid: CommandId | None = None
     edit_of: str = ""
     also: tuple[CommandId, ...] = ()
-    good_for_ns: int = 0
+    edit_only: bool = False
     then: Callable[[], None] | None = None
     landed: Callable[[str], None] | None = None
     doubted: bool = False
@@ -92,6 +94,23 @@ class Voice:
         item = items[number]
         del items[number]
         return item
+
+
+async def edit_or_send(note: Note) -> str:
+    """Return which message shows a note now; empty if it was to change only one that is gone.
+
+    Raises:
+        MessengerFault: Not said, or it cannot be known.
+    """
+    if note.edit_of and note.messenger.edits:
+        try:
+            await note.messenger.edit(note.edit_of, note.outbound)
+        except MessageGone:
+            if note.edit_only:
+                return ""
+        else:
+            return note.edit_of
+    return await note.messenger.send(note.outbound)
 
 
 def place_of(item: Item) -> tuple[Messenger, Chat]:

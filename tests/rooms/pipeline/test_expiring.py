@@ -74,3 +74,27 @@ async def test_where_the_question_is_gone_the_life_has_a_message_of_its_own() ->
         assert message != question
         assert "done" in shown.text
         assert place.acted() == 1
+
+
+async def test_what_expires_sooner_than_a_menu_that_was_shown_before_goes_in_its_time() -> None:
+    async with Place().open() as place:
+        await place.say("use omni")  # its menu lies open for ten minutes
+        menu = place.last()[0]
+        await place.clock.advance(1.0)
+        await place.say("/start omni__wave")
+        question = place.last()[0]
+        await place.clock.advance(62.0)
+        await place.quiet()
+        assert _labels(place, question) == []
+        assert "Wave" in _labels(place, menu)
+
+
+async def test_a_message_that_is_gone_is_not_said_again_only_to_lose_its_buttons() -> None:
+    async with Place().open() as place:
+        await place.say("/start omni__wave")
+        question = place.last()[0]
+        place.chat.delete(question)
+        before = len(place.chat.told)
+        await place.clock.advance(62.0)
+        await place.quiet()
+        assert len(place.chat.told) == before

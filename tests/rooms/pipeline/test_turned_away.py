@@ -140,8 +140,10 @@ async def a_double_tap(place: Place) -> str:
 async def a_late_tap(place: Place) -> str:
     await place.say("use omni")
     await place.tap(*place.button("Wave"))
-    await place.clock.advance(61.0)
-    return await tapped(place, "Do it", ADA)
+    button, under = place.button("Do it")
+    await place.clock.advance(61.0)  # it is on the screen no more; a tap may be on its way
+    said = await place.tap(button, under)
+    return "\n".join(filter(None, (place.chat.answers[-1][1], said)))
 
 
 async def somebody_elses_invitation(place: Place) -> str:
@@ -228,10 +230,7 @@ CASES: list[tuple[Case, str, dict[str, int]]] = [
     (a_late_tap, "This button is too old. Nothing was done.", {"button-late": 1}),
     (
         somebody_elses_invitation,
-        (
-            "This question was asked of somebody else.\n"
-            "This button is too old. Nothing was done. Tap the link or send the code again."
-        ),
+        "This question was asked of somebody else.",
         {"button-other": 1},
     ),
     (

@@ -94,7 +94,7 @@ class OperatingAccess:
 
     def nobody_is_admin(self) -> bool:
         """Whether the first admin is still to come."""
-        return self._access.enrolment.first_admin_code() is not None
+        return self._access.enrolment.nobody_is_admin()
 
     async def first_admin(self) -> tuple[str, str] | None:
         """Make the code of the first admin, and end those of earlier starts.

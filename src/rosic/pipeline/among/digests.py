@@ -94,4 +94,4 @@ class Digests:
             chat=page.where.chat, text=text, buttons=(row,) if row else (), weight=Weight.IDLE
         )
         plain = translated(outbound, self._teller.languages.of(page.who))
-        self._teller.say(Note(messenger, plain, good_for_ns=BUTTONS_LIVE_NS))
+        self._teller.say(Note(messenger, plain))

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 JOIN, NOT_ME = "join", "not me"
 OFFERED_AT_MOST = 2_000
-# A tap on Join moves nothing, so it may come later than one that moves a robot.
-OFFERED_NS = 600_000_000_000
 
 
 class Offered:
@@ -37,15 +35,19 @@ class Offered:
         issuer: Who invited.
         what: What the invitation gives, in words.
         invitation: Its id.
+        good_for_ns: How much longer its code is good; its buttons are as long.
     """
 
-    __slots__ = ("code", "invitation", "issuer", "what")
+    __slots__ = ("code", "good_for_ns", "invitation", "issuer", "what")
 
-    def __init__(self, code: Secret, invitation: str, issuer: PrincipalId, what: str) -> None:
+    def __init__(
+        self, code: Secret, invitation: str, issuer: PrincipalId, what: str, good_for_ns: int
+    ) -> None:
         self.code: Secret | None = code
         self.invitation = invitation
         self.issuer = issuer
         self.what = what
+        self.good_for_ns = good_for_ns
 
 
 class Tapped:
@@ -83,14 +85,19 @@ class Doorstep:
     def offer(self, inbound: Inbound, offered: Offered) -> tuple[tuple[Button, ...], ...]:
         """Return the two buttons, good once, for this address in this chat alone."""
         said = ((words.JOIN, JOIN), (words.NOT_ME, NOT_ME))
-        row = tuple(self._issue(inbound, offered, Button(label, what)) for label, what in said)
+        # Joining moves nothing, so it may come later than a tap that moves a robot.
+        lasts_ns = offered.good_for_ns
+        row = tuple(
+            self._issue(inbound, offered, Button(label, what, good_for_ns=lasts_ns))
+            for label, what in said
+        )
         while len(self._offered) > 2 * OFFERED_AT_MOST:
             self._offered.popitem(last=False)
         return (row,)
 
     def _issue(self, inbound: Inbound, offered: Offered, button: Button) -> Button:
         whose = stand_in(inbound.sender)
-        issued = self._buttons.issue(button, whose, inbound.chat.id, lifetime_ns=OFFERED_NS)
+        issued = self._buttons.issue(button, whose, inbound.chat.id, still=True)
         self._offered[issued.nonce] = offered
         return issued
 

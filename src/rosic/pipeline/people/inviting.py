@@ -102,7 +102,7 @@ class Inviting:
         keep = partial(
             self._registry.retracting.keep, f"{INVITATION} {made.id}", by, made.expires_ns
         )
-        row = (words.take_back_button(made.id),)
+        row = (words.take_back_button(made.id, wanted.code_ttl_s),)
         return Reply(joined("\n", lines), (row,), picture, landed=keep)
 
     async def _take_back(self, asked: Asked, invitation: str) -> Reply:

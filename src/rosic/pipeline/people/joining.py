@@ -12,7 +12,7 @@ from rosic.core.message import ChatKind
 from rosic.core.rate import Bucket, RateLimit
 from rosic.core.saying import joined
 from rosic.core.secret import Secret
-from rosic.errors import RecordUnavailable, Refusal
+from rosic.errors import Expired, RecordUnavailable, Refusal
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.people import words
 from rosic.pipeline.people.doorstep import Offered
@@ -73,6 +73,7 @@ class Joining:
         self._shown_as = shown_as
         self._names_robot = names_robot
         self._answers = Bucket(ANSWERS, registry.clock.monotonic_ns())
+        self._greetings = Bucket(ANSWERS, registry.clock.monotonic_ns())
 
     async def take(self, messenger: Messenger, inbound: Inbound, text: str) -> Reply | None:
         """Take a fresh message or tap before anybody is recognised.
@@ -94,7 +95,7 @@ class Joining:
             code = code_said(text)
             if code is not None and not self._is_robot(inbound, text):
                 return self._shown(messenger, inbound, code, text)
-        return self._still_waiting(inbound) if private else None
+        return self._still_waiting(inbound) or self._to_the_first(inbound) if private else None
 
     def _is_robot(self, inbound: Inbound, text: str) -> bool:
         """Whether somebody who is known has named a robot; strangers know none."""
@@ -109,7 +110,8 @@ class Joining:
         if isinstance(found, TurnedAway):
             return self._turned_away(found)
         what = found.given.words
-        offered = Offered(Secret(code), found.id, found.issuer, what)
+        good_for_ns = found.expires_ns - self._registry.clock.wall_ns()
+        offered = Offered(Secret(code), found.id, found.issuer, what, good_for_ns)
         if not text.lstrip().startswith("/"):  # a link's START shows nobody what it brings
             self._registry.retracting.keep(
                 f"{INVITATION} {found.id}", "", found.expires_ns,
@@ -142,8 +144,11 @@ class Joining:
 
     def _turned_away(self, found: TurnedAway) -> Reply:
         self._raise_alarm(found.alarm)
-        wait_s = self._answers.take(self._registry.clock.monotonic_ns())
-        return SILENT if wait_s else Reply(found.sentence)
+        if self._answers.take(self._registry.clock.monotonic_ns()):
+            return SILENT
+        if found.sentence == words_entry.NOT_GOOD and self._enrolment.nobody_is_admin():
+            return Reply(words_entry.NOT_GOOD_FOR_THE_FIRST)  # there is nobody to be asked
+        return Reply(found.sentence)
 
     def _raise_alarm(self, alarm: Alarm | None) -> None:
         if alarm is None:
@@ -164,6 +169,13 @@ class Joining:
             return SILENT
         return Reply(words_entry.waiting(applicant.words, left_s))
 
+    def _to_the_first(self, inbound: Inbound) -> Reply | None:
+        """Tell somebody unknown where the first admin's code is, while there is nobody to ask."""
+        known = self._registry.authoriser.directory.at(inbound.sender) is not None
+        if known or self._greetings.take(self._registry.clock.monotonic_ns()):
+            return None
+        return Reply(words_entry.FIRST_WANTED) if self._enrolment.nobody_is_admin() else None
+
     # ---- what was tapped ----
 
     async def _tapped(self, messenger: Messenger, inbound: Inbound) -> Reply:
@@ -173,7 +185,10 @@ class Joining:
             tapped = self._doorstep.redeem(inbound)
         except Refusal as refusal:
             await messenger.answer_tap(inbound, words.ANSWERED if settled else refusal.sentence)
-            return SILENT if settled else Reply(words.OPEN_AGAIN)
+            if settled or not isinstance(refusal, Expired):
+                return SILENT
+            first = self._enrolment.nobody_is_admin()
+            return Reply(words.OVER_FOR_THE_FIRST if first else words.INVITATION_OVER)
         await messenger.answer_tap(inbound, "")
         if not tapped.joins:
             return self._not_me(tapped)
@@ -185,8 +200,8 @@ class Joining:
     def _not_me(self, tapped: Tapped) -> Reply:
         offered = tapped.offered
         told = words.not_for_them(offered.what)
-        row = (words.take_back_button(offered.invitation),)
-        self._registry.reach.tell((offered.issuer,), told, (row,), lifetime_s=words.TAKE_BACK_S)
+        row = (words.take_back_button(offered.invitation, words.TAKE_BACK_S),)
+        self._registry.reach.tell((offered.issuer,), told, (row,))
         return Reply(words.NOT_ME_SAID)
 
     async def _joins(self, inbound: Inbound, tapped: Tapped) -> Reply:

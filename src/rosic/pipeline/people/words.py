@@ -27,8 +27,12 @@ REOPEN: Final = "reopen"
 TAKE_BACK_S: Final = DAY_S
 REOPEN_ROW: Final = (Button(said("Open joining again"), f"/invite {REOPEN}"),)
 ANSWERED: Final = said("This was answered before. Nothing was done.")
-OPEN_AGAIN: Final = said(
-    "This button is too old. Nothing was done. Tap the link or send the code again."
+INVITATION_OVER: Final = said(
+    "The time of this invitation is over. Nothing was done. Ask whoever invited you for a new one."
+)
+OVER_FOR_THE_FIRST: Final = said(
+    "The time of this code is over. Nothing was done. Whoever runs ROSIC here gets a new one by "
+    "starting it again, or with: rosic invite --role admin"
 )
 NOT_ME_SAID: Final = said(
     "Nothing was done. Whoever invited has been told that it was not for you."
@@ -71,9 +75,10 @@ def not_for_them(what: str) -> str:
     )
 
 
-def take_back_button(invitation: str) -> Button:
-    """Return the button that ends an invitation."""
-    return Button(said("Take it back"), f"/invite {BACK} {invitation}")
+def take_back_button(invitation: str, good_for_s: float) -> Button:
+    """Return the button that ends an invitation, for as long as there is something to end."""
+    command = f"/invite {BACK} {invitation}"
+    return Button(said("Take it back"), command, good_for_ns=int(good_for_s * 1e9))
 
 
 # ---- letting in ----

@@ -7,7 +7,7 @@ from rosic.authoriser.invitations import OPEN_AT_MOST
 from rosic.core.identity import Address
 from rosic.core.record import Decided
 from rosic.pipeline.people import words
-from rosic.pipeline.people.doorstep import OFFERED_NS, stand_in
+from rosic.pipeline.people.doorstep import stand_in
 from rosic.pipeline.people.joining import ANSWERS
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.people.hall import ADA, BO, CY, DI, ED, BrokenStore, Hall, a_hall
@@ -165,7 +165,7 @@ async def test_a_button_is_good_once_for_one_address_and_ten_minutes() -> None:
         code = await hall.invited("viewer code 2h")
         await hall.say(DI, code)
         join, under = hall.button(DI, "Join")
-        assert await hall.tap_again(ED, join, under) == words.OPEN_AGAIN  # another's tap
+        assert await hall.tap_again(ED, join, under) == ""  # another's tap
         assert hall.chat.answers[-1][1] == "This question was asked of somebody else."
         assert hall.directory.at(Address("telegram", ED)) is None
 
@@ -178,19 +178,49 @@ async def test_a_button_is_good_once_for_one_address_and_ten_minutes() -> None:
 
         code = await hall.invited("viewer code 2h")
         await hall.say(ED, code)
-        await hall.clock.advance(OFFERED_NS / 1e9 + 1)
-        assert await hall.tap(ED, "Join") == words.OPEN_AGAIN
+        join, under = hall.button(ED, "Join")
+        await hall.clock.advance(2 * 3_600 + 1)
+        assert await hall.tap_again(ED, join, under) == words.INVITATION_OVER
         assert hall.chat.answers[-1][1] == "This button is too old. Nothing was done."
-        await hall.say(ED, code)
-        assert (await hall.tap(ED, "Join")).startswith("You are in")
 
 
-async def test_a_button_that_was_shown_before_a_gap_is_dead() -> None:
+async def test_the_buttons_are_good_for_as_long_as_the_code_and_no_longer() -> None:
+    async with a_hall() as hall:
+        for code, lasts_s in (("10 min", 600), ("2h", 7_200), ("20 s", 20)):
+            await hall.say(DI, await hall.invited(f"viewer code {code}"))
+            join, under = hall.button(DI, "Join")
+            await hall.clock.advance(lasts_s - 1)
+            assert join.good_for_ns == lasts_s * 1_000_000_000
+            await hall.clock.advance(2)
+            assert await hall.tap_again(DI, join, under) == words.INVITATION_OVER
+        await hall.say(DI, await hall.invited("viewer code 2h"))
+        await hall.clock.advance(7_199)
+        assert (await hall.tap(DI, "Join")).startswith("You are in")
+
+
+async def test_the_first_admin_is_told_where_the_code_is_and_to_ask_nobody() -> None:
+    async with Hall().open() as hall:
+        offer = hall.enrolment.first_admin_code()
+        assert offer is not None
+        async with hall.changes.turn() as turn:
+            await turn.write(offer.records)
+        assert await hall.say(ADA, "hello") == words_entry.FIRST_WANTED
+        assert await hall.say(ADA, "join AAAA-AAAA") == words_entry.NOT_GOOD_FOR_THE_FIRST
+        await hall.say(ADA, f"join {offer.code.reveal()}")
+        await hall.clock.advance(86_399)
+        join, under = hall.button(ADA, "Join")
+        await hall.clock.advance(2)
+        assert await hall.tap_again(ADA, join, under) == words.OVER_FOR_THE_FIRST
+    async with a_hall() as hall:
+        assert await hall.say(DI, "hello") not in {words_entry.FIRST_WANTED, ""}
+
+
+async def test_a_button_to_join_that_was_shown_before_a_gap_is_still_good() -> None:
     async with a_hall() as hall:
         await hall.say(DI, await hall.invited("viewer"))
         await hall.clock.advance(1.0)
         hall.chat.gap()
-        assert await hall.tap(DI, "Join") == words.OPEN_AGAIN
+        assert (await hall.tap(DI, "Join")).startswith("You are in")
 
 
 async def test_a_button_joins_by_the_invitation_under_which_it_stands() -> None:
