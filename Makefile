@@ -13,7 +13,7 @@
 #   PYTHON=/path/to/python     choose the interpreter
 #   TESTS=tests/core           run a part;  PYTEST_ARGS='-x -k stop'  passes anything else on
 #   WORKERS=0                  run tests one after another; else the files are shared out, the longest first
-#   TEST_SECONDS=1800          the run of tests is over by then, whatever happens
+#   TEST_SECONDS=1800          the run of tests is over by then, whatever happens; later where the machine is slow
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -57,8 +57,9 @@ pictures: $(VENV)/.dev
 campaign: $(VENV)/.dev
 	$(call bounded,$(CAMPAIGN_SECONDS)) $(BIN)/python -m pytest -m campaign -o faulthandler_timeout=0 $(PYTEST_ARGS) $(TESTS)
 
-# First an interrupt, so that tests put their servers away; then the end, for what does not listen.
-bounded = timeout --foreground --signal=INT --kill-after=60 $(1)
+# First an interrupt, so that tests put their servers away; then the end, for what does not listen. How long that is, and
+# every limit of a test, follows the pace of this machine, which is measured first.
+bounded = $(BIN)/python -m tests.bounded $(1)
 
 # ---- the environment ----
 

@@ -8,6 +8,7 @@ fails. Everything else has one chance (docs/decisions/0011).
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -16,6 +17,8 @@ import pytest
 CROWDED = ("tests/real/", "tests/journeys/", "tests/cli/", "tests/conformance/")
 AT_MOST = 5
 """With more than so many it is not the machine."""
+LAST_RESORT_S = 600
+"""For a test that hangs where no Python runs; longer by the pace of the run, as every limit is."""
 
 
 class Failures:
@@ -39,12 +42,14 @@ class Failures:
 def main(arguments: list[str]) -> int:
     """Run pytest; return its exit status, or that of the second run where there is one."""
     failures = Failures()
-    status = int(pytest.main(arguments, plugins=[failures]))
+    within_s = LAST_RESORT_S * float(os.environ.get("ROSIC_PACE", "1"))
+    limited = ["-o", f"faulthandler_timeout={within_s:.0f}"]
+    status = int(pytest.main([*limited, *arguments], plugins=[failures]))
     if status != pytest.ExitCode.TESTS_FAILED or not failures.deserve_another():
         return status
     names = "".join(f"\n  {test}" for test in failures.tests)
     _say(f"These failed beside others, and are run once more alone:{names}")
-    again = [sys.executable, "-m", "pytest", *failures.tests]
+    again = [sys.executable, "-m", "pytest", *limited, *failures.tests]
     status = subprocess.run(again, check=False).returncode  # noqa: S603 - our own tests
     verdict = "pass alone: crowded out, to be mended" if status == 0 else "fail alone, too"
     _say(f"These {verdict}:{names}")

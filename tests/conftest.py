@@ -12,13 +12,15 @@ import pytest
 from hypothesis import HealthCheck, Phase, settings
 
 from tests.leaks import leaks
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Generator, Iterator
     from types import FrameType
 
 REQUIRE_ALL = "ROSIC_REQUIRE_ALL"
-# It ends what hangs, and is no measure of how fast a test should be: a machine may be slow.
+# It ends what hangs, and is no measure of how fast a test should be: a machine may be slow. It and
+# every other limit is longer by the pace of the run.
 USUAL_LIMIT_S = 180.0
 RING_AGAIN_S = 5.0
 
@@ -104,6 +106,11 @@ SECONDS = {
 }
 
 
+def pytest_configure() -> None:
+    """Measure the pace before anything runs, unless `make` has."""
+    pace()
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave campaigns out, unless the mark expression speaks of them. Put the longest first."""
     _leave_campaigns_out(config, items)
@@ -184,7 +191,7 @@ def _limited(item: pytest.Item) -> Iterator[None]:
     It rings again and again, because a failure raised inside an asyncio task stays in that task.
     """
     marker = item.get_closest_marker("limit")
-    limit_s = float(marker.args[0]) if marker else USUAL_LIMIT_S
+    limit_s = (float(marker.args[0]) if marker else USUAL_LIMIT_S) * pace()
 
     def ring(_signal: int, _frame: FrameType | None) -> None:
         pytest.fail(f"took longer than {limit_s:g} s")

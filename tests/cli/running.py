@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from tests.cli.warm import Warmed
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -53,7 +54,7 @@ def rosic(
         files = (asks.fileno(), out.fileno(), err.fileno())
         process = Warmed([*map(str, arguments)], files, cwd, environment(env))
         try:
-            status = process.wait(within_s)
+            status = process.wait(within_s * pace())
         finally:
             process.kill()
         out.seek(0)
@@ -74,7 +75,7 @@ def cold_rosic(
         input=stdin,
         capture_output=True,
         text=True,
-        timeout=within_s,
+        timeout=within_s * pace(),
         check=False,
         cwd=cwd,
         env=environment(env),
@@ -106,7 +107,7 @@ class Gateway:
         self.process.stdin.flush()
 
     def wait_for(self, text: str, *, within_s: float = 60, log: bool = False) -> None:
-        end_s = time.monotonic() + within_s
+        end_s = time.monotonic() + within_s * pace()
         while text not in (self.err() if log else self.out()):
             assert self.process.poll() is None, f"it ended: {self.err()}"
             assert time.monotonic() < end_s, f"no {text!r} in: {self.err()}{self.out()}"
@@ -114,7 +115,7 @@ class Gateway:
 
     def end(self, number: signal.Signals = signal.SIGTERM, *, within_s: float = 60) -> int:
         self.process.send_signal(number)
-        return self.process.wait(within_s)
+        return self.process.wait(within_s * pace())
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import pytest
 from rosic.bench import orders, pipeline
 from rosic.bench.lanes import BenchMessenger
 from rosic.core.message import Chat, Outbound
+from tests.pace import pace
 
 BRIEF = msgspec.structs.replace(pipeline.CASES[0], orders=500, people=20)
 CHAT = Chat("bench", "0")
@@ -41,4 +42,4 @@ async def test_an_order_that_is_not_done_is_no_result(text: str) -> None:
     await (messenger.edit("7", said) if "\n" in text else messenger.send(said))
 
     with pytest.raises(AssertionError, match="no result"):
-        await asyncio.wait_for(ended, 10.0)
+        await asyncio.wait_for(ended, 60 * pace())

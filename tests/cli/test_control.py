@@ -24,6 +24,7 @@ from rosic.app.desk.control import (
     socket_path,
 )
 from rosic.errors import ConfigurationError, Fault, NotUnderstood
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -83,7 +84,7 @@ async def raw(folder: Path, sent: bytes) -> bytes:
     reader, writer = await asyncio.open_unix_connection(str(folder / "control.sock"))
     writer.write(sent)
     try:
-        return await asyncio.wait_for(reader.read(), 60)
+        return await asyncio.wait_for(reader.read(), 60 * pace())
     except ConnectionResetError:
         return b""
     finally:
@@ -147,7 +148,7 @@ async def test_whoever_does_not_read_keeps_nobody_waiting(tmp_path: Path, desk: 
             connection.connect(str(tmp_path / "control.sock"))
             connection.sendall(b'{"verb":"status","names":["long"]}\n')
         turned_away = [("Too many commands at once. Try again.", False)]
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(60 * pace()):
             while await answers(tmp_path, Verb.STATUS) != turned_away:  # noqa: ASYNC110
                 await asyncio.sleep(0)
             while await answers(tmp_path, Verb.STATUS) == turned_away:  # noqa: ASYNC110

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.cli.running import ROSIC, environment, rosic
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -146,7 +147,7 @@ class Hand:
 
     def see(self, text: str, within_s: float = 60) -> None:
         """Read until a text was drawn since the last look; colours are left out."""
-        end_s = time.monotonic() + within_s
+        end_s = time.monotonic() + within_s * pace()
         while text not in plain(self.drawn):
             assert time.monotonic() < end_s, f"no {text!r} in {plain(self.drawn)!r}"
             if select.select([self._master], [], [], 0.1)[0]:

@@ -14,7 +14,7 @@ import pytest
 
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import CONFIG, gateway, rosic, write_config
-from tests.pace import patience
+from tests.pace import pace, patience
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -263,7 +263,7 @@ async def test_it_starts_before_its_network_and_works_when_that_comes(tmp_path: 
         async with server:
             await asyncio.to_thread(running.wait_for, "telegram: listening", log=True)
             server.say(ada, ada, "omni arm home")
-            async with asyncio.timeout(60):
+            async with asyncio.timeout(60 * pace()):
                 while not any("done " in m["text"] for m in server.messages(ada, by_bot=True)):
                     await server.wait(server.seq, 1.0)
             assert await asyncio.to_thread(running.end) == 0

@@ -21,7 +21,7 @@ from rosic.cli.asking import answers
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import environment, gateway, rosic, write_config
 from tests.cli.warm import Warmed
-from tests.pace import patience
+from tests.pace import pace, patience
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -124,7 +124,7 @@ class AtTerminal:
         self.shown = ""
 
     def wait_for(self, text: str, within_s: float = 60) -> None:
-        end_s = time.monotonic() + within_s
+        end_s = time.monotonic() + within_s * pace()
         while text not in self.shown:
             assert time.monotonic() < end_s, f"no {text!r}: {self.shown}{self.log()}"
             assert self.process.poll() is None, self.log()
@@ -167,12 +167,12 @@ def everything(folder: Path) -> bytes:
 async def joins(server: FakeTelegram, config: Path, who: int, code: str, as_what: str) -> None:
     """Let somebody hand a code in, and wait until they are listed."""
     server.say(who, who, f"/start {code}")
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while not (told := server.messages(who, by_bot=True)):
             await server.wait(server.seq, 1.0)
     server.tap(who, who, told[-1]["message_id"], "Join")
     listed = re.compile(rf"{as_what}.*telegram:{who} ")
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while not listed.search((await asyncio.to_thread(rosic, "people", "-c", config)).out):
             await server.wait(server.seq, 0.5)
 
@@ -219,7 +219,7 @@ async def test_the_first_start_shows_a_code_and_whoever_sends_it_is_the_admin(
             await joins(server, config, student, code, "as operator on omni, until ")
 
         async with at_terminal(config, server.token) as again:
-            async with asyncio.timeout(60):
+            async with asyncio.timeout(60 * pace()):
                 while "listening" not in again.log():  # noqa: ASYNC110
                     await asyncio.sleep(0.05)
             again.look()

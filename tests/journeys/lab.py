@@ -12,6 +12,7 @@ from tests.journeys.counter import Counter
 from tests.journeys.fleet import Person, write_config, write_place
 from tests.journeys.gateway import Start
 from tests.journeys.running import Gateway, Launcher, fake_telegram
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Sequence
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
     from rosic.testing.telegram import Control
 
-WITHIN_S = 60.0
+WITHIN_S = 60.0 * pace()
 SHOWN = 10
 
 

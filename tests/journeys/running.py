@@ -17,12 +17,14 @@ import msgspec
 from rosic.testing.telegram import Control
 from tests.journeys.fleet import TOKEN
 from tests.journeys.gateway import COLD, Command, Start
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
 ROOT = Path(__file__).parents[2]
-STARTING_S = 120.0
+STARTING_S = 120.0 * pace()
+WITHIN_S = 60.0 * pace()
 LOOK_EVERY_S = 0.01
 LISTENING = "lab: listening"
 
@@ -107,7 +109,7 @@ class Forked:
             file.seek(self._from)
             return file.read().decode(errors="replace")
 
-    async def says(self, text: str, within_s: float = 60.0, *, times: int = 1) -> bool:
+    async def says(self, text: str, within_s: float = WITHIN_S, *, times: int = 1) -> bool:
         """Wait until its log has a text so many times. Return whether it has, in time."""
         end_s = time.monotonic() + within_s
         while self.log().count(text) < times:
@@ -161,7 +163,7 @@ class Forked:
 class Gateway(Forked):
     """One gateway's process."""
 
-    async def listens(self, within_s: float = 60.0) -> float:
+    async def listens(self, within_s: float = WITHIN_S) -> float:
         """Wait until it listens; return how long that took since it was started, in seconds."""
         assert await self.says(LISTENING, within_s), f"it does not listen: {self.log()}"
         return time.monotonic() - self.began_s

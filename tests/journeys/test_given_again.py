@@ -9,6 +9,7 @@ import pytest
 
 from tests.journeys.lab import Lab, lab
 from tests.journeys.reading import End, read_reply
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,7 +22,7 @@ NOBODY_KNOWS = "It may or may not have been carried out; please look."
 async def poll_begins(place: Lab) -> None:
     """Wait until the gateway has just asked for updates."""
     seq = await place.control.seq()
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while True:
             for call in await place.control.wait(seq, 5.0, ["call"]):
                 if call["method"] == "getUpdates":

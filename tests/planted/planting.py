@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 from contextlib import contextmanager
+from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import msgspec
 import pytest
 
+from tests.pace import pace
 from tests.planted.nursery import Run
 
 if TYPE_CHECKING:
@@ -26,6 +28,7 @@ WITHIN_S = 240
 SAYS_WHERE = "says_where"
 WHERE = """
 import os, sys
+from tests.pace import pace
 def pytest_terminal_summary(terminalreporter):
     import rosic
     terminalreporter.write_line(f"source: {rosic.__file__}")
@@ -90,7 +93,7 @@ def assert_caught(fault: Fault, folder: Path, nursery: Nursery) -> None:
         ),
         paths=(str(source), str(folder)),
         log=str(log),
-        within_s=WITHIN_S,
+        within_s=ceil(WITHIN_S * pace()),
     )  # fmt: skip
     status, said = nursery.end_of(run), log.read_text()
     assert status == pytest.ExitCode.TESTS_FAILED, f"nothing noticed: {fault.name}\n{said[-2500:]}"

@@ -18,6 +18,7 @@ from rosic.robots.simulated.robot import SimulatedRobot
 from rosic.robots.simulated.theatre import theatre_of
 from rosic.system import SystemClock
 from rosic.testing.orders import OrderBook
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from rosic.core.skill import Argument
@@ -44,7 +45,7 @@ async def test_a_world_lives_as_long_as_its_clock() -> None:
     assert world() is theatre_of(clock)
 
     del clock
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while world() is not None:  # what stepped it is being cancelled
             await asyncio.sleep(0)
             gc.collect()
@@ -60,7 +61,7 @@ async def test_a_stop_in_full_motion_ends_when_rest_is_measured() -> None:
     forward: dict[str, Argument] = {"direction": "forward", "distance": 2.0, "speed": 0.25}
     order = OrderBook(profile, clock).order("move", forward)
     running = asyncio.create_task(robot.execute(order, lambda _report: None))
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while robot.presence().at_rest is not False:
             assert not running.done(), running.result()
             await clock.sleep(0.01)

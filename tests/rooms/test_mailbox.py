@@ -20,6 +20,7 @@ from rosic.robots.memory import MemoryRobot
 from rosic.stores.latch import MemoryLatch
 from rosic.testing.clock import ManualClock, settle
 from rosic.testing.orders import OrderBook
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from rosic.contracts.robot import Tell
@@ -170,7 +171,7 @@ async def test_a_replacing_order_ends_the_one_under_way() -> None:
     running = asyncio.create_task(bench.linker.dispatch(first.order, ignore))
     await settle()
     assert not bench.linker.put(second)
-    outcome = await asyncio.wait_for(running, 1)
+    outcome = await asyncio.wait_for(running, 60 * pace())
     assert (outcome.ending, outcome.note) == (
         Ending.CANCELLED, "a later command took its place",
     )  # fmt: skip
@@ -211,7 +212,7 @@ async def test_what_was_replaced_comes_to_rest_though_the_gateway_closes() -> No
     assert not running.done(), "it is not at rest yet"
     await bench.clock.advance(1.0)
     with pytest.raises(asyncio.CancelledError):
-        await asyncio.wait_for(running, 1)
+        await asyncio.wait_for(running, 60 * pace())
     assert robot.cut_short == 0
 
 
@@ -223,10 +224,10 @@ async def test_a_stop_is_handed_over_before_it_is_written() -> None:
     halting = bench.linker.stop(["r"], "p")
     assert bench.robot.gate.latched
     assert bench.board["r"].latched
-    assert (await asyncio.wait_for(halting.rests["r"], 1)).confirmed
-    assert await asyncio.wait_for(halting.latched, 1)
+    assert (await asyncio.wait_for(halting.rests["r"], 60 * pace())).confirmed
+    assert await asyncio.wait_for(halting.latched, 60 * pace())
     assert bench.latch.read() == {"r": (1, True)}
-    await asyncio.wait_for(running, 1)
+    await asyncio.wait_for(running, 60 * pace())
 
 
 async def test_a_resume_of_an_older_stop_changes_nothing() -> None:

@@ -10,6 +10,7 @@ from rosic.core.message import Chat
 from rosic.errors import TooManyRequests
 from rosic.pipeline.turns import WAITING_AT_MOST, Turns
 from rosic.testing.clock import settle
+from tests.pace import pace
 
 A, B = Chat("t", "a"), Chat("t", "b")
 
@@ -36,7 +37,7 @@ async def test_messages_of_a_chat_keep_their_order() -> None:
 async def test_another_chat_does_not_wait() -> None:
     turns = Turns()
     await turns.take(A)
-    await asyncio.wait_for(turns.take(B), 1)
+    await asyncio.wait_for(turns.take(B), 60 * pace())
 
 
 async def test_a_cancelled_message_passes_its_turn_on() -> None:
@@ -47,7 +48,7 @@ async def test_a_cancelled_message_passes_its_turn_on() -> None:
     await settle()
     turns.give(A)
     first.cancel()
-    await asyncio.wait_for(second, 1)
+    await asyncio.wait_for(second, 60 * pace())
 
 
 async def test_too_many_waiting_are_refused() -> None:

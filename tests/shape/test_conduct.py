@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 from tests.conftest import SECONDS
+from tests.pace import PACE
 
 ROOT = Path(__file__).parents[2]
 
@@ -50,19 +51,22 @@ def test_never_seen(): pass
 """
 
 
-def run_pytest(folder: Path, *arguments: str, require_all: bool = False) -> dict[str, str]:
+def run_pytest(
+    folder: Path, *arguments: str, require_all: bool = False, pace: float = 1.0
+) -> dict[str, str]:
     """Outcome of each test by its name; the whole output stands under the empty name."""
     shutil.copy(ROOT / "pyproject.toml", folder)
     shutil.copy(ROOT / "tests/conftest.py", folder)
     (folder / "tests").mkdir()
-    shutil.copy(ROOT / "tests/leaks.py", folder / "tests")
+    for name in ("leaks.py", "pace.py"):
+        shutil.copy(ROOT / "tests" / name, folder / "tests")
     (folder / "test_subject.py").write_text(SUBJECT)
     (folder / "test_absent.py").write_text(ABSENT)
     own = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     done = subprocess.run(  # noqa: S603
         [sys.executable, "-m", "pytest", "-rA", "-p", "no:xdist", *arguments, "."],
         cwd=folder,
-        env=own | {"ROSIC_REQUIRE_ALL": "1" if require_all else ""},
+        env=own | {"ROSIC_REQUIRE_ALL": "1" if require_all else "", PACE: f"{pace}"},
         capture_output=True,
         text=True,
         timeout=150,
@@ -100,6 +104,12 @@ def test_where_everything_must_run_a_skip_fails_with_its_sentence(tmp_path: Path
     assert "this was skipped: Skipped: needs a rare library" in outcomes[""]
 
 
+def test_on_a_slow_machine_a_test_may_take_longer(tmp_path: Path) -> None:
+    output = run_pytest(tmp_path, "-k", "sleeps", pace=3.0)[""]
+
+    assert "Failed: took longer than 0.6 s" in output
+
+
 def test_a_campaign_runs_when_it_is_asked_for(tmp_path: Path) -> None:
     assert run_pytest(tmp_path, "-m", "campaign")["test_for_hours"] == "PASSED"
 
@@ -110,7 +120,8 @@ def test_the_longest_files_come_first_and_are_there(tmp_path: Path) -> None:
     (tmp_path / "tests").mkdir()
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
     shutil.copy(ROOT / "tests/conftest.py", tmp_path / "tests")
-    shutil.copy(ROOT / "tests/leaks.py", tmp_path / "tests")
+    for name in ("leaks.py", "pace.py"):
+        shutil.copy(ROOT / "tests" / name, tmp_path / "tests")
     longest = max(SECONDS, key=SECONDS.__getitem__)
     for file in ("tests/a/test_first.py", longest):
         (tmp_path / file).parent.mkdir()

@@ -9,6 +9,7 @@ import pytest
 from rosic.robots.ros2.faults import BadValue, NoAnswer, NotSent
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.services import wait_until
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.actions import ActionLink
@@ -68,7 +69,7 @@ async def test_a_goal_under_way_is_called_off(move: ActionLink, mover: RosProces
     started = asyncio.Event()
     goal = await move.send(metres(3), timeout_s=30, on_feedback=lambda _feedback: started.set())
     assert goal is not None
-    await asyncio.wait_for(started.wait(), 30)
+    await asyncio.wait_for(started.wait(), 60 * pace())
     assert await goal.cancel(timeout_s=30) == "cancelling"
     end = await goal.end(timeout_s=30)
     assert end.status == "cancelled"

@@ -15,6 +15,7 @@ from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 from tests.cli.running import Gateway, gateway, rosic, write_config
 from tests.cli.test_robot_add import QUICK
+from tests.pace import pace
 from tests.real.ros2.simulated import simulated, until
 from tests.real.ros2.test_among import PEER, Brain
 
@@ -83,7 +84,9 @@ async def hears(running: Gateway, text: str, *, line: str = "") -> None:
     begun_s = time.monotonic()
     while text not in running.out()[seen:]:
         assert running.process.poll() is None, running.err()
-        assert time.monotonic() - begun_s < 60, f"no {text!r} in {running.out()}{running.err()}"
+        assert time.monotonic() - begun_s < 60 * pace(), (
+            f"no {text!r} in {running.out()}{running.err()}"
+        )
         await asyncio.sleep(0.02)
 
 

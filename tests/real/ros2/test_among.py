@@ -15,6 +15,7 @@ from rosic.core.robot import Link, Profile
 from rosic.errors import ConfigurationError
 from rosic.pipeline.among.inbox import PACE
 from rosic.robots.ros2.robot import Ros2Robot
+from tests.pace import pace
 from tests.real.ros2.simulated import shipped, simulated, until
 from tests.rooms.pipeline.among.fellows import CAREFUL, Fellows
 from tests.rooms.pipeline.among.test_storm import RealClock
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from rosic.testing.ros2.graph import RosGraph, RosProcess
 
 PEER = Path(__file__).with_name("fellow_peer.py")
-PATIENCE_S = 30.0
+PATIENCE_S = 30.0 * pace()
 
 
 def fellow(name: str) -> Profile:

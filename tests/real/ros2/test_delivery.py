@@ -14,6 +14,7 @@ from rosic.core.parcel import Parcel, Receipt
 from rosic.errors import ConfigurationError, RobotOffline, RobotUnreachable
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph, RosProcess
+from tests.pace import pace
 from tests.real.ros2.simulated import TriedRobot, profile_of
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ async def until_read(
     peer: RosProcess, words: str, deliver: Callable[[], Awaitable[Receipt]]
 ) -> Receipt:
     """Deliver until it was read: who has not found us yet hears nothing, and nobody is told."""
-    async with asyncio.timeout(90):
+    async with asyncio.timeout(90 * pace()):
         while True:
             receipt = await deliver()
             try:

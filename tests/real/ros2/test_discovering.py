@@ -13,6 +13,7 @@ from rosic.core.order import Ending, Outcome
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built, make_importable
 from rosic.system import SystemClock
+from tests.pace import pace
 from tests.real.ros2.simulated import Simulated, TriedRobot, opened, simulated
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ async def drives(path: Path, skill: str, arguments: dict[str, Argument]) -> None
 
 async def done(robot: TriedRobot, skill: str, arguments: dict[str, Argument]) -> Outcome:
     """Return what became of it, asked for once the robot has been heard: nothing is sent before."""
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while True:
             try:
                 return await robot.do(skill, arguments)

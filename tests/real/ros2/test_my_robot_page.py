@@ -15,6 +15,7 @@ import pytest
 from rosic.app.documents.profiles import check_profile
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built
 from tests.cli.running import ROSIC, gateway
+from tests.pace import pace
 from tests.real.ros2.simulated import simulated
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def speak(folder: Path, lines: list[str]) -> None:
 
 
 def wait_for(running: Gateway, text: str, seen: int) -> None:
-    end_s = time.monotonic() + 60
+    end_s = time.monotonic() + 60 * pace()
     while text not in running.out()[seen:]:
         assert time.monotonic() < end_s, f"no {text!r} in: {running.out()[seen:]}{running.err()}"
         assert running.process.poll() is None

@@ -18,6 +18,7 @@ from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
+from tests.pace import pace
 from tests.real.ros2.simulated import Simulated, TriedRobot, opened, shipped, simulated, until
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ class Life:
         self, robot: TriedRobot, skill: str, arguments: dict[str, Argument]
     ) -> Outcome:
         """Ask for it once everything of the robot was found: before that nothing is sent."""
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(60 * pace()):
             while True:
                 try:
                     return await robot.execute(robot.order(skill, arguments), self.reports.append)
@@ -96,7 +97,7 @@ class Life:
         assert not self.task.done(), self.task.result()
 
     async def end(self) -> Outcome:
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(60 * pace()):
             return await self.task
 
 
@@ -188,7 +189,7 @@ async def test_a_goal_that_somebody_else_sends_ends_ours_as_failed(
 async def test_battery_map_way_and_place_are_seen(rover: TriedRobot) -> None:
     await until(lambda: "battery" in rover.presence().values)
     assert 50 < float(rover.presence().values["battery"]) <= 90
-    async with asyncio.timeout(20), aclosing(rover.look(Sight.MAP)) as views:
+    async with asyncio.timeout(60 * pace()), aclosing(rover.look(Sight.MAP)) as views:
         seen = (await anext(views)).content
     assert isinstance(seen, Grid)
     assert (seen.width, seen.height) == (100, 80)

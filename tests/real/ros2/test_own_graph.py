@@ -14,6 +14,7 @@ from rosic.testing.ros2.domain import Domain
 from rosic.testing.ros2.environment import why_missing
 from rosic.testing.ros2.graph import RosGraph, RosProcess
 from rosic.testing.ros2.shared_memory import YOUNG_S, sweep
+from tests.pace import pace
 
 PEER = Path(__file__).with_name("peer.py")
 
@@ -82,7 +83,7 @@ def test_what_a_killed_node_leaves_is_swept(tmp_path: Path) -> None:
         left = _segments(killed)
         killed.kill()
         assert left
-        end = time.monotonic() + 60
+        end = time.monotonic() + 60 * pace()
         while any(file.exists() for file in left) and time.monotonic() < end:
             sweep(graph.domain_id)
             time.sleep(0.1)

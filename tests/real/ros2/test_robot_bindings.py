@@ -17,7 +17,7 @@ from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph, RosProcess
-from tests.pace import patience
+from tests.pace import pace, patience
 from tests.real.ros2.simulated import TriedRobot, opened, profile_of, until
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ async def test_after_a_stop_no_velocity_follows_the_zero(peer: RosProcess) -> No
         running = asyncio.create_task(robot.do("do", {"speed": 0.25, "duration": 5.0}))
         await asyncio.to_thread(peer.expect, "twist 0.25")
         rest = await robot.stop(Stop("omni", 1))
-        outcome = await asyncio.wait_for(running, 30.0)
+        outcome = await asyncio.wait_for(running, 60 * pace())
         await asyncio.to_thread(peer.expect, "twist 0.0")
         await asyncio.sleep(0.2)
     finally:
@@ -283,7 +283,7 @@ async def test_robots_of_one_process_share_one_node_until_the_last_closes(
             return len(await onlooker.thread.run(ends))
 
         async def becomes(expected: int) -> None:
-            async with asyncio.timeout(60):
+            async with asyncio.timeout(60 * pace()):
                 while await nodes() != expected:  # noqa: ASYNC110 - the graph tells nobody
                     await asyncio.sleep(0.05)
 

@@ -17,7 +17,7 @@ from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
-from tests.pace import patience
+from tests.pace import pace, patience
 from tests.real.ros2.simulated import Simulated, opened, set_fault, shipped, simulated, until
 
 if TYPE_CHECKING:
@@ -177,7 +177,7 @@ async def test_a_stop_is_confirmed_only_at_rest(clock: SystemClock, odometry: La
         rest = await robot.stop(Stop("omni", 1))
         standing = await stands(odometry)
         at = x_m(odometry)
-        outcome = await asyncio.wait_for(running, 60.0)
+        outcome = await asyncio.wait_for(running, 60 * pace())
         assert rest.confirmed
         assert rest.seconds > 0.1, "from this speed it takes longer to brake"
         assert standing
@@ -203,7 +203,7 @@ async def test_a_stop_reaches_goals_of_another_gateway(
         rest = await robot.stop(Stop("omni", 1))
         assert rest.confirmed
         assert await stands(odometry)
-        assert (await asyncio.wait_for(running, 60.0)).ending is Ending.CANCELLED
+        assert (await asyncio.wait_for(running, 60 * pace())).ending is Ending.CANCELLED
 
 
 async def test_the_same_command_through_another_gateway_acts_once(
@@ -243,7 +243,7 @@ async def test_closing_brings_what_is_under_way_to_rest(
         running = await moving(robot)
         await robot.close()
         assert await stands(odometry)
-        assert (await asyncio.wait_for(running, 60.0)).ending is Ending.CANCELLED
+        assert (await asyncio.wait_for(running, 60 * pace())).ending is Ending.CANCELLED
 
 
 class HeardLast:
@@ -270,7 +270,7 @@ async def test_what_closing_cuts_short_has_not_failed(clock: SystemClock) -> Non
         ]
         robot._brakes.calls[:] = calls  # type: ignore[assignment]
         await robot.close()
-        outcome = await asyncio.wait_for(running, 60.0)
+        outcome = await asyncio.wait_for(running, 60 * pace())
     assert outcome.ending is Ending.CANCELLED
 
 
@@ -303,7 +303,7 @@ async def test_a_robot_that_disappears_at_work_leaves_doubt_and_cannot_confirm_a
             simulation.process.kill()
             begun = time.monotonic()
             with pytest.raises(RobotUnreachable, match=r"omni has not answered for \d+\.\d s"):
-                await asyncio.wait_for(running, 60.0)
+                await asyncio.wait_for(running, 60 * pace())
             assert time.monotonic() - begun < 6.0 * patience()
             assert robot.presence().online is False
             rest = await robot.stop(Stop("omni", 1))
@@ -323,11 +323,11 @@ async def test_a_robot_that_hangs_does_not_confirm(
                 rest = await robot.stop(Stop("omni", 1))
                 assert not rest.confirmed
                 with pytest.raises(RobotUnreachable):
-                    await asyncio.wait_for(running, 60.0)
+                    await asyncio.wait_for(running, 60 * pace())
             finally:
                 simulation.process.process.send_signal(signal.SIGCONT)
             # The stop that had waited for it, or a later one, is obeyed once it runs again.
-            async with asyncio.timeout(60):
+            async with asyncio.timeout(60 * pace()):
                 while not (await robot.stop(Stop("omni", 2))).confirmed:  # noqa: ASYNC110
                     await asyncio.sleep(0.05)
 

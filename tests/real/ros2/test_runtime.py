@@ -17,6 +17,7 @@ from rosic.robots.ros2.handover import Handover
 from rosic.robots.ros2.runtime import RosRuntime
 from rosic.robots.ros2.services import wait_until
 from rosic.testing.ros2.environment import environment_for_another_python
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.registry import TypeRegistry
@@ -168,7 +169,7 @@ def test_signals_stay_with_the_gateway(graph: RosGraph) -> None:
             asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, told.set)
             async with await RosRuntime.open(TypeRegistry([])) as runtime:
                 signal.raise_signal(signal.SIGTERM)
-                await asyncio.wait_for(told.wait(), 30)
+                await asyncio.wait_for(told.wait(), 60 * pace())
                 print(await runtime.thread.run(lambda: "still here"))
 
         asyncio.run(main())
@@ -224,7 +225,7 @@ async def test_a_burst_does_not_keep_the_loop_to_itself() -> None:
     seen: list[int] = []
     for number in range(1000):
         handover.offer(lambda number=number: seen.append(number))  # type: ignore[misc]
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(60 * pace()):
         while len(seen) < 1000:
             await asyncio.sleep(0)
             turns.append(len(seen))

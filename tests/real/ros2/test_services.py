@@ -8,6 +8,7 @@ import pytest
 from rosic.robots.ros2 import parameters
 from rosic.robots.ros2.faults import BadValue, NoAnswer, NotSent
 from rosic.robots.ros2.services import MAX_CALLS, wait_until
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.runtime import RosRuntime
@@ -78,7 +79,7 @@ async def test_closing_answers_whoever_still_waits(runtime: RosRuntime) -> None:
     await wait_until(lambda: bool(runtime.thread._pending), "the call", 30)
     await runtime.close()
     with pytest.raises((NoAnswer, NotSent)):
-        await asyncio.wait_for(call, 30)
+        await asyncio.wait_for(call, 60 * pace())
 
 
 @pytest.mark.usefixtures("peer")

@@ -17,7 +17,7 @@ from rosic.pictures.draw import draw
 from rosic.robots.ros2 import sights
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
-from tests.pace import patience
+from tests.pace import pace, patience
 from tests.real.ros2.simulated import opened, shipped
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ async def test_a_camera_that_is_silent_is_not_waited_for(
     monkeypatch.setattr(sights, "FIRST_WITHIN_S", 0.3)
     async with robot() as made:
         for sight, what in ((Sight.PICTURE, "picture"), (Sight.MAP, "map")):
-            async with asyncio.timeout(60):
+            async with asyncio.timeout(60 * pace()):
                 with pytest.raises(NothingToSee, match=f"^Omni has sent no {what} for"):
                     await first(made, sight)
 
@@ -154,7 +154,7 @@ async def test_a_pose_in_another_frame_is_not_put_on_the_map(eyes: RosProcess) -
 
 async def placed(made: Ros2Robot, eyes: RosProcess, frame: str, *, goes: bool = False) -> Grid:
     """Return the map once the pose was heard, and the path if it goes: each comes in its time."""
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while made.presence().pose is None:
             await ask(eyes, f"stands {frame}")
             await asyncio.sleep(0.05)
@@ -173,7 +173,7 @@ async def test_a_simulated_robot_films_itself_and_knows_its_room(graph: RosGraph
         view = await first(made, Sight.PICTURE)
         assert isinstance(view.content, Encoded)
         assert draw(view.content).width == 360
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(60 * pace()):
             while True:  # the pose comes on a topic of its own
                 grid = (await first(made, Sight.MAP)).content
                 assert isinstance(grid, Grid)

@@ -23,7 +23,7 @@ from rosic.robots.ros2.runtime import RosRuntime
 from rosic.robots.ros2.simulation import main
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
-from tests.pace import patience
+from tests.pace import pace, patience
 from tests.real.ros2.simulated import (
     SIMULATION,
     Simulated,
@@ -93,7 +93,7 @@ async def test_everything_the_shipped_profiles_bind_is_on_the_graph(
 ) -> None:
     assert "ready omni kuka1 yumi cf1 cf2 cf3" in robots.process.lines
     wanted = {name for profile in simulated_profiles() for name in bound_names(profile)}
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while wanted - await offered(onlooker):  # noqa: ASYNC110 - the graph tells nobody
             await asyncio.sleep(0.05)
 
@@ -177,7 +177,7 @@ async def test_one_arm_that_fails_stops_both(onlooker: RosRuntime, clock: System
         running = asyncio.create_task(yumi.do("handover"))
         await until(lambda: yumi.presence().at_rest is False)
         await set_fault(onlooker, "yumi", "left_arm", value=False)
-        outcome = await asyncio.wait_for(running, 60)
+        outcome = await asyncio.wait_for(running, 60 * pace())
         assert outcome.ending is Ending.FAILED, outcome
         await until(lambda: yumi.presence().at_rest is True)
     message = joints.message()
@@ -254,7 +254,7 @@ async def test_a_cut_link_holds_and_is_found_again(
         await set_fault(onlooker, "omni", "link", value=False)
         await until(lambda: omni.presence().online is False)
         await set_fault(onlooker, "omni", "link", value=True)
-        outcome = await asyncio.wait_for(running, 60)
+        outcome = await asyncio.wait_for(running, 60 * pace())
         assert outcome.ending is Ending.FAILED
         assert outcome.note == "link lost, holding"
         await until(lambda: omni.presence().online is True)

@@ -11,7 +11,7 @@ from rosic.robots.ros2.faults import BadName, BadValue, NotSent
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.services import wait_until
 from rosic.robots.ros2.topics import ON_ITS_WAY_S, Latest, Quality
-from tests.pace import patience
+from tests.pace import pace, patience
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.registry import TypeRegistry
@@ -50,7 +50,7 @@ async def test_a_publisher_outlives_what_it_has_sent(runtime: RosRuntime) -> Non
     await publisher.close()
     assert time.monotonic() - begun_s > 0.9 * ON_ITS_WAY_S
     silent = await runtime.publisher("/omni/last_words", STRING)
-    await asyncio.wait_for(silent.close(), 30)
+    await asyncio.wait_for(silent.close(), 60 * pace())
 
 
 async def test_what_does_not_fit_is_not_sent(runtime: RosRuntime, peer: RosProcess) -> None:
@@ -83,7 +83,7 @@ async def test_telemetry_keeps_the_newest_value(runtime: RosRuntime, peer: RosPr
 
 
 async def _value(latest: Latest, wanted: int) -> None:
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while (message := latest.message()) is None or message.data != wanted:
             await latest.newer(latest.received, timeout_s=30)
 

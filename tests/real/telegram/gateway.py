@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rosic.core.message import Chat, Inbound, Outbound, Passing
 from rosic.messengers.telegram.messenger import TelegramMessenger, telegram_messenger
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from rosic.errors import MessengerFault
     from rosic.testing.telegram import FakeTelegram
 
-PATIENCE_S = 60.0
+PATIENCE_S = 60.0 * pace()
 
 
 class Hurried:

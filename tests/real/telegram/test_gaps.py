@@ -11,6 +11,7 @@ import pytest
 from rosic.core.message import Button, Passage
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.testing.telegram import FakeTelegram, Settings
+from tests.pace import pace
 from tests.real.telegram.gateway import Gateway, is_backlog, to
 
 if TYPE_CHECKING:
@@ -232,7 +233,7 @@ async def test_a_token_that_is_revoked_ends_it_too(
     async with gateway.listening() as run:
         server.fail("error", "getUpdates", times=100, code=401, description="Unauthorized")
         with pytest.raises(MessengerFault, match="no longer accepts the token"):
-            await asyncio.wait_for(asyncio.shield(run), 60)
+            await asyncio.wait_for(asyncio.shield(run), 60 * pace())
         server.calm()
     server.say(ada, ada, "hello")
     async with gateway.running():

@@ -24,6 +24,7 @@ from rosic.messengers.terminal.prompt import wrapped
 from rosic.messengers.terminal.screen import LONGEST_LINE_BYTES, PlainScreen
 from rosic.system import SystemClock
 from rosic.testing.clock import ManualClock
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -61,7 +62,7 @@ async def heard(messenger: TerminalMessenger) -> list[Inbound]:
         found.append(inbound)
 
     running = asyncio.create_task(messenger.run(receive))
-    await asyncio.wait_for(messenger.ended.wait(), 5)
+    await asyncio.wait_for(messenger.ended.wait(), 60 * pace())
     for _ in range(WAITING_AT_MOST):
         await asyncio.sleep(0)
     running.cancel()
@@ -101,7 +102,7 @@ async def test_a_line_of_another_run_is_another_message() -> None:
 async def test_when_input_ends_it_goes_on_being_there() -> None:
     messenger, script = terminal()
     running = asyncio.create_task(messenger.run(lambda _inbound: asyncio.sleep(0)))
-    await asyncio.wait_for(messenger.ended.wait(), 5)
+    await asyncio.wait_for(messenger.ended.wait(), 60 * pace())
 
     await messenger.send(Outbound(chat=CHAT, text="omni: done"))
 
@@ -131,7 +132,7 @@ async def test_more_lines_than_can_wait_are_refused_and_a_stop_is_not() -> None:
             await blocked.wait()
 
     running = asyncio.create_task(messenger.run(receive))
-    await asyncio.wait_for(messenger.ended.wait(), 5)
+    await asyncio.wait_for(messenger.ended.wait(), 60 * pace())
     await asyncio.sleep(0)
 
     assert "stop" in received
@@ -152,7 +153,7 @@ async def test_a_pipe_that_breaks_while_it_listens_stays_the_cause() -> None:
     messenger = TerminalMessenger(clock=ManualClock(), screen=Broken(), account="1000")
 
     with pytest.raises(MessengerFault) as gone:
-        await asyncio.wait_for(messenger.run(ignore), 5)
+        await asyncio.wait_for(messenger.run(ignore), 60 * pace())
 
     assert isinstance(gone.value.__cause__, BrokenPipeError)
 
@@ -164,12 +165,12 @@ async def test_a_script_is_read_at_the_pace_it_is_carried_out() -> None:
     async def receive(inbound: Inbound) -> None:
         order.append(inbound.text)
 
-    async def pace() -> None:
+    async def wait() -> None:
         order.append(f"waited, {len(script.lines)} to come")
 
-    messenger.pace = pace
+    messenger.pace = wait
     running = asyncio.create_task(messenger.run(receive))
-    await asyncio.wait_for(messenger.ended.wait(), 5)
+    await asyncio.wait_for(messenger.ended.wait(), 60 * pace())
 
     assert order == ["omni move 1 m", "waited, 1 to come", "omni move 2 m", "waited, 0 to come"]
     running.cancel()
@@ -286,7 +287,7 @@ def messenger_address() -> Address:
 async def lines_of(descriptor: int | None) -> list[str]:
     screen = PlainScreen(descriptor, echo=False, colour=False)
     found = []
-    while (line := await asyncio.wait_for(screen.read(), 5)) is not None:
+    while (line := await asyncio.wait_for(screen.read(), 60 * pace())) is not None:
         found.append(line)
     return found
 

@@ -15,6 +15,7 @@ from prompt_toolkit.output import DummyOutput
 
 from rosic.messengers.terminal.completing import Completer
 from rosic.messengers.terminal.prompt import PromptScreen
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -56,9 +57,9 @@ async def test_a_key_between_two_lines_is_not_lost(desk: Desk) -> None:
         PromptScreen(Completer(), colour=False) as screen,
     ):
         desk.type("status\r")
-        assert await asyncio.wait_for(screen.read(), 30) == "status"
+        assert await asyncio.wait_for(screen.read(), 60 * pace()) == "status"
         desk.type("\x04")
-        assert await asyncio.wait_for(screen.read(), 30) is None
+        assert await asyncio.wait_for(screen.read(), 60 * pace()) is None
         assert desk.makes_signals, "while it leaves, a Ctrl-C is a signal again"
 
 
@@ -66,6 +67,6 @@ async def test_a_terminal_is_left_as_it_was(desk: Desk) -> None:
     with create_app_session(input=create_input(desk.file), output=DummyOutput()):
         with PromptScreen(Completer(), colour=False) as screen:
             desk.type("status\r")
-            await asyncio.wait_for(screen.read(), 30)
+            await asyncio.wait_for(screen.read(), 60 * pace())
             assert not desk.makes_signals
         assert desk.makes_signals

@@ -21,6 +21,7 @@ from rosic.robots.memory import MemoryRobot
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock, SeededEntropy, settle
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -207,7 +208,7 @@ class Place:
                 if closing.done():
                     break
                 await self.clock.advance(0.01)
-            await asyncio.wait_for(closing, 5)
+            await asyncio.wait_for(closing, 60 * pace())
 
     async def say(self, text: str, **how: object) -> str:
         """Say something and return everything that was told because of it, newest last."""

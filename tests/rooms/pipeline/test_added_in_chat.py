@@ -10,6 +10,7 @@ import pytest
 from rosic.core.identity import ROBOT, Address
 from rosic.core.message import ChatKind
 from rosic.core.record import Decided
+from tests.pace import pace
 from tests.rooms.pipeline.among.fellows import Fellows
 from tests.rooms.pipeline.place import ADA, BO, PEOPLE, VI, Place
 from tests.rooms.pipeline.rover import CAN, ROVER
@@ -45,7 +46,7 @@ async def send(
     await place.quiet()
     receiving = place.gateway.holding.receiving
     assert receiving is not None
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while receiving._coming:  # noqa: ASYNC110 - a task of its own
             await asyncio.sleep(0.002)
     await place.quiet()
@@ -54,7 +55,7 @@ async def send(
 
 async def heard(place: Place, before: int, words: str) -> str:
     """Wait until something with these words was told, and return what was told since."""
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while words not in (told := said_since(place, before)):
             await asyncio.sleep(0.002)  # a thread of its own reads profiles
             await place.quiet()

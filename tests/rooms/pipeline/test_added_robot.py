@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 from rosic.testing.clock import settle
+from tests.pace import pace
 from tests.rooms.pipeline.place import (
     BO,
     Place,
@@ -85,7 +86,7 @@ async def test_the_decision_is_on_record_with_the_profile_before_its_effect() ->
     store = Holding()
     async with Place(store).open() as place:
         adding = asyncio.create_task(add(place))
-        await asyncio.wait_for(store.reached.wait(), 60)
+        await asyncio.wait_for(store.reached.wait(), 60 * pace())
         await settle()
         assert "rover" not in place.gateway.robots
         assert "rover" not in place.gateway.rooms.profiles
@@ -130,7 +131,7 @@ async def test_a_stop_while_it_is_written_down_means_it_too() -> None:
     store = Holding()
     async with Place(store).open() as place:
         adding = asyncio.create_task(add(place))
-        await asyncio.wait_for(store.reached.wait(), 60)
+        await asyncio.wait_for(store.reached.wait(), 60 * pace())
         await place.say("stop")
         store.ready.set()
         assert "so it is stopped" in await adding

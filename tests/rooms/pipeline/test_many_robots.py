@@ -21,6 +21,7 @@ from rosic.pipeline.replies import OFFERED_AT_MOST
 from rosic.pipeline.rounds import AT_ONCE, go_round
 from rosic.robots.memory import MemoryRobot
 from rosic.testing.clock import ManualClock, settle
+from tests.pace import pace
 from tests.rooms.pipeline.place import MOVE, WAVE, Place
 
 if TYPE_CHECKING:
@@ -169,7 +170,7 @@ async def test_a_round_is_made_a_few_at_a_time_and_takes_its_time_in_all() -> No
     assert [n for _, part in looks for n in part] == [*range(ROBOTS), *range(ROBOTS)]
     task.cancel()
 
-    await asyncio.wait_for(go_round(clock, 0.5, (), look), 30.0)
+    await asyncio.wait_for(go_round(clock, 0.5, (), look), 60 * pace())
 
 
 async def test_a_round_that_came_late_is_not_made_up_for() -> None:

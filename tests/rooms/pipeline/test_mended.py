@@ -14,6 +14,7 @@ from rosic.core.message import Chat
 from rosic.core.record import Resumed
 from rosic.errors import MessengerFault, RosicError
 from rosic.stores.latch import MemoryLatch
+from tests.pace import pace
 from tests.rooms.pipeline.place import BO, VI, Place, SlowStore, WritingStore
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ async def test_lines_of_one_message_to_a_group_wait_for_each_other() -> None:
         for name in ("cf1", "cf2"):
             place.robot(name).work_s = 0.05
         place.chat.say("swarm wave\nswarm move 1 m\nswarm wave")
-        async with asyncio.timeout(60):
+        async with asyncio.timeout(60 * pace()):
             while place.acted("cf1") + place.acted("cf2") < 6:  # noqa: ASYNC110 - a robot that works tells nobody
                 await asyncio.sleep(0.005)
         assert (place.acted("cf1"), place.acted("cf2")) == (3, 3)
@@ -145,10 +146,10 @@ async def test_a_stop_of_the_operator_reaches_the_disk_when_the_control_socket_c
                         both.set()
 
         asking = asyncio.create_task(ask())
-        await asyncio.wait_for(both.wait(), 5.0)
+        await asyncio.wait_for(both.wait(), 60 * pace())
         await place.quiet()
         await server.close()
-        await asyncio.wait_for(asking, 5.0)
+        await asyncio.wait_for(asking, 60 * pace())
         latch.ready.set()
         await place.quiet()
         assert latch.read().get("omni") == (1, True)

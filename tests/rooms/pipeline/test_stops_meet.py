@@ -19,6 +19,7 @@ from rosic.errors import RosicError, StoreFault
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
+from tests.pace import pace
 from tests.rooms.pipeline.place import BO, VI, Place, SlowStore
 
 if TYPE_CHECKING:
@@ -252,8 +253,8 @@ async def test_a_stop_of_the_operator_goes_on_when_the_control_socket_closes(
 
         said = asyncio.Event()
         asking = asyncio.create_task(ask())
-        await asyncio.wait_for(said.wait(), 5.0)
+        await asyncio.wait_for(said.wait(), 60 * pace())
         await server.close()
-        await asyncio.wait_for(asking, 5.0)
+        await asyncio.wait_for(asking, 60 * pace())
         await place.clock.advance(2.0)
         assert robot.rested == 1

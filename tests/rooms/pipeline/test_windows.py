@@ -9,6 +9,7 @@ from typing import Any, cast
 from rosic.core.message import Chat, ChatKind, Passage, Passing
 from rosic.pipeline.livecards.livecard import key_of
 from rosic.pipeline.windows import NONE, Windows
+from tests.pace import pace
 
 CHANNEL = Chat("telegram", "-100", ChatKind.CHANNEL)
 MESSENGER: Any = SimpleNamespace(name="telegram")
@@ -57,5 +58,5 @@ async def test_a_channel_that_we_were_put_out_of_is_not_shown_while_its_end_is_w
     assert "News shows Ant" in await listed()
     windows.passed(MESSENGER, Passing(chat=CHANNEL, what=Passage.REMOVED))
     cards.let.set()
-    await asyncio.wait_for(cards.ended.wait(), 10)
+    await asyncio.wait_for(cards.ended.wait(), 60 * pace())
     assert await listed() == NONE

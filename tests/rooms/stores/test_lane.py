@@ -10,6 +10,7 @@ import pytest
 
 from rosic.errors import StoreFault
 from rosic.stores.lane import Lane
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from rosic.stores.lane import Job
@@ -120,7 +121,7 @@ async def test_a_loop_that_has_gone_does_not_hurt_the_thread() -> None:
         await asyncio.sleep(0)
 
     await asyncio.to_thread(asyncio.run, leave())
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while not desk.groups:  # noqa: ASYNC110 - another thread gets there when it does
             await asyncio.sleep(0.001)
 

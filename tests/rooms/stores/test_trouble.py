@@ -27,6 +27,7 @@ from rosic.testing.records import (
     a_stop,
     told,
 )
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -113,7 +114,7 @@ async def test_notes_are_written_by_themselves_once_the_disk_works(
             with pytest.raises(StoreFault):
                 await store.write(a_claim(1))
             rival.execute("ROLLBACK")
-            async with asyncio.timeout(20):
+            async with asyncio.timeout(60 * pace()):
                 while not rival.execute("SELECT * FROM stops").fetchall():  # noqa: ASYNC110
                     await asyncio.sleep(0.01)
 

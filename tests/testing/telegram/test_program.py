@@ -12,6 +12,7 @@ import aiohttp
 import pytest
 
 from rosic.testing.telegram import DEFAULT_TOKEN, Control, ControlError, FakeTelegram
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -106,7 +107,7 @@ async def program(*arguments: str) -> AsyncIterator[tuple[asyncio.subprocess.Pro
     )  # fmt: skip
     assert process.stdout is not None
     try:
-        line = (await asyncio.wait_for(process.stdout.readline(), 20)).decode()
+        line = (await asyncio.wait_for(process.stdout.readline(), 60 * pace())).decode()
         word, _, url = line.strip().partition(" ")
         assert word == "ready"
         yield process, url
@@ -136,7 +137,7 @@ async def test_it_is_ready_works_and_ends() -> None:
             await control.wait(seen, kinds=["call"])
             began_s = loop.time()
             process.send_signal(signal.SIGTERM)
-            assert await asyncio.wait_for(process.wait(), 60) == 0
+            assert await asyncio.wait_for(process.wait(), 60 * pace()) == 0
             assert loop.time() - began_s < 25
             assert await polling == {"ok": True, "result": []}
         assert process.stderr is not None

@@ -7,6 +7,7 @@ import asyncio
 import pytest
 
 from rosic.testing.telegram import ControlError, FakeTelegram, Settings
+from tests.pace import pace
 from tests.testing.telegram.asking import Api, Wall
 
 OTHER = (
@@ -58,7 +59,7 @@ async def test_a_long_poll_ends_with_the_first_update(
     await server.wait(0, kinds=["call"])
     assert not poll.done()
     server.say(ada, ada, "hello")
-    assert await asyncio.wait_for(poll, 5) == ["hello"]
+    assert await asyncio.wait_for(poll, 60 * pace()) == ["hello"]
 
 
 async def test_a_long_poll_ends_with_nothing_in_time(api: Api) -> None:
@@ -73,10 +74,10 @@ async def test_the_poll_that_waited_is_thrown_out_by_the_next(
     first = asyncio.create_task(api.refusal("getUpdates", timeout=30))
     await server.wait(server.seq - 1, kinds=["call"])
     second = asyncio.create_task(api.texts(timeout=30))
-    assert await asyncio.wait_for(first, 5) == OTHER
+    assert await asyncio.wait_for(first, 60 * pace()) == OTHER
     assert not second.done()
     server.say(ada, ada, "for the second")
-    assert await asyncio.wait_for(second, 5) == ["for the second"]
+    assert await asyncio.wait_for(second, 60 * pace()) == ["for the second"]
 
 
 async def test_a_poll_whose_client_is_gone_is_no_conflict(

@@ -12,6 +12,7 @@ import msgspec
 
 from rosic.pipeline.among.inbox import PACE, WAITING_AT_MOST
 from rosic.testing.clock import ManualClock
+from tests.pace import pace
 from tests.rooms.pipeline.among.fellows import Fellows
 from tests.rooms.pipeline.place import ADA, BO, VI
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 STORM_S = 2.0
 A_SECOND = 10_000
-PATIENCE_S = 30.0
+PATIENCE_S = 30.0 * pace()
 
 
 class RealClock(ManualClock):

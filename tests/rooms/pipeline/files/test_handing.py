@@ -11,6 +11,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.robot import Files
+from tests.pace import pace
 from tests.rooms.pipeline.containers.ward import Ward, a_ward
 from tests.rooms.pipeline.files.test_receiving import MAP, NOTE, send
 from tests.rooms.pipeline.place import ADA, BO, FLEET, VI
@@ -47,7 +48,7 @@ async def asked(ward: Ward, line: str, account: str = ADA) -> str:
 
 async def more_than(ward: Ward, told: int) -> None:
     """Wait until more was told than before: disks take real time."""
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while len(ward.chat.told) <= told:
             await asyncio.sleep(0.005)
             await ward.quiet()

@@ -14,6 +14,7 @@ from rosic.container.drawer import PART
 from rosic.core.record import Fact, Letter
 from rosic.errors import ChatGone, MessengerFault
 from rosic.pipeline.files.reading import pieces_of
+from tests.pace import pace
 from tests.rooms.pipeline.containers.ward import Ward, a_ward
 from tests.rooms.pipeline.files.test_handing import asked, held, place, tapped
 from tests.rooms.pipeline.files.test_receiving import send
@@ -67,7 +68,7 @@ async def test_a_large_file_comes_back_beside_the_chat(tmp_path: Path) -> None:
 
         ward.chat.send = slow  # type: ignore[method-assign]
         ward.chat.say("/files get hall.png", account=ADA, chat=ADA)
-        await asyncio.wait_for(open_now.wait(), 30)
+        await asyncio.wait_for(open_now.wait(), 60 * pace())
         await until(ward, lambda: "Sending hall.png: 0 % of 2.5 MB." in texts(ward))
         assert "omni" in await asked(ward, "status"), "the chat waited for the file"
         go_on.set()

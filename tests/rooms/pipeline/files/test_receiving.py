@@ -16,6 +16,7 @@ from rosic.container.drawer import PART, PART_BYTES, Drawer, Room
 from rosic.core.message import Button, ChatKind, Standing
 from rosic.errors import NotUnderstood, TooManyRequests
 from rosic.testing.clock import ManualClock
+from tests.pace import pace
 from tests.rooms.pipeline.containers.ward import Ward, a_ward
 from tests.rooms.pipeline.place import ADA, BO, STRANGER
 
@@ -41,7 +42,7 @@ async def send(ward: Ward, name: str = "map.png", content: bytes = MAP, **how: A
 async def come(ward: Ward) -> None:
     """Wait until every file has come, and was told."""
     await ward.quiet()
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while ward.receiving._coming:  # noqa: ASYNC110 - the disk takes real time
             await asyncio.sleep(0.002)
     await ward.quiet()

@@ -11,6 +11,7 @@ import pytest
 from rosic.core.view import Clip, Sight
 from rosic.errors import MessengerFault
 from rosic.pipeline.seeing import studio
+from tests.pace import pace
 from tests.rooms.pipeline.place import BO, STRANGER, VI
 from tests.rooms.pipeline.seeing.booth import FRAME, GRID, Booth, Sketcher, booth, without_files
 
@@ -57,7 +58,7 @@ async def test_a_button_asks_again(place: Booth) -> None:
     await place.see("picture omni low")
     button, under = place.button("Better quality")
     await place.tap(button, under)
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while len(place.painter.drawn) < 2:  # noqa: ASYNC110 - a thread draws
             await asyncio.sleep(0.001)
     assert place.painter.drawn[1] == (FRAME, False)
@@ -138,7 +139,7 @@ async def test_whoever_loses_the_right_meanwhile_is_shown_nothing(place: Booth) 
     place.gateway.rooms.organiser.visible = lambda _: frozenset()  # type: ignore[method-assign, assignment]
     place.painter.wait.set()
     texts: list[str] = []
-    async with asyncio.timeout(60):
+    async with asyncio.timeout(60 * pace()):
         while "You may not look at that robot any more." not in texts:
             await asyncio.sleep(0.001)
             texts = [told.outbound.text for told in place.chat.told]
