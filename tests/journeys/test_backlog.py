@@ -27,7 +27,7 @@ SUMMARY = re.compile(
 HOUR_S = 3600.0
 CHATS = 40
 SAID_TOGETHER = 25
-OLD = "Your command is 60 minutes old (the network was away). Nothing was done."
+OLD = "Your command is 60 minutes old: you sent it while I could not listen. Nothing was done."
 UNHEARD = "You sent this while I could not listen. Nothing was done."
 
 

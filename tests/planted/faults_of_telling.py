@@ -40,7 +40,7 @@ OF_TELLING = (
     Fault(
         name="L3 a backlog is answered one by one",
         file="pipeline/replies.py",
-        guard="if is_backlog(inbound):",
+        guard="if is_missed(inbound):",
         without="if False:",
         caught_by=("tests/rooms/pipeline/test_arrears.py",),
     ),

@@ -73,6 +73,7 @@ class Grid(msgspec.Struct, frozen=True, gc=False, tag="grid"):
         origin: Of the lower left corner of the first cell, in the map's frame.
         cells: Row by row from the origin, x first: 0 to 100 %, 255 (-1) unknown.
         pose: Of the robot, in the map's frame; None when it is not known there.
+        pose_ns: When the pose was heard, on the gateway's monotonic clock; None without a pose.
         path: Where it means to go, in the map's frame.
         note: Why something is missing; empty when nothing is.
     """
@@ -85,6 +86,7 @@ class Grid(msgspec.Struct, frozen=True, gc=False, tag="grid"):
     pose: Pose | None = None
     path: tuple[tuple[float, float], ...] = ()
     note: str = ""
+    pose_ns: int | None = None
 
     def __repr__(self) -> str:
         return f"Grid({self.width} x {self.height} of {self.resolution_m} m)"

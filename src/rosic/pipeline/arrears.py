@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import CommandId
-    from rosic.core.message import Button, Chat, Inbound
+    from rosic.core.message import Button, Chat
     from rosic.core.saying import Catalogue
     from rosic.errors import Refusal
 
@@ -179,8 +179,3 @@ def together(
     outbound = Outbound(chat=chat, text=text, buttons=offers, weight=Weight.OUTCOME)
     first, *also = cids
     return Note(messenger, outbound, first, also=tuple(also))
-
-
-def is_backlog(inbound: Inbound) -> bool:
-    """Whether it was sent while nobody listened."""
-    return inbound.sent_ns < inbound.listening_since_ns

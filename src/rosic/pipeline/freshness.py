@@ -28,14 +28,10 @@ def check_fresh(inbound: Inbound, request: Request, now_ns: int) -> None:
     Raises:
         Expired: With the same command on offer.
     """
+    lifetime_ns = request.skill.order_lifetime_ns
     if now_ns > request.deadline_ns:
-        raise Expired(
-            said(
-                "Your command is {age} old (the network was away). Nothing was done.",
-                age=age(request.age_ns),
-            ),
-            offers=(request.text,),
-        )
+        total_ns = now_ns - (request.deadline_ns - lifetime_ns)
+        raise Expired(too_old(inbound, total_ns, lifetime_ns), offers=(request.text,))
     if request.skill.actuates and inbound.sent_ns < inbound.listening_since_ns:
         raise Expired(MISSED, offers=(request.text,))
 
@@ -53,9 +49,48 @@ def check_errand_fresh(inbound: Inbound, again: str) -> None:
     Raises:
         Expired: With the same errand on offer.
     """
-    old = inbound.received_ns - inbound.sent_ns > ERRAND_LIFETIME_NS
-    if old or inbound.sent_ns < inbound.listening_since_ns:
+    check_heard_in_time(inbound, ERRAND_LIFETIME_NS, again)
+
+
+def check_heard_in_time(inbound: Inbound, lifetime_ns: int, again: str) -> None:
+    """Let a message pass that took no longer to get here, and was sent while somebody listened.
+
+    Raises:
+        Expired: With the same on offer.
+    """
+    age_ns = inbound.received_ns - inbound.sent_ns
+    if age_ns > lifetime_ns:
+        raise Expired(too_old(inbound, age_ns, lifetime_ns), offers=(again,))
+    if is_missed(inbound):
         raise Expired(MISSED, offers=(again,))
+
+
+def is_missed(inbound: Inbound) -> bool:
+    """Whether it was sent while nobody listened."""
+    return inbound.sent_ns < inbound.listening_since_ns
+
+
+def too_old(inbound: Inbound, age_ns: int, lifetime_ns: int) -> str:
+    """Return how old a command is, and where it was meanwhile, as far as is known here.
+
+    Args:
+        inbound: The message it came in.
+        age_ns: Now, since it was sent.
+        lifetime_ns: For how long it would have been good.
+    """
+    if is_missed(inbound):
+        return said(
+            "Your command is {age} old: you sent it while I could not listen. Nothing was done.",
+            age=age(age_ns),
+        )
+    if inbound.received_ns - inbound.sent_ns > lifetime_ns:
+        return said(
+            "Your command is {age} old: it reached me late. Nothing was done.", age=age(age_ns)
+        )
+    return said(
+        "Your command is {age} old: it waited here behind others. Nothing was done.",
+        age=age(age_ns),
+    )
 
 
 def age(age_ns: int) -> str:

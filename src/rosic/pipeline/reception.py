@@ -86,6 +86,15 @@ class Reception:
         return self.consent.redeem(command, caller)
 
 
+def may_bring_a_code(inbound: Inbound) -> bool:
+    """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.
+
+    A code without its dash is found when nothing else can be made of the line.
+    """
+    text = inbound.text
+    return inbound.nonce is not None or "-" in text or text.startswith("/start ")
+
+
 def _never(_principal: PrincipalId, _chat: Chat) -> bool:
     return False
 

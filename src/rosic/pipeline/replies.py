@@ -11,7 +11,8 @@ from rosic.core.message import Button, ChatKind, Outbound, Weight
 from rosic.core.rate import Bucket, RateLimit
 from rosic.core.saying import in_language, said
 from rosic.errors import Refusal, Repeated
-from rosic.pipeline.arrears import Arrears, is_backlog
+from rosic.pipeline.arrears import Arrears
+from rosic.pipeline.freshness import is_missed
 from rosic.pipeline.languages import translated
 from rosic.pipeline.telling import Note, Teller
 
@@ -137,7 +138,7 @@ class Replies:
         if refusal.silent:
             return
         writing = self._refuse(messenger, inbound, caller, cid, refusal)
-        if is_backlog(inbound) and self.arrears.settles(messenger):
+        if is_missed(inbound) and self.arrears.settles(messenger):
             self.arrears.begin(writing)
         else:
             await writing
@@ -168,7 +169,7 @@ class Replies:
         self._say(note, inbound, refusal)
 
     def _say(self, note: Note, inbound: Inbound, refusal: Refusal | None = None) -> None:
-        if is_backlog(inbound):
+        if is_missed(inbound):
             self.arrears.keep(note, refusal, self._languages.of_sender(inbound))
         else:
             self._teller.say(note)

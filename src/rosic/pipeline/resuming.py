@@ -17,6 +17,7 @@ from rosic.errors import (
     TimeInDoubt,
 )
 from rosic.organiser.refusing import CLOCK_SET_BACK
+from rosic.pipeline.freshness import check_heard_in_time
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -98,12 +99,7 @@ class Resuming:
             raise why
 
     def _check_later(self, inbound: Inbound, robot: RobotId) -> None:
-        old = inbound.received_ns - inbound.sent_ns > RESUME_LIFETIME_NS
-        if old or inbound.sent_ns < inbound.listening_since_ns:
-            raise Expired(
-                said("You sent this while I could not listen. Nothing was done."),
-                offers=(f"resume {robot}",),
-            )
+        check_heard_in_time(inbound, RESUME_LIFETIME_NS, f"resume {robot}")
         stopped_ns = self._board[robot].at_ns
         # A platform may give whole seconds: within one, the order of receiving decides.
         if inbound.received_ns <= stopped_ns or inbound.sent_ns + SECOND_NS < stopped_ns:

@@ -34,10 +34,11 @@ from rosic.pipeline.audience import Audience
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.choosing import Choosing
 from rosic.pipeline.desk import Desk
+from rosic.pipeline.edited_messages import EditedMessages
 from rosic.pipeline.expiring import Expiring
 from rosic.pipeline.lives import Lives
 from rosic.pipeline.office import Asked
-from rosic.pipeline.reception import Reception
+from rosic.pipeline.reception import Reception, may_bring_a_code
 from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_id
 from rosic.pipeline.requesting import Requesting, line_id
 from rosic.pipeline.resuming import Resuming
@@ -100,6 +101,7 @@ class Pipeline:
         self._followed: OrderedDict[CommandId, None] = OrderedDict()
         self._replies = Replies(rooms, teller, clock)
         self._expiring = Expiring(teller, clock)
+        self._edited = EditedMessages(rooms, self._reader, self._replies, self._addressed)
         self.resuming = Resuming(organiser, container, linker, rooms.board)
         self.habits = Habits()
         self._choosing = Choosing(self._reader, self.habits)
@@ -125,6 +127,7 @@ class Pipeline:
             )
         only_stop = stop is not None and "\n" not in heard.strip()
         if only_stop or inbound.standing is not FRESH:
+            self._edited.answer(messenger, inbound)
             return
         try:
             if not self._turns.try_take(inbound.chat):
@@ -146,7 +149,7 @@ class Pipeline:
     async def _take(self, messenger: Messenger, inbound: Inbound, arrived_ns: int) -> None:
         """AUTHENTICATE and GENERATEKEY, then follow each line."""
         try:
-            if _may_bring_a_code(inbound) and await self._brought_a_code(messenger, inbound):
+            if may_bring_a_code(inbound) and await self._brought_a_code(messenger, inbound):
                 return
             caller = self._rooms.authoriser.identify(inbound)
             if inbound.locale:
@@ -387,12 +390,3 @@ class Pipeline:
         """Understand one more robot: what was read before it was there is read anew."""
         self._shown[robot] = shown
         self._reader.forget()
-
-
-def _may_bring_a_code(inbound: Inbound) -> bool:
-    """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.
-
-    A code without its dash is found when nothing else can be made of the line.
-    """
-    text = inbound.text
-    return inbound.nonce is not None or "-" in text or text.startswith("/start ")

@@ -8,6 +8,7 @@ from msgspec.structs import replace
 from rosic.core.message import ChatKind, Standing
 from rosic.core.rate import RateLimit
 from rosic.core.record import Concluded
+from rosic.pipeline.edited_messages import NOT_FOLLOWED
 from tests.rooms.pipeline.place import ADA, BO, STRANGER, VI, Place, SlowStore, line_by_line
 
 MINUTE_NS = 60_000_000_000
@@ -154,9 +155,25 @@ async def test_a_refused_message_that_comes_again_stays_refused() -> None:
 @pytest.mark.parametrize("standing", [s for s in Standing if s is not Standing.FRESH])
 async def test_what_is_not_fresh_changes_nothing(standing: Standing) -> None:
     async with Place().open() as place:
-        assert await place.say("omni move 1 m", standing=standing) == ""
-        assert await place.say("use omni", standing=standing) == ""
+        said = NOT_FOLLOWED if standing is Standing.EDITED else ""
+        assert await place.say("omni move 1 m", standing=standing) == said
+        assert await place.say("use omni", standing=standing) == said
         assert place.acted() == 0
+
+
+async def test_a_changed_message_is_answered_once_and_a_tap_sends_it() -> None:
+    async with Place().open() as place:
+        changed = Standing.EDITED
+        assert await place.say("omni move 1 m", standing=changed, message="m7") == NOT_FOLLOWED
+        again = await place.say("omni move 2 m", standing=changed, message="m7")
+        assert again == "", "once for each message"
+        await place.tap(*place.button("omni move 1 m"))
+        assert place.acted() == 1
+        assert await place.say("thank you all", standing=changed) == "", "no command"
+        assert await place.say("omni move 1 m", standing=changed, account=STRANGER) == ""
+        for text, told in (("move 1 m", ""), ("omni move 1 m", NOT_FOLLOWED)):
+            said = await place.say(text, chat="-5", kind=ChatKind.GROUP, standing=changed)
+            assert said == told, "people talk to each other there"
 
 
 @pytest.mark.parametrize("standing", list(Standing))
@@ -178,7 +195,7 @@ async def test_motion_older_than_its_lifetime_expires() -> None:
     async with Place().open() as place:
         old = place.clock.wall_ns() - 4 * MINUTE_NS
         told = await place.say("omni move 1 m", sent_ns=old)
-        assert told == ("Your command is 4 minutes old (the network was away). Nothing was done.")
+        assert told == "Your command is 4 minutes old: it reached me late. Nothing was done."
         assert place.acted() == 0
         button, under = place.button("omni move 1 m")
         await place.tap(button, under)
@@ -192,6 +209,27 @@ async def test_a_send_time_in_the_future_lengthens_nothing() -> None:
         await place.clock.advance(6.0)
         place.chat.deliver(late)
         await place.quiet()
+        assert place.acted() == 0
+
+
+async def test_what_is_old_for_another_reason_does_not_blame_the_network() -> None:
+    async with Place().open() as place:
+        inbound = place.chat._inbound(ADA, place.chat.say("status").chat, "m", None)
+        await place.clock.advance(6.0)
+        place.chat.deliver(replace(inbound, text="omni move 1 m"))
+        await place.quiet()
+        told = place.last()[1].text
+        assert told == (
+            "Your command is 6 seconds old: it waited here behind others. Nothing was done."
+        )
+        place.chat.gap()
+        old = place.clock.wall_ns() - 4 * MINUTE_NS
+        await place.say("omni move 1 m", sent_ns=old)
+        await place.clock.advance(1.0)  # answers to a backlog wait until no more of it comes
+        await place.quiet()
+        assert place.last()[1].text == (
+            "Your command is 4 minutes old: you sent it while I could not listen. Nothing was done."
+        )
         assert place.acted() == 0
 
 

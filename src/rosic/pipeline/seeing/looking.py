@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
 from rosic.core.saying import said
-from rosic.core.view import Clip, Encoded, Raster, Sight, View
+from rosic.core.view import Clip, Encoded, Grid, Raster, Sight, View
 from rosic.errors import NothingToSee, NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.seeing import words_seeing as words
@@ -116,16 +116,29 @@ class Looking:
         view = await self._first(robot, Sight.MAP)
         again = Button(said("Again"), _command("map", robot, low=low))
         buttons = (again, *_coarser("map", robot, low=low))
-        return self._shot(robot, view, words.plan(), buttons, low=low)
+        pose_ns = view.content.pose_ns if isinstance(view.content, Grid) else None
+        return self._shot(robot, view, words.plan(), buttons, low=low, pose_ns=pose_ns)
 
     def _shot(
-        self, robot: RobotId, view: View, what: str, buttons: tuple[Button, ...], *, low: bool
+        self,
+        robot: RobotId,
+        view: View,
+        what: str,
+        buttons: tuple[Button, ...],
+        *,
+        low: bool,
+        pose_ns: int | None = None,
     ) -> Shot:
-        shown = self._seeing.profiles[robot].shown
+        shown, age_s = self._seeing.profiles[robot].shown, self._seeing.age_s
         return Shot(
             view.content,
             lambda: words.caption(
-                shown, what, self._seeing.age_s(view.taken_ns), foreign=view.foreign, low=low
+                shown,
+                what,
+                age_s(view.taken_ns),
+                foreign=view.foreign,
+                low=low,
+                pose_age_s=None if pose_ns is None else age_s(pose_ns),
             ),
             robot,
             low,

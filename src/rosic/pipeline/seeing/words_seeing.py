@@ -34,13 +34,32 @@ def age(seconds: float) -> str:
     return said("{number} h ago", number=f"{seconds / HOUR_S:.0f}")
 
 
-def caption(robot: str, what: str, age_s: float, *, foreign: bool, low: bool) -> str:
-    """Return ``KUKA iiwa, camera, 0.4 s ago``."""
+def caption(
+    robot: str,
+    what: str,
+    age_s: float,
+    *,
+    foreign: bool,
+    low: bool,
+    pose_age_s: float | None = None,
+) -> str:
+    """Return ``KUKA iiwa, camera, 0.4 s ago``.
+
+    Args:
+        robot: As it is shown.
+        what: It is.
+        age_s: Of what is shown.
+        foreign: Its stamp is of another clock.
+        low: It is coarse.
+        pose_age_s: Of where a map shows the robot, which may be much younger or older than the map.
+    """
     parts = [robot, what]
     if foreign:
         parts.append(said("came {ago}; its clock is not ours", ago=age(age_s)))
     else:
         parts.append(age(age_s))
+    if pose_age_s is not None:
+        parts.append(said("position {ago}", ago=age(pose_age_s)))
     if low:
         parts.append(said("low quality"))
     return joined(", ", parts)

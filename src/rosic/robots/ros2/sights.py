@@ -186,6 +186,7 @@ class Sights:
             pose,
             self._path(frame),
             note,
+            None if pose is None else self._pose_ns(),
         )
 
     def pose(self) -> Pose | None:
@@ -200,6 +201,10 @@ class Sights:
         alone = self._profile.pose.type == POSE_ALONE
         pose = _pose(message.pose if alone else message.pose.pose, _frame(message))
         return pose if isfinite(pose.x_m) and isfinite(pose.y_m) and isfinite(pose.z_m) else None
+
+    def _pose_ns(self) -> int | None:
+        newest = _newest(self._poses)
+        return None if newest is None else newest.received_ns
 
     def _pose_age_s(self) -> float:
         newest = _newest(self._poses)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from rosic.core.common_start import begins_ns
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
 from rosic.core.robot import Presence, Profile
@@ -232,7 +234,9 @@ class SimulatedRobot:
     def _shown(self, sight: Sight) -> Content | None:
         if sight is Sight.PICTURE:
             return robot_scene(self._theatre.world, self.profile.id)
-        return plan_of(self._machine) if isinstance(self._machine, Omni) else None
+        if not isinstance(self._machine, Omni):
+            return None
+        return replace(plan_of(self._machine), pose_ns=self._clock.monotonic_ns())
 
 
 def _described(measured: Mapping[str, float | str], profile: Profile) -> dict[str, float | str]:

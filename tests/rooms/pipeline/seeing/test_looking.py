@@ -7,8 +7,9 @@ import threading
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
-from rosic.core.view import Clip, Sight
+from rosic.core.view import Clip, Pose, Sight
 from rosic.errors import MessengerFault
 from rosic.pipeline.seeing import studio
 from tests.pace import pace
@@ -77,6 +78,14 @@ async def test_a_map_is_shown(place: Booth) -> None:
     shown = await place.see("map cf1")
     assert place.painter.drawn == [(GRID, False)]
     assert shown.text.startswith("The cf1, map, ")
+    assert "position" not in shown.text
+
+
+async def test_a_map_says_how_old_the_position_on_it_is(place: Booth) -> None:
+    pose_ns = place.clock.monotonic_ns() - 42_000_000_000
+    place.robot("cf1").shows[Sight.MAP] = replace(GRID, pose=Pose(0, 0), pose_ns=pose_ns)
+    shown = await place.see("map cf1")
+    assert shown.text.endswith("s ago, position 42 s ago")
 
 
 async def test_nobody_looks_any_longer_than_it_takes(place: Booth) -> None:

@@ -1,0 +1,74 @@
+"""A command that was typed anew over an old message: it changes nothing (I17), and says so once."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.language import Misunderstood
+from rosic.core.message import Button, Standing
+from rosic.core.saying import said
+from rosic.errors import Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.language import Reader
+    from rosic.core.message import Inbound
+    from rosic.pipeline.replies import Replies
+    from rosic.pipeline.rooms import Rooms
+
+NOT_FOLLOWED: Final = said(
+    "I do not follow messages that were changed, so this change did nothing. Tap to send it as it "
+    "reads now."
+)
+KEPT: Final = 1_000
+"""Messages about which something was said: each once, however often it is changed."""
+OFFERED_LETTERS: Final = 60
+
+
+class EditedMessages:
+    """Answers whoever changes a message into a command, once for each message.
+
+    Args:
+        rooms: Who knows people, and what they may see.
+        reader: What a text says.
+        replies: Says it.
+        addressed: Whether a message is meant for ROSIC at all.
+    """
+
+    def __init__(
+        self, rooms: Rooms, reader: Reader, replies: Replies, addressed: Callable[[Inbound], bool]
+    ) -> None:
+        self._rooms = rooms
+        self._reader = reader
+        self._replies = replies
+        self._addressed = addressed
+        self._answered: OrderedDict[tuple[str, str, str], None] = OrderedDict()
+
+    def answer(self, messenger: Messenger, inbound: Inbound) -> None:
+        """Say, to somebody known, that a changed message does nothing. Never raises a refusal."""
+        where = (messenger.name, inbound.chat.id, inbound.message)
+        backlog = inbound.listening_since_ns > inbound.received_ns
+        if inbound.standing is not Standing.EDITED or backlog or where in self._answered:
+            return
+        if not self._addressed(inbound) or self._reader.stop(inbound.text) is not None:
+            return  # a stop in it was obeyed
+        try:
+            caller = self._rooms.authoriser.identify(inbound)
+            self._rooms.organiser.charge(caller)
+        except Refusal:
+            return
+        visible = self._rooms.organiser.visible(caller.principal)
+        selected = self._rooms.container.selected(caller.principal, inbound.chat)
+        lines = self._reader.lines(inbound.text, selected, visible)
+        if all(isinstance(line, Misunderstood) for line in lines):
+            return
+        self._answered[where] = None
+        if len(self._answered) > KEPT:
+            self._answered.popitem(last=False)
+        text = inbound.text.strip()
+        label = text if len(text) <= OFFERED_LETTERS else f"{text[:OFFERED_LETTERS]}..."
+        row = (Button(label, text),)
+        self._replies.offer(messenger, inbound, caller, NOT_FOLLOWED, (row,))
