@@ -6,6 +6,7 @@
 #   make check         the checks alone: style, types, imports
 #   make pictures      draw the chats in docs/pictures anew, from what is said today
 #   make campaign      the long runs; hours, not minutes
+#   make mutants       change safety code at random, and see which tests notice; hours, goes on where it was cut off
 #   make texts         collect what ROSIC says for its translators, and compile it
 #   make requirements  work out the pinned versions anew (UPGRADE=1: the newest that fit)
 #   make clean         remove the environment and whatever was built
@@ -13,6 +14,7 @@
 #   PYTHON=/path/to/python     choose the interpreter
 #   TESTS=tests/core           run a part;  PYTEST_ARGS='-x -k stop'  passes anything else on
 #   WORKERS=0                  run tests one after another; else the files are shared out, the longest first
+#   MUTANTS='--only gate.py'   of one module; --at-most 40: so many of each, --seed 2: others; --help says the rest
 #   TEST_SECONDS=1800          the run of tests is over by then, whatever happens; later where the machine is slow
 
 VENV := .venv
@@ -23,6 +25,7 @@ WORKERS ?= 4
 PYTEST_ARGS ?=
 TEST_SECONDS ?= 1800
 CAMPAIGN_SECONDS ?= 21600
+MUTANTS ?=
 UPGRADE ?=
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
@@ -56,6 +59,9 @@ pictures: $(VENV)/.dev
 
 campaign: $(VENV)/.dev
 	$(call bounded,$(CAMPAIGN_SECONDS)) $(BIN)/python -m pytest -m campaign -o faulthandler_timeout=0 $(PYTEST_ARGS) $(TESTS)
+
+mutants: $(VENV)/.dev
+	$(BIN)/python -m tests.mutants --seconds $(CAMPAIGN_SECONDS) $(MUTANTS)
 
 # First an interrupt, so that tests put their servers away; then the end, for what does not listen. How long that is, and
 # every limit of a test, follows the pace of this machine, which is measured first.

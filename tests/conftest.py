@@ -83,6 +83,7 @@ SECONDS = {
     "tests/cli/test_plays.py": 25,
     "tests/journeys/test_stepping.py": 25,
     "tests/journeys/test_card.py": 25,
+    "tests/mutants/test_mutants.py": 20,
     "tests/rooms/organiser/test_allocation.py": 20,
     "tests/core/rights/test_exhaustive.py": 20,
     "tests/pictures/test_drawings.py": 20,

@@ -86,6 +86,29 @@ async def test_a_state_that_was_wiped_reads_as_stopped(tmp_path: Path) -> None:
     assert FileLatch(tmp_path / "latch").read() == {"omni": (3, False), "kuka1": (0, True)}
 
 
+@pytest.mark.parametrize(
+    ("shown", "read"),
+    [
+        (slots.PLAUSIBLE - 1, slots.PLAUSIBLE - 1),
+        (slots.PLAUSIBLE, 0),
+        (slots.PLAUSIBLE + 1, 0),
+        (2**64 - 1, 0),
+    ],
+)
+async def test_a_damaged_state_is_believed_no_generation_that_nobody_reaches(
+    tmp_path: Path, shown: int, read: int
+) -> None:
+    """The next stop has to be later than what was read."""
+    latch = await a_latch(tmp_path / "latch")
+    await latch.close()
+
+    def show(content: bytearray) -> None:
+        content[STATE + 32 : STATE + 40] = shown.to_bytes(8, "little")
+
+    damage(tmp_path / "latch", show)
+    assert FileLatch(tmp_path / "latch").read()["kuka1"] == (read, True)
+
+
 @pytest.mark.parametrize("torn", [1, 8, 32, 39, 40, 41, 48, 63])
 async def test_a_torn_write_reads_as_stopped(tmp_path: Path, torn: int) -> None:
     latch = await a_latch(tmp_path / "latch")

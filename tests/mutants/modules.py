@@ -1,0 +1,75 @@
+"""Which source is mutated, and which tests can see it."""
+
+from __future__ import annotations
+
+import msgspec
+
+
+class Module(msgspec.Struct, frozen=True):
+    """One module of safety code.
+
+    Attributes:
+        about: As the table calls it.
+        file: Below ``src/rosic``.
+        tests: Files and folders that are looked into for tests that reach a changed line.
+    """
+
+    about: str
+    file: str
+    tests: tuple[str, ...]
+
+
+PIPELINE = "tests/rooms/pipeline"
+STORES = "tests/rooms/stores"
+TELEGRAM = "tests/real/telegram"
+
+MODULES = (
+    Module("gate", "core/gate.py", (
+        "tests/core/test_gate.py", "tests/rooms/robots/test_common_start.py",
+    )),
+    Module("stop board", "core/stopboard.py", (
+        "tests/rooms/test_linker.py",
+        f"{PIPELINE}/test_stopping.py", f"{PIPELINE}/test_stops_meet.py",
+        f"{PIPELINE}/test_set_back.py", f"{PIPELINE}/test_fleet.py",
+    )),
+    Module("linker", "linker/linker.py", (
+        "tests/rooms/test_linker.py", "tests/rooms/test_mailbox.py",
+        f"{PIPELINE}/test_stopping.py", f"{PIPELINE}/test_stops_meet.py",
+        f"{PIPELINE}/test_between.py", f"{PIPELINE}/test_replacing.py",
+    )),
+    Module("mailbox", "linker/mailbox.py", (
+        "tests/rooms/test_mailbox.py", f"{PIPELINE}/test_waited.py",
+        f"{PIPELINE}/test_replacing.py",
+    )),
+    Module("latch", "stores/latch.py", (
+        f"{STORES}/test_latch.py", "tests/conformance/test_stores.py", "tests/rooms/test_linker.py",
+    )),
+    Module("stop file", "stores/slots.py", (f"{STORES}/test_latch.py",)),
+    Module("write thread", "stores/lane.py", (
+        f"{STORES}/test_lane.py", f"{STORES}/test_trouble.py", f"{STORES}/test_latch.py",
+    )),
+    Module("writer", "stores/writer.py", (STORES, "tests/conformance/test_stores.py")),
+    Module("root key", "stores/rootkey.py", (
+        f"{STORES}/test_rootkey.py", f"{STORES}/test_opening.py",
+    )),
+    Module("rights", "core/rights.py", ("tests/core/rights",)),
+    Module("decision", "core/decision.py", ("tests/core/rights",)),
+    Module("limits", "core/limits.py", ("tests/core/rights",)),
+    Module("tables of rights", "core/tables.py", ("tests/core/rights",)),
+    Module("consent", "pipeline/consent.py", (
+        f"{PIPELINE}/test_second_person.py", f"{PIPELINE}/test_rights.py",
+        f"{PIPELINE}/test_turned_away.py",
+    )),
+    Module("buttons", "authoriser/buttons.py", (
+        f"{PIPELINE}/test_buttons.py", "tests/rooms/test_authoriser.py",
+        f"{PIPELINE}/test_retracting.py",
+    )),
+    Module("enrolment", "authoriser/enrolment.py", ("tests/rooms/authoriser",)),
+    Module("guessing", "authoriser/guessing.py", ("tests/rooms/authoriser",)),
+    Module("Telegram listener", "messengers/telegram/listener.py", (
+        "tests/rooms/messengers/test_listening.py", TELEGRAM,
+    )),
+    Module("Telegram listening", "messengers/telegram/listening.py", (
+        "tests/rooms/messengers/test_listening.py",
+    )),
+)  # fmt: skip
