@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import BUTTONS, GATE, STOPPING, WAY, Fault
 
 ROBOTS = "tests/conformance/test_robots.py"
+AGREED = "tests/rooms/pipeline/test_agreed_acts.py"
 MAILBOX = "tests/rooms/test_mailbox.py"
 
 OF_ORDERS = (
@@ -52,6 +53,41 @@ OF_ORDERS = (
         guard="            if wait_s:\n                return self._refusal(kind, name, wait_s)\n",
         without="",
         caught_by=("tests/rooms/pipeline/test_limits.py",),
+    ),
+    Fault(
+        name="I16 a tap does what its words mean by then",
+        file="pipeline/agreement.py",
+        guard="        if now == act:\n            return",
+        without="        if True:\n            return",
+        caught_by=(f"{AGREED}::test_what_has_changed_is_said",),
+    ),
+    Fault(
+        name="I16 what two agreed to is not compared with what is done",
+        file="pipeline/consent.py",
+        guard="or request.act.command != text or request.act.digest != act:",
+        without="or request.act.command != text:",
+        caught_by=(f"{AGREED}::test_an_agreement_counts_for_its_own_act_alone",),
+    ),
+    Fault(
+        name="I16 a second person agrees to what is something else by then",
+        file="pipeline/consent.py",
+        guard="        if self._agreements.is_current(request.act, request.line):\n",
+        without="        if True:\n",
+        caught_by=(
+            (
+                "tests/rooms/pipeline/test_second_person.py"
+                "::test_whose_limits_shrank_meanwhile_agrees_to_nothing"
+            ),
+        ),
+    ),
+    Fault(
+        name="I16 what was agreed to under other rules goes on waiting for its turn",
+        file="organiser/refusing.py",
+        guard="if policy <= epoch or AGREED.isdisjoint(allowed.care):",
+        without="if True:",
+        caught_by=(
+            f"{AGREED}::test_an_order_that_waited_while_the_rules_changed_counts_as_agreed_to_no_more",
+        ),
     ),
     Fault(
         name="I10 a stop is kept in memory only",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from base64 import urlsafe_b64encode
 from collections import OrderedDict
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import msgspec
 
@@ -30,10 +30,18 @@ MENU = ("?", "use ", "/use ", "robots", "undo ")
 MENU_LIFETIME_NS = 600_000_000_000
 
 
+class Redeemed(NamedTuple):
+    """What a tap says, and the digest of what it agrees to; empty: it agrees to nothing."""
+
+    command: str
+    act: bytes
+
+
 class _Bound(msgspec.Struct, frozen=True):
     principal: PrincipalId
     chat: str
     command: str
+    act: bytes
     issued_ns: int
     issued_wall_ns: int
     lifetime_ns: int
@@ -88,15 +96,15 @@ class Buttons:
         lifetime_ns = button.good_for_ns or max(lifetime_ns, lifetime_of(button))
         nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
         self._bound[nonce] = _Bound(
-            principal, chat, button.command, self._clock.monotonic_ns(), self._clock.wall_ns(),
-            lifetime_ns, still,
+            principal, chat, button.command, button.act, self._clock.monotonic_ns(),
+            self._clock.wall_ns(), lifetime_ns, still,
         )  # fmt: skip
         if len(self._bound) > self._at_most:
             self._bound.popitem(last=False)
         return msgspec.structs.replace(button, nonce=nonce, good_for_ns=lifetime_ns)
 
-    def redeem(self, nonce: str, principal: PrincipalId, inbound: Inbound) -> str:
-        """Return what the tap says, and void the button.
+    def redeem(self, nonce: str, principal: PrincipalId, inbound: Inbound) -> Redeemed:
+        """Return what the tap says and agrees to, and void the button.
 
         A tap by another person does not use the button up.
 
@@ -120,7 +128,7 @@ class Buttons:
                 said("This button is too old. Nothing was done."),
                 offers=(bound.command.lstrip("?"),),
             )
-        return bound.command
+        return Redeemed(bound.command, bound.act)
 
 
 def uncounted(_kind: str) -> None:

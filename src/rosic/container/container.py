@@ -278,7 +278,11 @@ class Containers:
         container.select(chat, name)
 
     def enlist(self, robot: RobotId, n: int) -> None:
-        """Have a container for one more robot, from the highest number it was given (I3)."""
+        """Have a container for one more robot, from the highest number it was given (I3).
+
+        What words came to before, under another profile of that name, is worked out anew.
+        """
+        self._completed.clear()
         self._robots[robot] = RobotContainer(robot, n)
 
 

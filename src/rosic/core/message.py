@@ -192,12 +192,14 @@ class Button(msgspec.Struct, frozen=True, gc=False):
         nonce: What travels through the messenger instead of the command; empty until issued.
         good_for_ns: For how long it is good, where that is not the usual; only for one that moves
             nothing.
+        act: Digest of what whoever taps it agrees to; empty: a tap agrees to nothing.
     """
 
     label: str
     command: str
     nonce: str = ""
     good_for_ns: int = 0
+    act: bytes = b""
 
 
 class Pieces(msgspec.Struct, frozen=True):

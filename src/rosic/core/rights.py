@@ -36,10 +36,13 @@ class Rights:
 
     Attributes:
         epoch: Grows with every replacement; the caller counts.
+        policy: The epoch in which rules or anybody's rights changed last: what somebody agreed to
+            is void after it. Slots and leases come and go under one policy; they are asked for
+            again whenever something is to begin.
         rates: Those of roles; mostly there are none.
     """
 
-    __slots__ = ("_givers", "_people", "_tables", "epoch", "rates")
+    __slots__ = ("_givers", "_people", "_tables", "epoch", "policy", "rates")
 
     def __init__(
         self,
@@ -47,8 +50,10 @@ class Rights:
         tables: Tables,
         people: dict[PrincipalId, tuple[Holding, ...]],
         givers: dict[RobotId, tuple[PrincipalId, ...]],
+        policy: int,
     ) -> None:
         self.epoch = epoch
+        self.policy = policy
         self.rates: Mapping[str, RateLimit] = tables.rates
         self._tables = tables
         self._people = people
@@ -74,7 +79,8 @@ class Rights:
         for who, holdings in held.items():
             for robot in _giving(holdings):
                 givers.setdefault(robot, []).append(who)
-        return cls(epoch, tables, held, {robot: tuple(some) for robot, some in givers.items()})
+        given = {robot: tuple(some) for robot, some in givers.items()}
+        return cls(epoch, tables, held, given, epoch)
 
     def with_grants(self, epoch: int, principal: PrincipalId, grants: tuple[Grant, ...]) -> Rights:
         """Return the snapshot in which one person holds exactly these grants; none: nobody."""
@@ -93,11 +99,11 @@ class Rights:
                 givers[robot] = tuple(p for p in givers[robot] if p != principal)
             for robot in now - was:
                 givers[robot] = (*givers.get(robot, ()), principal)
-        return Rights(epoch, self._tables, people, givers)
+        return Rights(epoch, self._tables, people, givers, epoch)
 
     def later(self) -> Rights:
         """Return the same rights under the next number: what was admitted is looked at anew."""
-        return Rights(self.epoch + 1, self._tables, self._people, self._givers)
+        return Rights(self.epoch + 1, self._tables, self._people, self._givers, self.policy)
 
     # ---- for each order ----
 

@@ -267,19 +267,19 @@ class Organiser:
         )
 
     def readmit(self, caller: Caller, order: Order, grounds: Grounds) -> Permit:
-        """Decide once more for an order that waited while the policy changed (I8).
+        """Decide once more for an order that waited while the policy changed (I8, I16).
 
-        It keeps its lease and its stop generation: what a stop voided stays void. What was
-        confirmed for it stays confirmed.
+        It keeps its lease and its stop generation: what a stop voided stays void.
 
         Raises:
+            OrderVoid: It was agreed to under other rules; it has to be said again.
             NotPermitted: The right is gone.
-            OutsideSlot, SlotTaken, RobotTaken, OrderVoid: The robot is not theirs any more.
-            TimeInDoubt: The clock was set back meanwhile.
+            OutsideSlot, SlotTaken, RobotTaken, TimeInDoubt: The robot is not theirs any more.
         """
         decision = self.decision(caller, order.robot, order.skill.id, order.arguments, grounds)
         if isinstance(decision, Denied):
             raise self._refusing.denial(decision)
+        self._refusing.check_agreed_since(self.rights.policy, order.permit.epoch, decision)
         fence, until_ns = order.permit.fence, self._until_ns(decision)
         if fence and (self.in_doubt or not self._leases[order.robot].runs(fence)):
             raise TimeInDoubt(CLOCK_SET_BACK) if self.in_doubt else self._refusing.over(order.robot)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from rosic.organiser.organiser import Organiser
 
 _SI = frozenset({"", "m", "m/s", "m/s^2", "s", "N", "Nm", "rad", "rad/s", "kg"})
+AGREED = frozenset({Need.CONFIRMATION, Need.SECOND_PERSON})
 LOCKED = said("Your access is locked. The admin of this place can unlock it. Stop still works.")
 NOTHING_DONE = said("Nothing was done.")
 ENDED = said("Your access here has ended. The admin of this place can renew it.")
@@ -138,6 +139,22 @@ class Refusing:
             said(
                 "Your turn with {shown} was over before this could begin. Nothing was done.",
                 shown=self._shown(robot),
+            )
+        )
+
+    def check_agreed_since(self, policy: int, epoch: int, allowed: Allowed) -> None:
+        """See that what somebody has to agree to was agreed to under the rules of now.
+
+        Raises:
+            OrderVoid: They changed after it was admitted.
+        """
+        if policy <= epoch or AGREED.isdisjoint(allowed.care):
+            return
+        raise OrderVoid(
+            said(
+                "The rules here changed before {shown} could begin, so what was agreed to counts "
+                "no more. Nothing was done. Say it again.",
+                shown=self._shown(allowed.ask.robot),
             )
         )
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat
     from rosic.core.robot import RobotId
     from rosic.core.skill import Argument
+    from rosic.pipeline.agreement import Agreements
 
 SMALLER, LARGER = "−", "+"  # noqa: RUF001 - a minus sign is as wide as a plus
 CHOSEN = "• "
@@ -45,8 +46,9 @@ NOTHING_TO_DO = said("There is nothing to do again here yet.")
 class Choosing:
     """Asks before anything that was tapped moves a robot, and lets its values be changed first."""
 
-    def __init__(self, reader: Reader, habits: Habits) -> None:
+    def __init__(self, reader: Reader, habits: Habits, agreements: Agreements) -> None:
         self._reader = reader
+        self._agreements = agreements
         self._habits = habits
 
     def ask(self, command: str, visible: frozenset[RobotId], selected: str = "") -> Reply:
@@ -59,7 +61,7 @@ class Choosing:
 
         Raises:
             NotUnderstood: The command means nothing any more, or needs a text that is to be typed.
-            OutOfBounds: It holds a value that its robot does not allow.
+            OutOfBounds: It holds a value that a robot does not allow.
         """
         command, *trail = command.split(TRAIL)
         line = self._reader.lines(command, selected, visible)[0]
@@ -69,7 +71,7 @@ class Choosing:
             raise NotUnderstood(NOTHING_TO_DO)
         if line.group:
             said_whole = command if line.group in command.casefold() else f"{line.group} {command}"
-            return _question(said_whole, said_whole, (), trail)
+            return _question(self._agreements.of(line).shown, said_whole, (), trail)
         vocabulary, robot = self._reader.vocabulary, line.robots[0]
         compiled, given = place(vocabulary, robot, line.skills[0], line.spoken)
         arguments: dict[str, Argument] = {}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import msgspec
 
 from rosic.core.asking import Ask, Code, Denied
 from rosic.core.decision import may_agree
 from rosic.core.identity import Caller, PrincipalId
+from rosic.core.language import Do
 from rosic.core.language.suggestions import OR
 from rosic.core.message import Button
 from rosic.core.roles import ASSURANCES, Assurance, Need
@@ -17,6 +18,7 @@ from rosic.core.saying import joined, said
 from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.organiser.grounds import Grounds
 from rosic.organiser.refusing import ANY_CHANNEL, bound_of
+from rosic.pipeline.agreement import Act
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 
@@ -44,15 +46,32 @@ class Request(msgspec.Struct):
     """One thing that wants a second person.
 
     Attributes:
-        ask: What it is, with its arguments.
+        line: What was said.
+        act: What it came to when it was asked, for every robot; whoever agrees, agrees to this.
+        asks: What wants the second person, with its arguments.
         second: Who agreed.
     """
 
     caller: Caller
-    ask: Ask
-    text: str
+    line: Do
+    act: Act
+    asks: tuple[Ask, ...]
     until_ns: int
     second: PrincipalId | None = None
+
+
+class Resolver(Protocol):
+    """Says what words come to; see `rosic.pipeline.agreement.Agreements`."""
+
+    def of(self, line: Do) -> Act:
+        """Return what a line comes to now.
+
+        Raises:
+            NotUnderstood, OutOfBounds: It cannot be carried out as it was said.
+        """
+
+    def is_current(self, act: Act, line: Do) -> bool:
+        """Whether a line comes to the same as before, under the same rules."""
 
 
 class Consent:
@@ -62,20 +81,34 @@ class Consent:
         has_phone: Whether somebody has set up an authenticator that could show a code.
     """
 
-    def __init__(self, organiser: Organiser, reach: Reach, clock: Clock, entropy: Entropy) -> None:
+    def __init__(
+        self,
+        organiser: Organiser,
+        reach: Reach,
+        agreements: Resolver,
+        clock: Clock,
+        entropy: Entropy,
+    ) -> None:
         self._organiser = organiser
+        self._agreements = agreements
         self._reach = reach
         self._clock = clock
         self._entropy = entropy
         self._requests: OrderedDict[str, Request] = OrderedDict()
         self.has_phone: Callable[[PrincipalId], bool] = lambda _: True
 
-    def ask(self, caller: Caller, skill: str, needed: FirstNeeded) -> Reply:
-        """Return what to say to somebody who may, once something else has happened."""
+    def ask(self, caller: Caller, line: Do, needed: FirstNeeded) -> Reply:
+        """Return what to say to somebody who may, once something else has happened.
+
+        Raises:
+            NotUnderstood, OutOfBounds: What was said cannot be carried out.
+        """
         if needed.need == Need.CONFIRMATION.value:
-            return Reply(needed.sentence, _do_it(f"{CONFIRMED}{needed.text}"))
+            act = self._agreements.of(line)
+            question = said("{act}? It moves only if you confirm it.", act=act.shown)
+            return Reply(question, _do_it(f"{CONFIRMED}{act.command}", act))
         if needed.need == Need.SECOND_PERSON.value:
-            return Reply(self._ask_others(caller, skill, needed))
+            return Reply(self._ask_others(caller, line, needed))
         if needed.need == Need.STEP_UP.value and not self.has_phone(caller.principal):
             return Reply(
                 said(
@@ -86,12 +119,10 @@ class Consent:
             )
         return Reply(needed.sentence)
 
-    def _ask_others(self, caller: Caller, skill: str, needed: FirstNeeded) -> str:
-        ask = Ask(
-            principal=caller.principal, key=caller.key, robot=needed.robot, skill=skill,
-            arguments=needed.arguments,
-        )  # fmt: skip
-        others = self._others(ask)
+    def _ask_others(self, caller: Caller, line: Do, needed: FirstNeeded) -> str:
+        act = self._agreements.of(line)
+        asks = self._wanting(caller, act, needed)
+        others = self._others(caller, asks)
         if not others:
             return said(
                 "{needed} Nobody else here may do exactly that, so nobody can agree.",
@@ -99,15 +130,15 @@ class Consent:
             )
         number = f"s{self._entropy.token(ID_BYTES).hex()}"
         until_ns = self._clock.monotonic_ns() + int(ASKED_FOR_S * 1e9)
-        self._requests[number] = Request(caller, ask, needed.text, until_ns)
+        self._requests[number] = Request(caller, line, act, asks, until_ns)
         if len(self._requests) > ASKED_AT_MOST:
             self._requests.popitem(last=False)
         told = self._reach.tell(
             others,
             said(
-                "{name} wants: {text}. It needs a second person. Do you agree?",
+                "{name} wants: {act}. It needs a second person. Do you agree?",
                 name=caller.name,
-                text=needed.text,
+                act=act.shown,
             ),
             (
                 (
@@ -126,15 +157,31 @@ class Consent:
             names=names,
         )
 
-    def _others(self, ask: Ask) -> tuple[PrincipalId, ...]:
+    def _wanting(self, caller: Caller, act: Act, needed: FirstNeeded) -> tuple[Ask, ...]:
+        """Return everything in an act that wants a second person."""
+        rights = self._organiser.rights
+        return tuple(
+            Ask(
+                principal=caller.principal,
+                key=caller.key,
+                robot=part.robot,
+                skill=part.skill,
+                arguments=part.arguments,
+            )
+            for part in act.parts
+            if part.robot == needed.robot
+            or Need.SECOND_PERSON in rights.caution(part.robot, part.skill).needs
+        )
+
+    def _others(self, caller: Caller, asks: tuple[Ask, ...]) -> tuple[PrincipalId, ...]:
         organiser = self._organiser
         rights, now_ns = organiser.rights, organiser.wall_ns()
         able = [
             who
             for who in rights.people()
-            if who != ask.principal
+            if who != caller.principal
             and who not in organiser.locked
-            and may_agree(rights, who, ask, now_ns)
+            and all(may_agree(rights, who, ask, now_ns) for ask in asks)
         ]
         return tuple(able[:PEOPLE_ASKED])
 
@@ -146,23 +193,52 @@ class Consent:
         """Somebody agrees.
 
         Raises:
-            Expired: It was settled, or waited too long.
+            Expired: It was settled, waited too long, or would be something else by now.
             NotPermitted: They asked for it themselves, or may not do exactly that.
         """
-        request = self._open(asked.rest.strip())
+        number = asked.rest.strip()
+        request = self._open(number)
         who = asked.caller.principal
         if who == request.caller.principal:
             raise NotPermitted(said("Somebody else has to agree."))
+        self._check_current(number, request)
         self._check_may(asked, request)
         request.second = who
-        command = f"{CONFIRMED}{SECONDED}{asked.rest.strip()} {request.text}"
+        command = f"{CONFIRMED}{SECONDED}{number} {request.act.command}"
         name = self._organiser.name_of(who)
         self._reach.tell(
             (request.caller.principal,),
-            said("{name} agrees: {text}.", name=name, text=request.text),
-            _do_it(command),
+            said("{name} agrees: {act}.", name=name, act=request.act.shown),
+            _do_it(command, request.act),
         )
         return Reply(said("{name} is told that you agree.", name=request.caller.name))
+
+    def _check_current(self, number: str, request: Request) -> None:
+        """See that what was asked for is still what it was.
+
+        Raises:
+            Expired: It is not; whoever asked is told.
+        """
+        if self._agreements.is_current(request.act, request.line):
+            return
+        del self._requests[number]
+        act = request.act.shown
+        self._reach.tell(
+            (request.caller.principal,),
+            said(
+                "The rules here have changed since you asked for this: {act}. Nothing was done. "
+                "Say it again.",
+                act=act,
+            ),
+        )
+        raise Expired(
+            said(
+                "The rules here have changed since {name} asked for this: {act}. Nothing was done, "
+                "and {name} can ask again.",
+                name=request.caller.name,
+                act=act,
+            )
+        )
 
     def _check_may(self, asked: Asked, request: Request) -> None:
         """See that somebody may do themselves what they agree to, by their key and in this chat.
@@ -170,14 +246,14 @@ class Consent:
         Raises:
             NotPermitted: They may not; says what is in the way.
         """
-        ask = request.ask
         worth = ASSURANCES.get(asked.messenger.assurance, Assurance.PROVIDER_READABLE)
         grounds = Grounds(channel=worth)
-        decision = self._organiser.decision(
-            asked.caller, ask.robot, ask.skill, ask.arguments, grounds
-        )
-        if isinstance(decision, Denied) and decision.code not in _NOT_THEIRS_NOW:
-            raise NotPermitted(_why_not(decision, request.text))
+        for ask in request.asks:
+            decision = self._organiser.decision(
+                asked.caller, ask.robot, ask.skill, ask.arguments, grounds
+            )
+            if isinstance(decision, Denied) and decision.code not in _NOT_THEIRS_NOW:
+                raise NotPermitted(_why_not(decision, request.act.shown))
 
     async def decline(self, asked: Asked) -> Reply:
         """Somebody does not agree.
@@ -191,7 +267,11 @@ class Consent:
         name = self._organiser.name_of(asked.caller.principal)
         self._reach.tell(
             (request.caller.principal,),
-            said("{name} does not agree: {text}. Nothing was done.", name=name, text=request.text),
+            said(
+                "{name} does not agree: {act}. Nothing was done.",
+                name=name,
+                act=request.act.shown,
+            ),
         )
         return Reply(said("Nothing is done."))
 
@@ -202,38 +282,44 @@ class Consent:
             raise Expired(said("That question is settled already. Nothing was done."))
         return request
 
-    def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
+    def redeem(self, command: str, caller: Caller, act: bytes) -> tuple[str, PrincipalId | None]:
         """Return a confirmed command, and who agreed to it. Each agreement counts once.
 
+        Args:
+            command: What the button says.
+            caller: Who tapped it.
+            act: Digest of what the button was bound to.
+
         Raises:
-            Expired: It was agreed to too long ago, or for somebody else.
+            Expired: It was agreed to too long ago, for somebody else, or to something else.
         """
         if not command.startswith(SECONDED):
             return command, None
         number, _, text = command[1:].partition(" ")
         request = self._open(number)
-        if request.caller.principal != caller.principal or request.text != text:
+        theirs = request.caller.principal == caller.principal
+        if not theirs or request.act.command != text or request.act.digest != act:
             raise Expired(said("That was agreed to for something else. Nothing was done."))
         del self._requests[number]
         return text, request.second
 
 
-def _why_not(denied: Denied, text: str) -> str:
-    """Return why somebody cannot agree to a command."""
+def _why_not(denied: Denied, act: str) -> str:
+    """Return why somebody cannot agree to something."""
     if denied.limit is not None:
         return said(
-            "You cannot agree to {text}: for you it is allowed with {within}.",
-            text=text,
+            "You cannot agree to this: {act}. For you it is allowed with {within}.",
+            act=act,
             within=bound_of(denied.limit.said),
         )
     if denied.channel is not None:
         return said(
-            "You cannot agree to {text} in this chat: it needs {wanted}.",
-            text=text,
+            "You cannot agree to this in this chat: {act}. It needs {wanted}.",
+            act=act,
             wanted=ANY_CHANNEL.get(denied.channel, said("a better protected chat")),
         )
     return said("Only somebody who may do that can agree to it.")
 
 
-def _do_it(command: str) -> tuple[tuple[Button, ...], ...]:
-    return ((Button(DO_IT, command), Button(LEAVE_IT, LEAVE)),)
+def _do_it(command: str, act: Act) -> tuple[tuple[Button, ...], ...]:
+    return ((Button(DO_IT, command, act=act.digest), Button(LEAVE_IT, LEAVE)),)

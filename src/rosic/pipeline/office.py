@@ -26,6 +26,7 @@ class Asked(msgspec.Struct, frozen=True):
     Attributes:
         rest: The line after the verb, as typed.
         cid: Identity of the line, for what must not happen twice.
+        act: Digest of what the tap that said it agrees to. Whatever was typed agrees to nothing.
     """
 
     messenger: Messenger
@@ -33,6 +34,7 @@ class Asked(msgspec.Struct, frozen=True):
     caller: Caller
     rest: str
     cid: CommandId
+    act: bytes = b""
 
     @property
     def private(self) -> bool:

@@ -75,7 +75,7 @@ class Reception:
         if inbound.place is not None and self.placed is not None:
             self.placed(said.messenger, inbound, said.caller)
 
-    def redeem(self, command: str, caller: Caller) -> tuple[str, PrincipalId | None]:
+    def redeem(self, command: str, caller: Caller, act: bytes) -> tuple[str, PrincipalId | None]:
         """Return what a button that confirms says, and who has agreed to it.
 
         Raises:
@@ -83,7 +83,7 @@ class Reception:
         """
         if self.consent is None:  # then nobody was ever asked to agree
             return command, None
-        return self.consent.redeem(command, caller)
+        return self.consent.redeem(command, caller, act)
 
 
 def may_bring_a_code(inbound: Inbound) -> bool:

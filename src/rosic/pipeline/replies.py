@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.container.letters import Answer
 from rosic.core.message import Button, ChatKind, Outbound, Weight
@@ -17,10 +17,13 @@ from rosic.pipeline.languages import translated
 from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.authoriser.buttons import Redeemed
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
-    from rosic.core.identity import Address, Caller, CommandId
-    from rosic.core.message import Inbound
+    from rosic.core.identity import Address, Caller, CommandId, PrincipalId
+    from rosic.core.message import Chat, Inbound
     from rosic.pipeline.desk import Reply
     from rosic.pipeline.rooms import Rooms
 
@@ -40,14 +43,24 @@ AGAIN_NS = 600_000_000_000
 """Whoever is unknown and goes on writing is told so again after so long, and no sooner."""
 
 
+Bind: TypeAlias = "Callable[[Button, PrincipalId, Chat], Button]"
+
+
 class Replies:
     """Gives answers to the teller, with buttons bound to the one who is answered.
+
+    Args:
+        rooms: Who knows the person.
+        teller: Says it.
+        clock: Of the gateway.
+        bind: Binds a button to what it lets robots do for somebody in a chat.
 
     Attributes:
         arrears: Answers to what was sent while nobody listened.
     """
 
-    def __init__(self, rooms: Rooms, teller: Teller, clock: Clock) -> None:
+    def __init__(self, rooms: Rooms, teller: Teller, clock: Clock, bind: Bind) -> None:
+        self._bind_act = bind
         self._authoriser = rooms.authoriser
         self._container = rooms.container
         self._teller = teller
@@ -80,8 +93,9 @@ class Replies:
     def _bind(
         self, inbound: Inbound, caller: Caller, buttons: tuple[tuple[Button, ...], ...]
     ) -> tuple[tuple[Button, ...], ...]:
-        issue, chat = self._authoriser.buttons.issue, inbound.chat.id
-        return tuple(tuple(issue(b, caller.principal, chat) for b in row) for row in buttons)
+        issue, bind = self._authoriser.buttons.issue, self._bind_act
+        who, chat = caller.principal, inbound.chat
+        return tuple(tuple(issue(bind(b, who, chat), who, chat.id) for b in row) for row in buttons)
 
     def hand_over(
         self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
@@ -187,21 +201,21 @@ class Replies:
                 self._turned_away.popitem(last=False)
         self.say(messenger, inbound, sentence)
 
-    async def redeem(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> str:
-        """Return what a tap says; the tap itself is answered in any case.
+    async def redeem(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> Redeemed:
+        """Return what a tap says and agrees to; the tap itself is answered in any case.
 
         Raises:
             Repeated: The button is no longer good, or somebody else's; the tap was told so.
         """
         nonce = inbound.nonce or ""
         try:
-            command = self._authoriser.buttons.redeem(nonce, caller.principal, inbound)
+            redeemed = self._authoriser.buttons.redeem(nonce, caller.principal, inbound)
         except Refusal as refusal:
             plain = in_language(refusal.sentence, self._languages.of(caller.principal))
             await messenger.answer_tap(inbound, plain)
             raise Repeated(refusal.sentence) from refusal
         await messenger.answer_tap(inbound, "")
-        return command
+        return redeemed
 
 
 def ask_for_it() -> str:

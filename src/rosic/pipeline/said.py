@@ -28,14 +28,16 @@ class Said:
     """One message on its way: who said it, where, and which robots its lines asked so far.
 
     Attributes:
+        act: Digest of what the tap that said it agrees to; empty: it was typed, or agrees to
+            nothing.
         confirmed: A button said it that asked whether it is meant.
         second: Who else has agreed to it.
         proven: It was asked whether they have shown a second factor lately, and they have.
     """
 
     __slots__ = (
-        "arrived_ns", "asked", "caller", "confirmed", "inbound", "messenger", "proven", "second",
-        "stepup",
+        "act", "arrived_ns", "asked", "caller", "confirmed", "inbound", "messenger", "proven",
+        "second", "stepup",
     )  # fmt: skip
 
     def __init__(
@@ -46,6 +48,7 @@ class Said:
         arrived_ns: int,
         stepup: SteppedUp,
     ) -> None:
+        self.act = b""
         self.confirmed = self.proven = False
         self.second: PrincipalId | None = None
         self.stepup = stepup

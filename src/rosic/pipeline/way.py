@@ -30,6 +30,7 @@ from rosic.errors import (
     Repeated,
     Unrecognised,
 )
+from rosic.pipeline.agreement import Agreements
 from rosic.pipeline.audience import Audience
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.choosing import Choosing
@@ -81,6 +82,7 @@ class Pipeline:
         resuming: Undoes stops.
         arrears: Answers to what was sent while nobody listened.
         face: What a clock on the wall shows here.
+        agreements: Binds what a tap agrees to.
     """
 
     def __init__(
@@ -99,12 +101,13 @@ class Pipeline:
         self._turns = Turns()
         self._requesting = Requesting(rooms, clock)
         self._followed: OrderedDict[CommandId, None] = OrderedDict()
-        self._replies = Replies(rooms, teller, clock)
+        self.agreements = Agreements(rooms, self._reader)
+        self._replies = Replies(rooms, teller, clock, self.agreements.bind)
         self._expiring = Expiring(teller, clock)
         self._edited = EditedMessages(rooms, self._reader, self._replies, self._addressed)
         self.resuming = Resuming(organiser, container, linker, rooms.board)
         self.habits = Habits()
-        self._choosing = Choosing(self._reader, self.habits)
+        self._choosing = Choosing(self._reader, self.habits, self.agreements)
         self.arrears = self._replies.arrears
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience = Audience(organiser)
@@ -179,7 +182,7 @@ class Pipeline:
     async def _tapped(self, said: Said) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller
         try:
-            command = await self._replies.redeem(messenger, inbound, caller)
+            command, said.act = await self._replies.redeem(messenger, inbound, caller)
         except Repeated as void:
             self._outdated(said, void)
             raise
@@ -192,7 +195,7 @@ class Pipeline:
         else:
             if command.startswith(CONFIRMED):
                 said.confirmed = True
-                command, said.second = self.reception.redeem(command[1:], caller)
+                command, said.second = self.reception.redeem(command[1:], caller, said.act)
             await self._lines(said, command)
 
     def _outdated(self, said: Said, void: Repeated) -> None:
@@ -210,7 +213,10 @@ class Pipeline:
             if inbound.answers
             else container.selected(caller.principal, inbound.chat)
         )
-        for number, line in enumerate(self._reader.lines(text, selected, visible)):
+        lines = self._reader.lines(text, selected, visible)
+        if inbound.nonce is not None:
+            self.agreements.check(lines, said.act)
+        for number, line in enumerate(lines):
             cid = line_id(inbound, number)
             try:
                 if isinstance(line, Do):
@@ -220,6 +226,8 @@ class Pipeline:
             except FirstNeeded as needed:
                 self._ask_for(said, line, needed)
             except Refusal as refusal:
+                if isinstance(line, Do) and refusal.offers:
+                    self.agreements.name_in(refusal, line)
                 await self._replies.refuse(said.messenger, inbound, caller, cid, refusal)
                 self.reception.refused(caller, refusal)
             except Exception:
@@ -257,7 +265,7 @@ class Pipeline:
             text = await self.resuming.resume(said, line, cid)
             self._replies.say(said.messenger, said.inbound, text)
         elif isinstance(line, Errand):
-            asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid)
+            asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid, said.act)
             reply = await self.reception.office.do(line, asked)
             self._replies.hand_over(said.messenger, said.inbound, said.caller, reply)
         else:
@@ -283,8 +291,7 @@ class Pipeline:
         if consent is None or not isinstance(line, Do):
             self._replies.say(said.messenger, said.inbound, needed.sentence)
             return
-        skill = line.skills[line.robots.index(needed.robot)].id
-        reply = consent.ask(said.caller, skill, needed)
+        reply = consent.ask(said.caller, line, needed)
         self._replies.offer(said.messenger, said.inbound, said.caller, reply.text, reply.buttons)
 
     def _repeated(self, cid: CommandId) -> bool:

@@ -89,7 +89,7 @@ async def test_again_works_for_a_group_too() -> None:
     async with Place().open() as place:
         await place.say("swarm wave")
         await place.say("again")
-        assert place.last()[1].text == "swarm wave?"
+        assert place.last()[1].text == "swarm (cf1, cf2): wave?"
         await place.tap(*place.button("Do it"))
         assert (place.acted("cf1"), place.acted("cf2")) == (2, 2)
 

@@ -66,8 +66,11 @@ async def test_a_limit_of_a_role_is_said_and_kept(skills: str) -> None:
 
 async def test_what_is_asked_before_a_tap_says_all_that_will_move_and_how_far() -> None:
     async with lab(rules(Care(scopes=("*:move",), confirm=True))) as place:
-        for line in ("swarm move 2 m left", "kuka1 move 1 m"):
-            assert await place.say(line) == f"{line}? It moves only if you confirm it."
+        for line, act in (
+            ("swarm move 2 m left", "swarm (cf1, cf2): move, 2.00 m left"),
+            ("kuka1 move 1 m", "kuka1: move, 1.00 m forward"),
+        ):
+            assert await place.say(line) == f"{act}? It moves only if you confirm it."
         assert (place.acted("cf1"), place.acted("cf2"), place.acted("kuka1")) == (0, 0, 0)
         await place.tap(*place.button("Do it"))
         assert place.acted("kuka1") == 1
@@ -91,7 +94,7 @@ async def test_what_is_over_a_limit_is_offered_within_it() -> None:
 async def test_what_wants_a_tap_moves_only_after_it() -> None:
     async with lab(rules(Care(scopes=("omni:wave",), confirm=True))) as place:
         told = await place.say("omni wave")
-        assert told == "omni wave? It moves only if you confirm it."
+        assert told == "omni: wave? It moves only if you confirm it."
         assert place.acted() == 0
         button, under = place.button("Do it")
         await place.tap(button, under, account=BO)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from rosic.core.roles import Care, Grant, Role
-from tests.rooms.pipeline.place import BO
+from tests.rooms.pipeline.place import BO, VI
 from tests.rooms.pipeline.test_rights import JUNIOR, lab, rules, who
 
 if TYPE_CHECKING:
@@ -37,7 +39,7 @@ async def test_nobody_agrees_with_themselves_and_a_no_is_told() -> None:
         button, under = place.button("No")
         await place.tap(button, under)
         assert (
-            "Ada does not agree: omni wave. Nothing was done."
+            "Ada does not agree: omni: wave. Nothing was done."
             in place.chat.told[-2].outbound.text + place.chat.told[-1].outbound.text
         )
         assert place.acted() == 0
@@ -85,22 +87,45 @@ async def test_nobody_agrees_to_more_than_they_may_do_themselves() -> None:
         assert place.acted() == 1
 
 
-async def test_whose_limits_shrank_meanwhile_is_told_why_they_cannot_agree() -> None:
+@pytest.mark.parametrize(
+    ("role", "why"),
+    [
+        (
+            "junior",
+            (
+                "You cannot agree to this: omni: move, 2.00 m forward. For you it is allowed with "
+                "distance <= 1 m."
+            ),
+        ),
+        ("viewer", "Only somebody who may do that can agree to it."),
+    ],
+)
+async def test_whoever_got_hold_of_the_number_is_told_why_they_cannot_agree(
+    role: str, why: str
+) -> None:
+    care = Care(scopes=("omni:move",), second_person=True)
+    async with lab(rules(care, junior=JUNIOR), {"Vi": role}) as place:
+        told = await place.say("omni move 2 m")
+        assert "I have asked Bo" in told
+        agree, _ = place.button("I agree")
+        bound = place.gateway.rooms.authoriser.buttons._bound[agree.nonce].command
+        assert await place.say(bound, account=VI, chat=VI) == why
+        assert place.acted() == 0
+
+
+async def test_whose_limits_shrank_meanwhile_agrees_to_nothing() -> None:
     care = Care(scopes=("omni:move",), second_person=True)
     async with lab(rules(care, junior=JUNIOR), {"Bo": "viewer"}) as place:
         await regrant(place, "Bo", Grant(id="g1", role="operator"))
-        told = await place.say("omni move 2 m")
-        assert "I have asked Bo" in told
+        await place.say("omni move 2 m")
         agree, under = place.button("I agree")
-        bound = place.gateway.rooms.authoriser.buttons._bound[agree.nonce].command
         await regrant(place, "Bo", Grant(id="g2", role="junior"))
         told = await place.tap(agree, under, account=BO)
-        assert told == (
-            "You cannot agree to omni move 2 m: for you it is allowed with distance <= 1 m."
-        )
-        await regrant(place, "Bo")
-        told = await place.say(bound, account=BO, chat=BO)
-        assert told == "Only somebody who may do that can agree to it."
+        assert (
+            "The rules here have changed since Ada asked for this: omni: move, 2.00 m forward. "
+            "Nothing was done, and Ada can ask again."
+        ) in told
+        assert "since you asked for this: omni: move, 2.00 m forward." in told, "Ada is told"
         assert place.acted() == 0
 
 
@@ -114,7 +139,11 @@ async def test_an_agreement_ends_with_the_right_of_whoever_agreed() -> None:
         button, under = place.button("Do it")
         await regrant(place, "Bo", Grant(id="g2", role="junior"))
         told = await place.tap(button, under)
-        assert "so nobody can agree" in told
+        assert told == (
+            "The rules here have changed since you were asked: omni: move, 2.00 m forward. "
+            "Nothing was done. Say it again."
+        )
+        assert "so nobody can agree" in await place.say("omni move 2 m")
         assert place.acted() == 0
 
 

@@ -129,7 +129,9 @@ class Furnishing:
         rooms, reception = self._rooms, self._pipeline.reception
         self.reach = Reach(rooms.authoriser, self._teller, messengers)
         self.handover = Handover(rooms, self._pipeline.lives, self._stop_lane, self.reach, clock)
-        self.consent = Consent(rooms.organiser, self.reach, clock, entropy)
+        self.consent = Consent(
+            rooms.organiser, self.reach, self._pipeline.agreements, clock, entropy
+        )
         self._say_times_in(zone)
         reception.consent = self.consent
         going = Going(rooms, self._teller.subjects)

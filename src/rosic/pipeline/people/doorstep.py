@@ -117,7 +117,7 @@ class Doorstep:
         code, offered.code = offered.code, None
         if code is None:
             raise Refusal(words.ANSWERED)
-        return Tapped(offered, code, joins=said == JOIN)
+        return Tapped(offered, code, joins=said.command == JOIN)
 
     def is_settled(self, nonce: str) -> bool:
         """Whether one of the two buttons was tapped."""

@@ -21,7 +21,7 @@ from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
-from rosic.core.language import Errand, Reader, Vocabulary
+from rosic.core.language import Do, Errand, Reader, Vocabulary
 from rosic.core.message import Button, ChatKind, Outbound
 from rosic.core.rate import RateLimit
 from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
@@ -31,6 +31,7 @@ from rosic.errors import Refusal, Unrecognised
 from rosic.messengers.memory import MemoryMessenger
 from rosic.organiser.organiser import Organiser
 from rosic.organiser.roster import GRANT
+from rosic.pipeline.agreement import Act, Part
 from rosic.pipeline.consent import Consent
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import Asked, Office
@@ -76,6 +77,16 @@ class Platform(MemoryMessenger):
         super().__init__(platform, clock=clock)
         self.platform = platform
         self.assurance = assurance
+
+
+class OneAct:
+    """Resolves every line to the same act."""
+
+    def of(self, line: Do) -> Act:
+        return Act(line.text, "Omni: wave", (Part("omni", "wave", {}, "wave"),), b"act")
+
+    def is_current(self, act: Act, line: Do) -> bool:
+        return self.of(line) == act
 
 
 class Hall:
@@ -177,7 +188,7 @@ class Hall:
         custody = Custody(registry, self.powers, notices)
         proving = Proving(registry, self.powers)
         inviting = Inviting(registry, self.powers, link=self.link)
-        self.consent = Consent(self.organiser, registry.reach, self.clock, entropy)
+        self.consent = Consent(self.organiser, registry.reach, OneAct(), self.clock, entropy)
         clerks = Clerks(about, self.admitting, custody, inviting, proving)
         hire(self.office, clerks, self.consent)
 
@@ -233,9 +244,9 @@ class Hall:
             caller = self.authoriser.identify(inbound)
         except Unrecognised as stranger:
             return Reply(str(stranger) if inbound.chat.kind is ChatKind.PRIVATE else "")
-        text = inbound.text
+        text, act = inbound.text, b""
         if inbound.nonce is not None:
-            text = self.authoriser.buttons.redeem(inbound.nonce, caller.principal, inbound)
+            text, act = self.authoriser.buttons.redeem(inbound.nonce, caller.principal, inbound)
             await self.chat.answer_tap(inbound, "")
         if text == LEAVE:
             return Reply("Nothing was done.")
@@ -243,7 +254,7 @@ class Hall:
         (line,) = self.reader.lines(text, "", visible)
         if not isinstance(line, Errand):
             return Reply(f"({type(line).__name__})")
-        asked = Asked(self.chat, inbound, caller, line.rest, b"")
+        asked = Asked(self.chat, inbound, caller, line.rest, b"", act)
         return self._bound(inbound, await self.office.do(line, asked))
 
     @asynccontextmanager

@@ -5,7 +5,9 @@ from __future__ import annotations
 from rosic.authoriser import words_entry
 from rosic.authoriser.invitation import Given, Wanted
 from rosic.core.identity import Address
+from rosic.core.language import Do
 from rosic.core.roles import Grant, Need
+from rosic.core.skill import Skill
 from rosic.errors import FirstNeeded
 from rosic.pipeline.people import words
 from rosic.stores.memory import MemoryStore
@@ -203,10 +205,11 @@ async def test_a_yes_goes_to_whoever_asked() -> None:
             robot="omni",
             text="omni wave",
         )
-        hall.consent.ask(caller, "wave", needed)
+        wave = Do(robots=("omni",), skills=(Skill(id="wave"),), spoken=(), text="omni wave")
+        hall.consent.ask(caller, wave, needed)
         await hall.quiet()
         assert await hall.tap(ADA, "I agree") == "Cy Young is told that you agree."
-        hall.consent.ask(caller, "wave", needed)
+        hall.consent.ask(caller, wave, needed)
         await hall.quiet()
         button, under = next(
             (b, told.message)

@@ -259,7 +259,7 @@ class Lab:
             nonce=button.nonce, sent_ns=self.clock.wall_ns(), received_ns=self.clock.wall_ns(),
         )  # fmt: skip
         try:
-            command = self.authoriser.buttons.redeem(button.nonce, who, inbound)
+            command = self.authoriser.buttons.redeem(button.nonce, who, inbound).command
         except Refusal as refusal:
             return str(refusal)
         return await self.say(who, command)
