@@ -194,3 +194,46 @@ def test_no_robot_is_no_configuration(folder: Path) -> None:
     with pytest.raises(ConfigurationError, match="There is no robot"):
         found(folder / "rosic.toml", Founding(name="lab"), SystemClock())
     assert left(folder) == []
+
+
+def test_a_profile_of_ones_own_is_taken_from_where_it_lies(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "rover.yaml").write_text(DRAFT)
+    status, _, err = said(capsys, "--yes", "--robot", "./rover.yaml", "omni")
+
+    assert (status, err) == (0, "")
+    assert left(folder) == ["rosic.toml", "rover.yaml"]
+    config = load_config(folder / "rosic.toml")
+    assert [(robot.id, robot.link.kind) for robot in config.robots] == [
+        ("omni", "simulated"), ("rover", "memory")
+    ]  # fmt: skip
+    assert 'profile = "./rover.yaml"' in (folder / "rosic.toml").read_text()
+
+
+def test_a_profile_elsewhere_is_named_by_its_whole_path(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "here").mkdir()
+    (folder / "rover.yaml").write_text(DRAFT)
+    status, _, err = said(capsys, "--yes", "--robot", "rover.yaml", "-c", "here/rosic.toml")
+
+    assert (status, err) == (0, "")
+    assert [robot.id for robot in load_config(folder / "here" / "rosic.toml").robots] == ["rover"]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [(None, "There is no such file."), ("id: rover\nskils: {}\n", "rover.yaml:2")],
+)
+def test_a_profile_that_is_none_writes_nothing(
+    folder: Path, capsys: pytest.CaptureFixture[str], text: str | None, sentence: str
+) -> None:
+    if text is not None:
+        (folder / "rover.yaml").write_text(text)
+    before = left(folder)
+    status, _, err = said(capsys, "--yes", "--robot", "./rover.yaml")
+
+    assert status == 2
+    assert sentence in err
+    assert left(folder) == before

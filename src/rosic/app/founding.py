@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.checking import check_all
-from rosic.app.documents.profiles import check_profile, shipped_profiles
+from rosic.app.documents.profiles import SUFFIXES, check_profile, shipped_profiles
 from rosic.app.documents.source import nearest
 from rosic.core.identity import Address
 from rosic.errors import ConfigurationError, OutOfBounds
@@ -39,6 +39,8 @@ class Founding(msgspec.Struct, frozen=True, kw_only=True):
         token_file: Instead: a file that holds it, as the configuration is to name it.
         robots: Names of profiles that ship.
         link: How those are reached; empty: as their profiles say.
+        files: Profiles of one's own, by absolute path.
+        files_link: How those are reached; empty: as they say.
         drafts: Profiles that were drafted from the ROS 2 graph, by id.
         admin: None lets the first start print a code.
     """
@@ -50,6 +52,8 @@ class Founding(msgspec.Struct, frozen=True, kw_only=True):
     token_file: str = ""
     robots: tuple[str, ...] = ()
     link: str = SIMULATED
+    files: tuple[str, ...] = ()
+    files_link: str = ""
     drafts: dict[str, str] = {}
     admin: Address | None = None
 
@@ -85,16 +89,26 @@ def check_absent(path: Path) -> None:
         )
 
 
+def is_file(robot: str) -> bool:
+    """Whether a profile is named as a file of one's own, and not as one that ships."""
+    return robot.endswith(SUFFIXES) or "/" in robot
+
+
 def check_robots(names: tuple[str, ...]) -> None:
-    """See that profiles of these names ship.
+    """See that these are profiles that ship, or files that are good profiles.
 
     Raises:
         ConfigurationError: The first that is none.
     """
     shipped = shipped_profiles()
     for name in names:
-        if name not in shipped:
-            raise ConfigurationError(f"No profile is called {name!r}.", hint=nearest(name, shipped))
+        if is_file(name):
+            errors = check_profile(Path(name).expanduser())
+            if errors:
+                raise errors[0]
+        elif name not in shipped:
+            hint = f"{nearest(name, shipped)} A file of your own is named ./{name}.yaml."
+            raise ConfigurationError(f"No profile is called {name!r}.", hint=hint)
 
 
 def check_zone(name: str) -> None:
@@ -157,7 +171,7 @@ def found(path: Path, answers: Founding, clock: Clock) -> Founded:
     """
     check_absent(path)
     check_zone(answers.zone)
-    if not answers.robots and not answers.drafts:
+    if not (answers.robots or answers.files or answers.drafts):
         raise ConfigurationError("There is no robot, so there would be nothing to talk to.")
     made: list[Path] = []
     try:
@@ -176,10 +190,16 @@ def _files(path: Path, answers: Founding) -> dict[str, str]:
     if answers.token:
         files[TOKEN_FILE] = f"{answers.token}\n"
     # The configuration comes last: while it is not there, nothing else means anything.
-    return {**files, path.name: "\n".join(_lines(answers))}
+    return {**files, path.name: "\n".join(_lines(path, answers))}
 
 
-def _lines(answers: Founding) -> Iterator[str]:
+def _beside(file: str, path: Path) -> str:
+    """Return how a configuration names a file: from its own folder, where the file lies in it."""
+    folder = path.parent.absolute()
+    return f"./{Path(file).relative_to(folder)}" if Path(file).is_relative_to(folder) else file
+
+
+def _lines(path: Path, answers: Founding) -> Iterator[str]:
     yield "# Written by rosic init. What each line means: docs/configuration.md"
     yield "# People and roles are seeded from here once; from then on the record has the say."
     yield from _table("[gateway]", {"name": answers.name, "zone": answers.zone})
@@ -187,6 +207,9 @@ def _lines(answers: Founding) -> Iterator[str]:
     for name in answers.robots:
         link = {"link": answers.link} if answers.link else {}
         yield from _table("[[robot]]", {"profile": name, **link})
+    for file in answers.files:
+        link = {"link": answers.files_link} if answers.files_link else {}
+        yield from _table("[[robot]]", {"profile": _beside(file, path), **link})
     for name in answers.drafts:
         yield from _table("[[robot]]", {"profile": f"{ROBOTS}/{name}.yaml"})
     if answers.admin is not None:

@@ -20,13 +20,13 @@ LOOKS = Seeding.IMAGINED
 CHANGES = Seeding.WRITTEN
 
 
-def people(options: argparse.Namespace) -> tuple[str, ...]:
-    """Return a line for everybody.
+def people(options: argparse.Namespace, *, json: bool) -> tuple[str, ...]:
+    """Return a line for everybody; or one list, for programs.
 
     Raises:
         ConfigurationError: The data or the configuration cannot be used.
     """
-    return asyncio.run(_alone(options).people())
+    return asyncio.run(_alone(options).people(json=json))
 
 
 def do(

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from rosic.app.desk.control import NotRunning
 from rosic.cli.asking import answers, data_of
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Sequence
 
     from rosic.app.desk.asked import Ask
 
@@ -39,6 +42,14 @@ def changed(options: argparse.Namespace, ask: Ask, *, robots: bool = False) -> t
         RosicError: Why not; nothing was changed.
     """
     return _answered(options, ask, changes=True, robots=robots)
+
+
+def printed(answers: Sequence[str], *, json: bool) -> str:
+    """Return answers as they are shown: lines, or one list of what each of them lists."""
+    if not json:
+        return "\n".join(answers)
+    raw = [one for text in answers for one in msgspec.json.decode(text, type=list[msgspec.Raw])]
+    return msgspec.json.encode(raw).decode()
 
 
 def _answered(

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.app.config import Config, load_config
-from rosic.app.doctor import Verdict, examine
+from rosic.app.doctor import Finding, Verdict, examine
+from rosic.cli.asking import CONFIG
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy
 
@@ -26,15 +28,23 @@ def run(arguments: Sequence[str]) -> int:
         ConfigurationError: The configuration is wrong.
     """
     parser = argparse.ArgumentParser(prog="rosic doctor", description=ABOUT)
-    parser.add_argument("-c", "--config", metavar="FILE", help="also look at what it names")
+    parser.add_argument(
+        "-c",
+        "--config",
+        metavar="FILE",
+        help=f"also look at what it names ({CONFIG}, if it is here)",
+    )
     parser.add_argument("--try", dest="tried", metavar="ROBOT", default="", help="it moves")
     options = parser.parse_args(arguments)
-    if options.tried and options.config is None:
+    found = options.config or (CONFIG if Path(CONFIG).exists() else None)
+    if options.tried and found is None:
         raise ConfigurationError(
-            "To try a robot, its configuration is needed.",
-            hint=f"For example: rosic doctor -c rosic.toml --try {options.tried}",
+            f"To try a robot, its configuration is needed, and there is no {CONFIG} here.",
+            hint=f"For example: rosic doctor -c lab/{CONFIG} --try {options.tried}",
         )
-    config = load_config(options.config) if options.config is not None else None
+    config = load_config(found) if found is not None else None
+    if config is not None and options.config is None:
+        print(f"{Finding(CONFIG, Verdict.GOOD, 'found here; what it names is looked at, too')}")
     return asyncio.run(_examine(config, options.tried))
 
 

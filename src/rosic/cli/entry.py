@@ -42,6 +42,7 @@ COMMANDS: dict[str, Command] = {
     "robot discover": Command("rosic.cli.robot_discover", "draft a profile from the ROS 2 graph"),
     "status": Command("rosic.cli.status", "how the robots of the running gateway are"),
     "stop": Command("rosic.cli.stop", "stop robots of the running gateway; all, if none is named"),
+    "resume": Command("rosic.cli.resume", "let stopped robots of the running gateway go on"),
     "people": Command("rosic.cli.people", "who is known, with which roles"),
     "invite": Command("rosic.cli.invite", "a code that lets one person in, once"),
     "lock": Command("rosic.cli.lock", "keep somebody out for now; what they move stops"),
@@ -64,6 +65,7 @@ COMMANDS: dict[str, Command] = {
     "doctor": Command("rosic.cli.doctor", "measure this machine; with --try, a robot"),
     "sim": Command("rosic.cli.sim", "the simulated robots as ROS 2 nodes"),
     "bench": Command("rosic.cli.bench", "measure how fast ROSIC is here"),
+    "completion": Command("rosic.cli.completion", "what makes a shell complete these commands"),
 }
 
 USAGE = """usage: rosic COMMAND ...

@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.explaining import says_no
 from rosic.cli.asking import add_where
 from rosic.cli.desk import looked_up
 
@@ -13,11 +14,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 ABOUT = """Say what would be decided if somebody wrote this line in a private chat now, with every
-rule that was asked. Nothing is done. Without a running gateway, nobody holds a robot."""
+rule that was asked; the exit status is 1 if the answer is no. Nothing is done. Without a running
+gateway, nobody holds a robot."""
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Ask the gateway, or read its data when none runs.
+    """Ask the gateway, or read its data when none runs. Return 1 if the answer is no.
 
     Raises:
         RosicError: Nobody of that name, or the line asks nothing of a robot.
@@ -28,5 +30,6 @@ def run(arguments: Sequence[str]) -> int:
     add_where(parser)
     options = parser.parse_args(arguments)
     ask = Ask(Verb.EXPLAIN, (options.person, " ".join(options.line)))
-    print("\n\n".join(looked_up(options, ask, robots=True)))
-    return 0
+    texts = looked_up(options, ask, robots=True)
+    print("\n\n".join(texts))
+    return 1 if any(map(says_no, texts)) else 0

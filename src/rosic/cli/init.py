@@ -17,6 +17,7 @@ from rosic.app.founding import (
     check_token,
     check_zone,
     found,
+    is_file,
     zone_here,
 )
 from rosic.cli.asking import CONFIG
@@ -69,7 +70,8 @@ def _parser() -> argparse.ArgumentParser:
     token.add_argument("--token-file", metavar="FILE", default="",
                        help="which holds the Telegram token")  # fmt: skip
     token.add_argument("--no-telegram", action="store_true", help="talk at this terminal")
-    add("--robot", nargs="+", action="extend", metavar="PROFILE", help="profiles that ship")
+    add("--robot", nargs="+", action="extend", metavar="PROFILE",
+        help="profiles that ship, or files: ./rover.yaml")  # fmt: skip
     add("--link", choices=LINKS, help="how those are reached (simulated)")
     add("--discover", action="store_true", help="look for robots on the ROS 2 graph")
     add("--admin", metavar="ID", help=f"a Telegram id, or {CODE}: the first start shows one")
@@ -84,14 +86,17 @@ def _answers(options: argparse.Namespace, ask: Questions) -> Founding:
     has_telegram = bool(token or options.token_env or options.token_file)
     drafts = _drafts(options, ask)
     robots = _robots(options, ask, drafts)
+    shipped = tuple(robot for robot in robots if not is_file(robot))
     return Founding(
         name=name,
         zone=zone,
         token=token,
         token_env=options.token_env,
         token_file=str(Path(options.token_file).absolute()) if options.token_file else "",
-        robots=robots,
-        link=_link(options, ask, robots),
+        robots=shipped,
+        link=_link(options, ask, shipped),
+        files=tuple(str(Path(robot).absolute()) for robot in robots if is_file(robot)),
+        files_link=options.link or "",
         drafts=drafts,
         admin=_admin(options, ask, has_telegram=has_telegram),
     )
@@ -131,7 +136,11 @@ def _wants_ros(ask: Questions) -> bool:
 
 def _robots(options: argparse.Namespace, ask: Questions, drafts: dict[str, str]) -> tuple[str, ...]:
     if options.robot:
-        robots = tuple(dict.fromkeys(options.robot))
+        robots = (
+            _named(" ".join(options.robot))
+            if len(options.robot) == 1
+            else tuple(dict.fromkeys(options.robot))
+        )
         check_robots(robots)
         return robots
     if drafts:

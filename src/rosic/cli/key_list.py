@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.asked import AS_JSON, NOTHING, Ask, Verb
 from rosic.cli.asking import add_where
-from rosic.cli.desk import looked_up
+from rosic.cli.desk import looked_up, printed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -23,8 +23,10 @@ def run(arguments: Sequence[str]) -> int:
     """
     parser = argparse.ArgumentParser(prog="rosic key list", description=ABOUT)
     parser.add_argument("name", metavar="NAME", nargs="?", help="one person's only")
+    parser.add_argument("--json", action="store_true", help="one list, for programs")
     add_where(parser)
     options = parser.parse_args(arguments)
     names = () if options.name is None else (options.name,)
-    print("\n".join(looked_up(options, Ask(Verb.KEYS, names))))
+    body = AS_JSON if options.json else NOTHING
+    print(printed(looked_up(options, Ask(Verb.KEYS, names, body)), json=options.json))
     return 0

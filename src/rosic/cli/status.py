@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.asked import AS_JSON, NOTHING, Ask, Verb
 from rosic.cli.asking import add_where, ask, data_of
 
 if TYPE_CHECKING:
@@ -18,6 +18,8 @@ def run(arguments: Sequence[str]) -> int:
         prog="rosic status", description="How the robots of the running gateway are."
     )
     parser.add_argument("robots", metavar="ROBOT", nargs="*")
+    parser.add_argument("--json", action="store_true", help="one list, for programs")
     add_where(parser)
     options = parser.parse_args(arguments)
-    return ask(data_of(options), Ask(Verb.STATUS, tuple(options.robots)))
+    body = AS_JSON if options.json else NOTHING
+    return ask(data_of(options), Ask(Verb.STATUS, tuple(options.robots), body))

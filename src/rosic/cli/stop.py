@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 ABOUT = """Stop robots of the running gateway, at once; all of them if none is named, or if a name
-is not known. They stay stopped until somebody who may resumes them in a chat."""
+is not known. They stay stopped until somebody who may resumes them in a chat, or: rosic resume."""
 
 
 def run(arguments: Sequence[str]) -> int:

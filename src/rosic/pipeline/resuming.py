@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 
 from rosic.core import words
 from rosic.core.authority import RESUME
-from rosic.core.identity import Caller, CommandId, robot_command_id
+from rosic.core.identity import (
+    OPERATOR,
+    Address,
+    Caller,
+    CommandId,
+    command_id,
+    robot_command_id,
+)
 from rosic.core.saying import joined, said
 from rosic.errors import (
     Expired,
@@ -32,6 +39,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.said import Said
 
 
+OPERATING = Caller(OPERATOR, OPERATOR, Address(OPERATOR, ""), "", "")
+"""Whoever runs this machine: they act under no key."""
 RESUME_LIFETIME_NS = 30_000_000_000
 SECOND_NS = 1_000_000_000
 
@@ -77,17 +86,48 @@ class Resuming:
             await self._container.resume(robot_cid, caller, robot, generation)
             # The right may have ended meanwhile.
             self._organiser.check_word(caller, robot, RESUME, asked.grounds())
-            shown = self._linker.profile(robot).shown
-            try:
-                ready = await self._linker.resume(robot, generation)
-            except Fault as fault:
-                raise RecordUnavailable(
-                    said("{shown} stays stopped: {fault}", shown=shown, fault=fault.sentence)
-                ) from fault
-            if not ready:
-                raise RobotStopped(
-                    said("{shown} was stopped again meanwhile. It stays stopped.", shown=shown)
-                )
+            await self._go_on(robot, generation)
+        return self._told(stopped)
+
+    async def by_operator(self, robots: Collection[RobotId], at_ns: int) -> str:
+        """Resume robots for the operator of this machine, who asks no organiser, and on the record.
+
+        Args:
+            robots: Those that are stopped; others are left as they are.
+            at_ns: Wall clock; the same stop may be asked about again, once it can be written.
+
+        Raises:
+            Refusal: What bars one, or it is not written: this one and those after it stay stopped.
+        """
+        stopped = [robot for robot in robots if self._board[robot].latched]
+        for robot in stopped:
+            self._check_not_barred(robot)
+        for robot in stopped:
+            generation = self._board[robot].generation
+            cid = command_id(OPERATOR, RESUME, robot, str(generation), str(at_ns))
+            await self._container.resume(cid, OPERATING, robot, generation)
+            await self._go_on(robot, generation)
+        return self._told(stopped)
+
+    async def _go_on(self, robot: RobotId, generation: int) -> None:
+        """Let a robot go on whose resume is on disk.
+
+        Raises:
+            RecordUnavailable, RobotStopped: It stays stopped.
+        """
+        shown = self._linker.profile(robot).shown
+        try:
+            ready = await self._linker.resume(robot, generation)
+        except Fault as fault:
+            raise RecordUnavailable(
+                said("{shown} stays stopped: {fault}", shown=shown, fault=fault.sentence)
+            ) from fault
+        if not ready:
+            raise RobotStopped(
+                said("{shown} was stopped again meanwhile. It stays stopped.", shown=shown)
+            )
+
+    def _told(self, stopped: Collection[RobotId]) -> str:
         if not stopped:
             return said("Nothing is stopped there.")
         text = words.resumed([self._linker.profile(robot).shown for robot in stopped])

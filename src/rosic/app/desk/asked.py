@@ -15,6 +15,7 @@ class Verb(enum.Enum):
 
     STATUS = "status"
     STOP = "stop"
+    RESUME = "resume"
     PEOPLE = "people"
     REVOKE = "revoke"
     INVITE = "invite"
@@ -37,6 +38,20 @@ class Verb(enum.Enum):
     ADD_ROBOT = "add-robot"
 
 
+class Form(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """How an answer is to be written.
+
+    Attributes:
+        json: For programs, with ids and times of UTC.
+    """
+
+    json: bool = False
+
+
+AS_JSON = msgspec.Raw(msgspec.json.encode(Form(json=True)))
+"""The body of a request whose answers are for programs."""
+
+
 class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """One request; one connection carries one.
 
@@ -48,3 +63,12 @@ class Ask(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults
     verb: Verb
     names: Annotated[tuple[str, ...], msgspec.Meta(max_length=256)] = ()
     body: msgspec.Raw = NOTHING
+
+    @property
+    def wants_json(self) -> bool:
+        """Whether the answers are for programs."""
+        try:
+            form = msgspec.json.decode(self.body, type=Form | None)
+        except msgspec.MsgspecError:
+            return False
+        return form is not None and form.json

@@ -227,7 +227,10 @@ class ControlServer:
     async def _follow(self, ask: Ask) -> AsyncIterator[str]:
         operating = self._operating
         if ask.verb is Verb.STATUS:
-            yield "\n".join(operating.status(ask.names))
+            if ask.wants_json:
+                yield operating.status_json(ask.names)
+            else:
+                yield "\n".join(operating.status(ask.names))
         elif ask.verb is Verb.STOP:
             async for text in operating.stop(ask.names):
                 yield text

@@ -41,6 +41,15 @@ NO_RULE = (
 )
 
 
+MAY_NOT = " may not."
+
+
+def says_no(text: str) -> bool:
+    """Whether an explanation of one robot comes to a no: its verdict stands above the rules."""
+    verdict = [line for line in text.splitlines() if not line.startswith(("ok  ", "no  "))]
+    return any(MAY_NOT in line for line in verdict)
+
+
 class Explaining:
     """Decides as if somebody had written a line in a private chat, and does nothing."""
 
@@ -58,17 +67,21 @@ class Explaining:
         texts: list[str] = []
         if hidden:
             texts.append(f"To {clean(person.name)} there is no such robot; they are told so.")
-        for robot, skill, shown, arguments in self._asked(said):
+        name = clean(person.name)
+        for robot, skill, shown, arguments in self._asked(said, person):
             decision = self._decide(person, robot, skill, arguments)
-            texts.append("\n".join((shown, _verdict(decision, clean(person.name)),
-                                    *explain(decision, self._wording()))))  # fmt: skip
+            verdict = _verdict(decision, name)
+            if isinstance(said, Do) and arguments is None:  # whatever the rules say
+                verdict = f"{name}{MAY_NOT} The robot's own bounds refuse it, for everybody."
+            texts.append("\n".join((shown, verdict, *explain(decision, self._wording()))))
         return tuple(texts)
 
     def _understood(self, person: Principal, line: str) -> tuple[Line, bool]:
         """Return what a line means to somebody, and whether they may not know of its robot."""
         books = self._books
-        if hears_stop(line, books.vocabulary.known) is not None:
-            return Halt(), False
+        stopped = hears_stop(line, books.vocabulary.known)
+        if stopped is not None:
+            return Halt(stopped), False
         visible = books.organiser.visible(person.id)
         said = self._one(line, visible)
         if not isinstance(said, Misunderstood):
@@ -86,7 +99,7 @@ class Explaining:
         return lines[0]
 
     def _asked(
-        self, line: Line
+        self, line: Line, person: Principal
     ) -> Iterator[tuple[RobotId, str, str, Mapping[str, Argument] | None]]:
         books = self._books
         if isinstance(line, Do):
@@ -102,9 +115,23 @@ class Explaining:
         word = words.get(type(line))
         if word is None:
             raise NotUnderstood(NO_RULE)
-        named = line.robots if isinstance(line, Resume | Status) else ()
-        for robot in named or tuple(books.profiles):
+        named = line.robots if isinstance(line, Resume | Status) else self._stopped(line)
+        visible = books.organiser.visible(person.id)
+        # Without a name it means what they see; who sees nothing is told so of every robot.
+        meant = named or tuple(r for r in books.profiles if r in visible) or tuple(books.profiles)
+        for robot in meant:
             yield robot, word, f"{books.shown(robot)}: {word}", None
+
+    def _stopped(self, line: Line) -> tuple[RobotId, ...]:
+        """Return the robots that a stop names; none if one is not known: that stops everything."""
+        found: dict[RobotId, None] = {}
+        for name in line.names if isinstance(line, Halt) else ():
+            robot = self._books.vocabulary.robot(name)
+            members = (robot.id,) if robot is not None else self._books.vocabulary.members(name)
+            if not members:
+                return ()
+            found.update(dict.fromkeys(members))
+        return tuple(found)
 
     def _decide(
         self,
@@ -127,7 +154,7 @@ class Explaining:
 
 def _verdict(decision: Decision, name: str) -> str:
     if not isinstance(decision, Allowed):
-        return f"{name} may not."
+        return f"{name}{MAY_NOT}"
     if decision.needs:
         return f"{name} may, once something has come first."
     return f"{name} may."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from rosic.core.language import clean
@@ -9,13 +10,15 @@ from rosic.errors import NotUnderstood
 from rosic.pipeline.people import words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from rosic.app.desk.books import Books
     from rosic.authoriser.directory import Directory
     from rosic.core.identity import Principal
 
 MOST_KNOWN = 20
+CONFIGURED = "configured"
+"""Of somebody whom the configuration names and the first start takes over."""
 
 
 def people_lines(books: Books) -> tuple[str, ...]:
@@ -26,6 +29,49 @@ def people_lines(books: Books) -> tuple[str, ...]:
         for a in books.access.enrolment.applicants.all()
     ]
     return (*(_person(books, person) for person in found), *waiting)
+
+
+def people_listed(books: Books) -> tuple[dict[str, object], ...]:
+    """Return everybody, and whoever waits to come in, for programs."""
+    found = sorted(books.authoriser.directory.people(), key=lambda p: (p.name.casefold(), p.id))
+    waiting: Iterator[dict[str, object]] = (
+        {"name": clean(a.name), "state": "waiting", "address": str(a.address),
+         "given": a.pending.given.words}
+        for a in books.access.enrolment.applicants.all()
+    )  # fmt: skip
+    return (*(_listed(books, person) for person in found), *waiting)
+
+
+def _listed(books: Books, person: Principal) -> dict[str, object]:
+    good = books.authoriser.directory.has_good_key(person.id)
+    key = books.access.keys.current(person.id) if good else None
+    now_ns = books.clock.wall_ns()
+    grants = [
+        {"roles": [held.role] if held.role else [], "scopes": held.scopes, "robots": held.robots,
+         "limits": [str(limit) for limit in held.limits], "until": utc(held.expires_ns)}
+        for held in books.authority.roster.grants_of(person.id)
+        if held.id and (held.expires_ns is None or held.expires_ns > now_ns)
+    ]  # fmt: skip
+    return {
+        "id": person.id,
+        "name": clean(person.name),
+        "state": "ended" if key is None else _lock_state(books, person),
+        "roles": person.roles,
+        "grants": grants,
+        "addresses": [str(address) for address in person.addresses],
+        "until": None if key is None else utc(books.access.keys.ends_ns(key)),
+    }
+
+
+def _lock_state(books: Books, person: Principal) -> str:
+    return "locked" if books.access.locks.locked(person.id) else "good"
+
+
+def utc(at_ns: int | None) -> str | None:
+    """Return a moment for programs: ISO 8601, of UTC, whole seconds; None for no end."""
+    if at_ns is None:
+        return None
+    return datetime.fromtimestamp(at_ns // 1_000_000_000, UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def _person(books: Books, person: Principal) -> str:

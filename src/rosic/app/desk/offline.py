@@ -6,8 +6,10 @@ import enum
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
+import msgspec
+
 from rosic.app.desk.books import Books, zone_or_universal
-from rosic.app.desk.naming import people_lines
+from rosic.app.desk.naming import CONFIGURED, people_lines, people_listed
 from rosic.app.desk.operator_desk import OperatorDesk
 from rosic.app.documents.profiles import known_units
 from rosic.app.placing.access import Access
@@ -26,6 +28,7 @@ from rosic.container.habits import Habits
 from rosic.core.language import Vocabulary, clean
 from rosic.core.rate import RateLimit
 from rosic.core.roles import DEFAULT_ROLES, Assurance, Rulebook
+from rosic.core.saying import plain
 from rosic.core.stopboard import StopBoard
 from rosic.organiser.organiser import Organiser
 from rosic.organiser.zones import UNIVERSAL
@@ -51,6 +54,8 @@ if TYPE_CHECKING:
     from rosic.core.record import Memory
     from rosic.core.robot import Profile, RobotId
     from rosic.pipeline.containers.parts import Holdings
+
+_encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 LOCAL = {"terminal": Assurance.LOCAL}
 
@@ -95,8 +100,11 @@ class Alone:
         async with self._opened(seeding) as books:
             return tuple(await OperatorDesk(books).do(ask))
 
-    async def people(self) -> tuple[str, ...]:
+    async def people(self, *, json: bool) -> tuple[str, ...]:
         """Return a line for everybody; those of the file who are not on the record are marked.
+
+        Args:
+            json: Return one list for programs instead.
 
         Raises:
             ConfigurationError: The data cannot be used.
@@ -104,12 +112,12 @@ class Alone:
         async with self._opened(Seeding.LEFT) as books:
             found = books.authoriser.directory.people()
             known = {person.name.casefold() for person in found}
-            new = [
-                f"{clean(person.name)}: not taken over yet; the first start does it"
-                for person in self._seeds
-                if person.name.casefold() not in known
-            ]
-            return (*people_lines(books), *new) or ("Nobody is known yet.",)
+            new = [clean(p.name) for p in self._seeds if p.name.casefold() not in known]
+            if json:
+                listed = (*people_listed(books), *({"name": n, "state": CONFIGURED} for n in new))
+                return (_encode(listed).decode(),)
+            later = (f"{name}: not taken over yet; the first start does it" for name in new)
+            return (*people_lines(books), *later) or ("Nobody is known yet.",)
 
     @property
     def _seeds(self) -> Sequence[Seed]:

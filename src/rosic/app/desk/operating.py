@@ -9,12 +9,15 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from rosic.app.desk.asked import Verb
 from rosic.app.desk.operator_desk import body_of
 from rosic.app.placing.enlisted import Wanted
 from rosic.core import words
 from rosic.core.identity import OPERATOR
 from rosic.core.order import Rest
+from rosic.core.saying import plain
 from rosic.errors import NotUnderstood
 
 if TYPE_CHECKING:
@@ -24,6 +27,11 @@ if TYPE_CHECKING:
     from rosic.app.desk.operator_desk import OperatorDesk
     from rosic.app.gateway import Gateway
     from rosic.core.robot import RobotId
+
+
+ALL = "--all"
+
+_encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 
 class Operating:
@@ -59,6 +67,32 @@ class Operating:
             stopped_by=by,
             waiting=rooms.linker.waiting(robot),
         )
+
+    def status_json(self, names: Sequence[str] = ()) -> str:
+        """Return one list, for programs: what `status` says, robot by robot.
+
+        Raises:
+            NotUnderstood: As `status`.
+        """
+        return _encode([self._state(robot) for robot in self._robots(names)]).decode()
+
+    def _state(self, robot: RobotId) -> dict[str, object]:
+        rooms = self._gateway.rooms
+        presence, stopped = rooms.linker.presence(robot), rooms.board[robot]
+        holder = rooms.organiser.holder(robot)
+        return {
+            "robot": robot,
+            "shown": rooms.profiles[robot].shown,
+            "online": presence.online,
+            "heard_s_ago": presence.age_s,
+            "at_rest": presence.at_rest,
+            "doing": presence.doing,
+            "stopped": stopped.latched,
+            "stopped_by": (stopped.by or None) if stopped.latched else None,
+            "holder": holder or None,
+            "waiting": rooms.linker.waiting(robot),
+            "values": presence.values,
+        }
 
     def _robots(self, names: Sequence[str]) -> tuple[RobotId, ...]:
         rooms = self._gateway.rooms
@@ -98,6 +132,24 @@ class Operating:
         if not await asyncio.shield(halting.latched):
             yield "This could not be written down: after a restart, look before you move anything."
 
+    async def resume(self, names: Sequence[str] = ()) -> str:
+        """Undo the stop of robots; without a name, of the one that is stopped.
+
+        Raises:
+            NotUnderstood: No such robot, or several are stopped and none was named.
+            Refusal: Why a robot stays stopped; those before it in the row go on.
+        """
+        rooms = self._gateway.rooms
+        named = self._robots([name for name in names if name != ALL])
+        stopped = [robot for robot in named if rooms.board[robot].latched]
+        if not names and len(stopped) > 1:
+            said = ", ".join(stopped)
+            raise NotUnderstood(
+                f"Several robots are stopped: {said}. Name those that may go on, or say {ALL}."
+            )
+        at_ns = self._gateway.access.time.wall_ns()
+        return await self._gateway.pipeline.resuming.by_operator(stopped, at_ns)
+
     async def do(self, ask: Ask) -> Iterable[str]:
         """Do what is asked about people and their rights, and return the answers.
 
@@ -107,6 +159,8 @@ class Operating:
         if ask.verb is Verb.ADD_ROBOT:
             wanted = body_of(ask, Wanted)
             return (await self._gateway.enlisting.add(wanted.draft, OPERATOR, wanted.role),)
+        if ask.verb is Verb.RESUME:
+            return (await self.resume(ask.names),)
         if self._desk is None:
             raise NotUnderstood("Nobody answers that here.")
         return await self._desk.do(ask)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.desk.naming import the_one
+from rosic.app.desk.naming import the_one, utc
 from rosic.authoriser import words_entry, words_keys
 from rosic.authoriser.codes import join_text, telegram_link
 from rosic.authoriser.invitation import CODE_TTL_S, Given, Wanted
@@ -140,14 +140,35 @@ class OperatingAccess:
             NotUnderstood: Nobody, or more than one, is called so.
         """
         ring = self._access.keys
-        found: Iterable[AuthorisationKey] = ring.all()
-        if names:
-            found = ring.of(the_one(self._directory, " ".join(names)).id)
         lines = [
             words_keys.key_line(self._books.name(key.principal), key.id, ring.state(key))
-            for key in found
+            for key in self._keys_of(names)
         ]
         return tuple(lines) or ("There is no key yet.",)
+
+    def keys_listed(self, names: Sequence[str]) -> tuple[dict[str, object], ...]:
+        """Return what `keys` says, for programs.
+
+        Raises:
+            NotUnderstood: As `keys`.
+        """
+        ring, now_ns = self._access.keys, self._books.clock.wall_ns()
+        found: list[dict[str, object]] = []
+        for key in self._keys_of(names):
+            ends_ns = ring.ends_ns(key)
+            over = ends_ns is not None and ends_ns <= now_ns
+            ended = "ended" if over else "good"
+            found.append({
+                "id": key.id, "person": key.principal, "name": self._books.name(key.principal),
+                "state": ended if key.revoked_ns is None else "taken back",
+                "until": utc(ends_ns), "taken_back": utc(key.revoked_ns),
+            })  # fmt: skip
+        return tuple(found)
+
+    def _keys_of(self, names: Sequence[str]) -> Iterable[AuthorisationKey]:
+        if names:
+            return self._access.keys.of(the_one(self._directory, " ".join(names)).id)
+        return self._access.keys.all()
 
     async def rotate(self, name: str, asked: RotateAsk) -> str:
         """Replace somebody's key by a new one.

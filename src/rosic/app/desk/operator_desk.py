@@ -11,7 +11,7 @@ import msgspec
 
 from rosic.app.desk.asked import Verb
 from rosic.app.desk.explaining import Explaining
-from rosic.app.desk.naming import people_lines
+from rosic.app.desk.naming import people_lines, people_listed
 from rosic.app.desk.operating_access import InviteAsk, OperatingAccess, RotateAsk
 from rosic.app.desk.operating_containers import LimitAsk, OperatingContainers
 from rosic.app.desk.planning import BookAsk, Planning, Window
@@ -90,13 +90,17 @@ class OperatorDesk:
 
         return doing
 
-    async def _people(self, _ask: Ask) -> Iterable[str]:
+    async def _people(self, ask: Ask) -> Iterable[str]:
+        if ask.wants_json:
+            return _lists(people_listed(self._books))
         return _together(people_lines(self._books) or ("Nobody is known yet.",))
 
     async def _invite(self, ask: Ask) -> Iterable[str]:
         return await self.access.invite(body_of(ask, InviteAsk))
 
     async def _keys(self, ask: Ask) -> Iterable[str]:
+        if ask.wants_json:
+            return _lists(self.access.keys_listed(ask.names))
         return _together(self.access.keys(ask.names))
 
     async def _rotate(self, ask: Ask) -> Iterable[str]:
@@ -136,6 +140,12 @@ def _together(lines: Sequence[str]) -> Iterator[str]:
     """Yield lines, many at a time: one answer has a longest size."""
     for at in range(0, len(lines), LINES_AT_ONCE):
         yield "\n".join(lines[at : at + LINES_AT_ONCE])
+
+
+def _lists(listed: Sequence[object]) -> Iterator[str]:
+    """Yield lists for programs, at least one."""
+    for at in range(0, max(1, len(listed)), LINES_AT_ONCE):
+        yield _encode(listed[at : at + LINES_AT_ONCE]).decode()
 
 
 def body_of(ask: Ask, kind: type[T]) -> T:

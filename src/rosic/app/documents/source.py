@@ -51,8 +51,12 @@ class Source:
         return ConfigurationError(sentence, where=self.where(place), hint=hint)
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, missing: str = "") -> str:
     """Read a small UTF-8 file.
+
+    Args:
+        path: Which.
+        missing: What helps where there is none.
 
     Raises:
         ConfigurationError: Missing, unreadable, not a file, too large, or not UTF-8.
@@ -62,7 +66,7 @@ def read_text(path: Path) -> str:
         with path.open("rb") as file:
             raw = file.read(SIZE_LIMIT_BYTES + 1)
     except FileNotFoundError:
-        raise ConfigurationError("There is no such file.", where=name) from None
+        raise ConfigurationError("There is no such file.", where=name, hint=missing) from None
     except IsADirectoryError:
         raise ConfigurationError("This is a folder, not a file.", where=name) from None
     except PermissionError:

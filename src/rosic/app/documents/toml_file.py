@@ -31,6 +31,9 @@ _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _BARE_VALUE = re.compile(r"[^,\]}#\n]+")
 
 
+NONE_YET = "rosic init writes one; -c names another. To try without: rosic demo"
+
+
 def read_toml(path: Path) -> Source:
     """Read one file.
 
@@ -39,7 +42,7 @@ def read_toml(path: Path) -> Source:
             the file's values is repeated, as one of them may be a secret.
     """
     name = str(path)
-    text = read_text(path).replace("\r\n", "\n")
+    text = read_text(path, NONE_YET).replace("\r\n", "\n")
     try:
         return Source(name, tomllib.loads(text), _Lines(text).found, LIST_HINT)
     except tomllib.TOMLDecodeError as fault:

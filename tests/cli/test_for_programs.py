@@ -1,0 +1,153 @@
+"""What programs and shells read: JSON, exit statuses, completion; and `rosic resume`."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.cli.entry import COMMANDS, main
+from tests.cli.offline import MEMORY, Place
+from tests.cli.running import gateway, rosic, write_config
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from tests.cli.running import Gateway
+
+LEVEL = '[[principal]]\nname = "Vi"\naddress = "terminal:4242"\nrole = "viewer"\n'
+
+
+@pytest.fixture(scope="module")
+def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_config(tmp_path_factory.mktemp("place"))
+
+
+@pytest.fixture(scope="module")
+def _running(config: Path) -> Iterator[Gateway]:
+    with gateway(config) as opened:
+        yield opened
+
+
+@pytest.fixture
+def place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Place:
+    return Place(tmp_path, capsys, MEMORY + LEVEL)
+
+
+@pytest.mark.usefixtures("_running")
+def test_resume_undoes_what_stop_did_and_asks_which_of_several(config: Path) -> None:
+    assert rosic("resume", "-c", config).out == "Nothing is stopped there.\n"
+    rosic("stop", "omni", "-c", config)
+    [omni, kuka] = json.loads(rosic("status", "--json", "omni", "kuka1", "-c", config).out)
+    assert (omni["stopped"], omni["stopped_by"], kuka["stopped"]) == (True, "operator", False)
+    ran = rosic("resume", "-c", config)
+    assert (ran.status, "omni is ready again." in ran.out) == (0, True)
+    [omni] = json.loads(rosic("status", "--json", "omni", "-c", config).out)
+    assert (omni["robot"], omni["online"], omni["stopped"]) == ("omni", True, False)
+
+    rosic("stop", "-c", config)
+    several = rosic("resume", "-c", config)
+    assert several.status == 1
+    assert "omni, kuka1" in several.err
+    assert rosic("resume", "kuka1", "-c", config).status == 0
+    assert json.loads(rosic("status", "--json", "omni", "-c", config).out)[0]["stopped"]
+    assert rosic("resume", "--all", "-c", config).status == 0
+    assert not json.loads(rosic("status", "--json", "omni", "-c", config).out)[0]["stopped"]
+    assert rosic("resume", "omin", "-c", config).status == 1
+    assert rosic("resume", "omni", "--all", "-c", config).status == 1
+
+
+def test_resume_without_a_gateway_says_so(place: Place) -> None:
+    assert "No gateway is running" in place.wrong("resume", "omni")
+
+
+@pytest.mark.usefixtures("_running")
+def test_people_and_keys_of_a_running_gateway_are_lists(config: Path) -> None:
+    people = json.loads(rosic("people", "--json", "-c", config).out)
+    assert {person["state"] for person in people} == {"good"}
+    keys = json.loads(rosic("key", "list", "--json", "-c", config).out)
+    assert {key["person"] for key in keys} == {person["id"] for person in people}
+
+
+def test_people_and_keys_are_lists_without_a_gateway_too(place: Place) -> None:
+    assert json.loads(place.good("people", "--json"))[0] == {"name": "Ada", "state": "configured"}
+    place.good("invite", "--role", "viewer", "--plain")
+    place.good("lock", "Vi")
+    people = {one["name"]: one for one in json.loads(place.good("people", "--json"))}
+    assert people["Vi"]["state"] == "locked"
+    assert people["Vi"]["roles"] == ["viewer"]
+    assert people["Vi"]["addresses"] == ["terminal:4242"]
+    [key] = json.loads(place.good("key list", "Vi", "--json"))
+    assert (key["person"], key["state"]) == (people["Vi"]["id"], "good")
+    place.good("key revoke", key["id"])
+    [key] = json.loads(place.good("key list", "Vi", "--json"))
+    assert (key["state"], key["taken_back"][-1]) == ("taken back", "Z")
+
+
+@pytest.mark.parametrize(
+    ("line", "status", "said"),
+    [
+        ("kuka1 grasp", 1, "Vi may not.\n"),
+        ("stop kuka1", 0, "Vi may.\n"),
+        ("status kuka1", 0, "Vi may.\n"),
+    ],
+)
+def test_explain_says_no_when_the_answer_is_no(
+    place: Place, line: str, status: int, said: str
+) -> None:
+    told = place.rosic("explain", "Vi", line)
+    assert (told.status, told.err) == (status, "")
+    assert said in told.out
+
+
+def test_explain_says_no_to_what_the_robot_refuses_whatever_the_rules_say(place: Place) -> None:
+    told = place.rosic("explain", "Ada", "kuka1 grasp 300 N")
+    assert told.status == 1
+    assert "40 N" in told.out
+    assert "Ada may not. The robot's own bounds refuse it, for everybody." in told.out
+    assert "Ada may.\n" not in told.out
+
+
+def test_a_missing_configuration_leads_to_rosic_init(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for command in ("run", "check", "status", "stop", "people"):
+        assert main([command]) in {1, 2}
+        assert "rosic init" in capsys.readouterr().err
+
+
+def test_doctor_finds_the_configuration_of_the_folder(tmp_path: Path) -> None:
+    write_config(tmp_path, MEMORY)
+    ran = rosic("doctor", cwd=tmp_path)
+    lines = [line.split()[0] for line in ran.out.splitlines()]
+    assert lines[0] == "rosic.toml"
+    assert "terminal" in lines
+
+
+def bash(script: Path, *words: str) -> list[str]:
+    """Return what bash offers for the last of these words."""
+    typed = " ".join(f"'{word}'" for word in words)
+    asked = f"source {script}; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; _rosic"
+    done = subprocess.run(  # noqa: S603 - our own script
+        ["/bin/bash", "-c", f'{asked}; printf "%s\\n" "${{COMPREPLY[@]}}"'],
+        capture_output=True, text=True, timeout=60, check=True,
+    )  # fmt: skip
+    return done.stdout.split()
+
+
+def test_a_shell_completes_commands_and_their_options(tmp_path: Path) -> None:
+    script = tmp_path / "completion.bash"
+    script.write_text(rosic("completion", "bash").out)
+    firsts = {name.split()[0] for name in COMMANDS}
+    assert set(bash(script, "rosic", "")) == firsts
+    assert bash(script, "rosic", "peo") == ["people"]
+    assert bash(script, "rosic", "key", "") == ["list", "rotate", "revoke"]
+    assert bash(script, "rosic", "people", "--j") == ["--json"]
+    assert bash(script, "rosic", "key", "list", "Ada", "--j") == ["--json"]
+    assert bash(script, "rosic", "robot", "check", "") == [], "names of files are the shell's own"
+    assert bash(script, "rosic", "completion", "b") == ["bash"]
+    assert "compinit" in rosic("completion", "zsh").out
