@@ -14,6 +14,7 @@ from rosic.errors import OrderVoid
 MOVE = Skill(id="move")
 LOOK = Skill(id="look", kind=SkillClass.OBSERVE)
 NOW_NS = 1_000
+WALL_NS = 5_000_000
 
 events = st.lists(
     st.one_of(
@@ -23,6 +24,7 @@ events = st.lists(
             st.integers(0, 4),  # fence
             st.integers(0, 4),  # stop generation when admitted
             st.sampled_from([NOW_NS - 1, NOW_NS, NOW_NS + 1]),  # deadline
+            st.sampled_from([WALL_NS - 1, WALL_NS, WALL_NS + 1]),  # the same on the wall clock
         ),
         st.tuples(st.just("stop"), st.integers(1, 4)),
         st.tuples(st.just("resume"), st.integers(1, 4)),
@@ -31,14 +33,21 @@ events = st.lists(
 )
 
 
-def order(n: int, fence: int, generation: int, deadline_ns: int, skill: Skill = MOVE) -> Order:
+def order(
+    n: int,
+    fence: int,
+    generation: int,
+    deadline_ns: int,
+    skill: Skill = MOVE,
+    expires_ns: int = WALL_NS,
+) -> Order:
     permit = Permit("p", "k", "r", skill.id, fence, False, generation, 1)
-    return Order(command_id(str(n)), "r", skill, {}, n, deadline_ns, permit)
+    return Order(command_id(str(n)), "r", skill, {}, n, deadline_ns, expires_ns, permit)
 
 
 def passes(gate: Gate, given_order: Order) -> bool:
     try:
-        gate.pass_order(given_order, NOW_NS)
+        gate.pass_order(given_order, NOW_NS, WALL_NS)
     except OrderVoid:
         return False
     return True
@@ -53,14 +62,15 @@ def test_no_history_lets_a_wrong_order_act(history: list[tuple[object, ...]]) ->
     for event in history:
         before = (gate.n, gate.fence, gate.generation)
         match event:
-            case ("order", int(n), int(fence), int(generation), int(deadline_ns)):
+            case ("order", int(n), int(fence), int(generation), int(deadline_ns), int(expires_ns)):
                 fences.append(fence)
-                if passes(gate, order(n, fence, generation, deadline_ns)):
+                if passes(gate, order(n, fence, generation, deadline_ns, MOVE, expires_ns)):
                     assert not latched, "I5: acted while stopped"
                     assert generation >= max(stops), "I5: acted though ordered before a stop"
                     assert fence == max(fences), "I4: acted under an old lease"
                     assert all(n > earlier for earlier in acted), "I3: acted out of order"
                     assert deadline_ns >= NOW_NS, "I2: acted too late"
+                    assert expires_ns >= WALL_NS, "I2: acted too late by the wall clock"
                     acted.append(n)
             case ("stop", int(generation)):
                 gate.apply_stop(Stop("r", generation))
@@ -93,7 +103,7 @@ def test_an_order_for_another_robot_is_void() -> None:
 def test_what_was_ordered_before_a_stop_does_not_go_on_after_the_resume() -> None:
     gate = Gate("r")
     before = order(1, 1, 0, NOW_NS)
-    gate.pass_order(before, NOW_NS)
+    gate.pass_order(before, NOW_NS, WALL_NS)
     assert gate.still_allows(before)
     gate.apply_stop(Stop("r", 1))
     assert not gate.still_allows(before)

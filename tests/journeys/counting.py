@@ -98,7 +98,7 @@ class CountingRobot:
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Act once: nothing suspends between the gate and the socket."""
-        self.gate.pass_order(order, self._clock.monotonic_ns())
+        self.gate.pass_order(order, self._clock.monotonic_ns(), self._clock.wall_ns())
         cid = order.cid.hex()
         answer = self._answers[cid] = asyncio.get_running_loop().create_future()
         permit = order.permit

@@ -100,7 +100,7 @@ GUARDS = (
     Fault(
         name="I16 a button survives a gap",
         file="authoriser/buttons.py",
-        guard="missed = bound.issued_wall_ns < inbound.listening_since_ns and not bound.still",
+        guard="missed = bound.issued.wall_ns < inbound.listening_since_ns and not bound.still",
         without="missed = False",
         caught_by=(
             f"{JOURNEYS}/test_buttons.py::test_a_button_from_before_a_gap_in_listening_is_dead",

@@ -66,8 +66,8 @@ FAULTS = (
     Fault(
         name="I2 expiry ignored at the robot",
         file="core/gate.py",
-        guard="if now_ns > order.deadline_ns or (together and misses_start(order, now_ns)):",
-        without="if together and misses_start(order, now_ns):",
+        guard="late = now_ns > order.deadline_ns or wall_ns > order.expires_ns",
+        without="late = False",
         caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
     ),
     Fault(
@@ -196,7 +196,7 @@ FAULTS = (
     Fault(
         name="I16 a button survives a gap",
         file="authoriser/buttons.py",
-        guard="missed = bound.issued_wall_ns < inbound.listening_since_ns and not bound.still",
+        guard="missed = bound.issued.wall_ns < inbound.listening_since_ns and not bound.still",
         without="missed = False",
         caught_by=(f"{BUTTONS}::test_a_button_is_dead_after_a_gap_in_listening",),
     ),

@@ -17,7 +17,7 @@ OF_DISPATCH = (
     Fault(
         name="I8 a robot that was taken from somebody is still theirs at dispatch",
         file="organiser/organiser.py",
-        guard="or not self._leases[order.robot].runs(fence)",
+        guard="or not self.leases[order.robot].runs(fence)",
         without="",
         caught_by=(f"{BETWEEN}::test_a_session_that_is_ended",),
     ),

@@ -8,7 +8,33 @@ ROBOTS = "tests/conformance/test_robots.py"
 AGREED = "tests/rooms/pipeline/test_agreed_acts.py"
 MAILBOX = "tests/rooms/test_mailbox.py"
 
+LATE = "tests/rooms/pipeline/test_suspended.py"
+
 OF_ORDERS = (
+    Fault(
+        name="I2 only the monotonic clock ends an order at the robot",
+        file="core/gate.py",
+        guard="late = now_ns > order.deadline_ns or wall_ns > order.expires_ns",
+        without="late = now_ns > order.deadline_ns",
+        caught_by=(
+            f"{GATE}::test_no_history_lets_a_wrong_order_act",
+            f"{LATE}::test_wherever_it_waits_nothing_moves_after_a_pause",
+        ),
+    ),
+    Fault(
+        name="I2 only the wall clock ends an order at the robot",
+        file="core/gate.py",
+        guard="late = now_ns > order.deadline_ns or wall_ns > order.expires_ns",
+        without="late = wall_ns > order.expires_ns",
+        caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
+    ),
+    Fault(
+        name="I2 an order that waited too long is dispatched",
+        file="linker/linker.py",
+        guard="if clock.monotonic_ns() > order.deadline_ns or clock.wall_ns() > order.expires_ns:",
+        without="if False:",
+        caught_by=(f"{LATE}::test_what_is_late_is_not_handed_to_the_robot",),
+    ),
     Fault(
         name="I3 a lower number that arrives later acts",
         file="core/gate.py",
@@ -19,7 +45,7 @@ OF_ORDERS = (
     Fault(
         name="what hears of a common start too late begins all the same",
         file="core/gate.py",
-        guard=" or (together and misses_start(order, now_ns))",
+        guard=" or (together and misses_start(order, now_ns, wall_ns))",
         without="",
         caught_by=("tests/rooms/robots/test_common_start.py",),
     ),

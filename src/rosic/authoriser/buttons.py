@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import msgspec
 
+from rosic.contracts.clock import Reading, passed_ns, reading
 from rosic.core.identity import PrincipalId
 from rosic.core.saying import said
 from rosic.errors import Expired, NotPermitted
@@ -42,8 +43,7 @@ class _Bound(msgspec.Struct, frozen=True):
     chat: str
     command: str
     act: bytes
-    issued_ns: int
-    issued_wall_ns: int
+    issued: Reading
     lifetime_ns: int
     still: bool
 
@@ -96,8 +96,8 @@ class Buttons:
         lifetime_ns = button.good_for_ns or max(lifetime_ns, lifetime_of(button))
         nonce = urlsafe_b64encode(self._entropy.token(NONCE_BYTES)).rstrip(b"=").decode()
         self._bound[nonce] = _Bound(
-            principal, chat, button.command, button.act, self._clock.monotonic_ns(),
-            self._clock.wall_ns(), lifetime_ns, still,
+            principal, chat, button.command, button.act, reading(self._clock), lifetime_ns,
+            still,
         )  # fmt: skip
         if len(self._bound) > self._at_most:
             self._bound.popitem(last=False)
@@ -120,8 +120,8 @@ class Buttons:
             self._count("button-other")
             raise NotPermitted(said("This question was asked of somebody else."))
         del self._bound[nonce]
-        age_ns = self._clock.monotonic_ns() - bound.issued_ns
-        missed = bound.issued_wall_ns < inbound.listening_since_ns and not bound.still
+        age_ns = passed_ns(self._clock, bound.issued)
+        missed = bound.issued.wall_ns < inbound.listening_since_ns and not bound.still
         if age_ns > bound.lifetime_ns or missed:
             self._count("button-late")
             raise Expired(

@@ -54,6 +54,9 @@ class HighWater:
         monotonic_ns, sleep: Those of the clock it is made from.
         behind: The machine's clock was set back, by more than two seconds, and is not accepted.
         when_behind: Called whenever that changes.
+        when_ahead: Called with the nanoseconds that the machine's clock was set forward by, when
+            more than two seconds: the machine may have been paused, and what was to end by the
+            monotonic clock is older than that says.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -61,6 +64,7 @@ class HighWater:
         self.sleep = clock.sleep
         self.behind = False
         self.when_behind: Callable[[bool], object] = bool
+        self.when_ahead: Callable[[int], object] = bool
         self._machine_ns = clock.wall_ns
         # By how much the highest time seen is ahead of the monotonic clock.
         self._ahead_ns = clock.wall_ns() - clock.monotonic_ns()
@@ -73,6 +77,8 @@ class HighWater:
         lost_ns = self._ahead_ns - ahead_ns
         if lost_ns <= 0:
             self._ahead_ns = ahead_ns
+            if lost_ns < -BEHIND_NS:
+                self.when_ahead(-lost_ns)
         if (lost_ns > BEHIND_NS) is not self.behind:
             self.behind = not self.behind
             self.when_behind(self.behind)

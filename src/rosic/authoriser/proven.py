@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
+from rosic.contracts.clock import Reading, passed_ns, reading
+
 if TYPE_CHECKING:
     from rosic.authoriser.highwater import HighWater
     from rosic.core.identity import PrincipalId
@@ -15,26 +17,26 @@ PROVEN_AT_MOST: Final = 20_000
 
 
 class Proven:
-    """Principal and chat to the last use; an idle hour ends it, on the monotonic clock."""
+    """Principal and chat to the last use; an idle hour ends it, by either clock."""
 
     def __init__(self, time: HighWater) -> None:
         self._time = time
-        self._used_ns: OrderedDict[tuple[PrincipalId, str, str], int] = OrderedDict()
+        self._used: OrderedDict[tuple[PrincipalId, str, str], Reading] = OrderedDict()
 
     def fresh(self, principal: PrincipalId, chat: Chat) -> bool:
         """Whether an hour without use has not passed."""
-        used_ns = self._used_ns.get((principal, chat.platform, chat.id))
-        return used_ns is not None and self._time.monotonic_ns() - used_ns < IDLE_NS
+        used = self._used.get((principal, chat.platform, chat.id))
+        return used is not None and passed_ns(self._time, used) < IDLE_NS
 
     def refresh(self, principal: PrincipalId, chat: Chat) -> None:
         """Begin the hour anew. Bounded: those used longest ago go first."""
         where = (principal, chat.platform, chat.id)
-        self._used_ns[where] = self._time.monotonic_ns()
-        self._used_ns.move_to_end(where)
-        if len(self._used_ns) > PROVEN_AT_MOST:
-            self._used_ns.popitem(last=False)
+        self._used[where] = reading(self._time)
+        self._used.move_to_end(where)
+        if len(self._used) > PROVEN_AT_MOST:
+            self._used.popitem(last=False)
 
     def end(self, principal: PrincipalId) -> None:
         """Forget somebody in every chat; looks at all of them, which is rare."""
-        for where in [where for where in self._used_ns if where[0] == principal]:
-            del self._used_ns[where]
+        for where in [where for where in self._used if where[0] == principal]:
+            del self._used[where]

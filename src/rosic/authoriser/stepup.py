@@ -17,6 +17,7 @@ from rosic.authoriser import totp
 from rosic.authoriser import words_keys as words
 from rosic.authoriser.phone import Phone, Proof, Setup
 from rosic.authoriser.proven import Proven
+from rosic.contracts.clock import Reading, passed_ns, reading
 from rosic.core.identity import OPERATOR
 from rosic.core.language.cleaning import fold_word
 from rosic.core.message import ChatKind
@@ -65,7 +66,7 @@ class StepUp:
         # Grows at once when a code is right, so that it is good once even before it is written.
         self._spent: dict[PrincipalId, int] = {}
         self._wrong: dict[PrincipalId, deque[int]] = {}
-        self._setups: OrderedDict[PrincipalId, tuple[bytes, int]] = OrderedDict()
+        self._setups: OrderedDict[PrincipalId, tuple[bytes, Reading]] = OrderedDict()
         self._proven = Proven(time)
 
     # ---- setting up ----
@@ -88,7 +89,7 @@ class StepUp:
         if principal in self._phones and not self.fresh(principal, chat):
             raise NotPermitted(words.PROVE_FIRST)
         secret = totp.new_secret(self._entropy)
-        self._setups[principal] = (secret, self._time.monotonic_ns())
+        self._setups[principal] = (secret, reading(self._time))
         self._setups.move_to_end(principal)
         if len(self._setups) > SETUPS_AT_MOST:
             self._setups.popitem(last=False)
@@ -105,7 +106,7 @@ class StepUp:
         if chat.kind is not ChatKind.PRIVATE:
             raise NotPermitted(words.PRIVATE_ONLY)
         begun = self._setups.get(principal)
-        if begun is None or self._time.monotonic_ns() - begun[1] > SETUP_NS:
+        if begun is None or passed_ns(self._time, begun[1]) > SETUP_NS:
             raise Expired(words.SET_UP_FIRST)
         step = self._checked(principal, begun[0], code)
         del self._setups[principal]
@@ -115,7 +116,7 @@ class StepUp:
     def is_setting_up(self, principal: PrincipalId) -> bool:
         """Whether six digits from somebody would finish a set-up."""
         begun = self._setups.get(principal)
-        return begun is not None and self._time.monotonic_ns() - begun[1] <= SETUP_NS
+        return begun is not None and passed_ns(self._time, begun[1]) <= SETUP_NS
 
     def reset(self, principal: PrincipalId, by: PrincipalId) -> tuple[Record, ...]:
         """Return what forgets somebody's phone: it was lost, or cannot be read.

@@ -268,7 +268,7 @@ class _Side:
         try:
             outcome = await self.robot.execute(order, lambda _report: None)
         except OrderVoid:
-            self.late = misses_start(order, self._clock.monotonic_ns())
+            self.late = misses_start(order, self._clock.monotonic_ns(), self._clock.wall_ns())
             return False
         return outcome.ending is Ending.DONE
 

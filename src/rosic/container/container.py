@@ -133,7 +133,8 @@ class Containers:
             orders.append(
                 Order(
                     request.cid, request.robot, request.skill, values.arguments, n,
-                    request.deadline_ns, permit, None, request.sequel, values.words,
+                    request.deadline_ns, request.expires_ns, permit, None, request.sequel,
+                    values.words,
                 )
             )  # fmt: skip
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))

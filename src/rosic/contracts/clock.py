@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 
 class Clock(Protocol):
@@ -28,3 +28,20 @@ class Clock(Protocol):
     async def sleep(self, seconds: float) -> None:
         """Wait; other tasks run meanwhile. Time in suspend may not count: look at the clock."""
         ...
+
+
+class Reading(NamedTuple):
+    """Both clocks at one moment."""
+
+    monotonic_ns: int
+    wall_ns: int
+
+
+def reading(clock: Clock) -> Reading:
+    """Return what both clocks show now."""
+    return Reading(clock.monotonic_ns(), clock.wall_ns())
+
+
+def passed_ns(clock: Clock, since: Reading) -> int:
+    """Return how much time has passed since then, by the clock that says more."""
+    return max(clock.monotonic_ns() - since.monotonic_ns, clock.wall_ns() - since.wall_ns)

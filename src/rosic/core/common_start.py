@@ -41,7 +41,13 @@ def begins_ns(order: Order, now_ns: int) -> int | None:
     return None if start_ns is None or (order.sequel and start_ns < now_ns) else start_ns
 
 
-def misses_start(order: Order, now_ns: int) -> bool:
-    """Tell whether the others have begun too long ago for an order to begin with them."""
+def misses_start(order: Order, now_ns: int, wall_ns: int) -> bool:
+    """Tell whether the others have begun too long ago for an order to begin with them.
+
+    By either clock: while a virtual machine was paused, the others went on.
+    """
     start_ns = begins_ns(order, now_ns)
-    return start_ns is not None and now_ns > start_ns + TOO_LATE_NS
+    if start_ns is None:
+        return False
+    ahead_ns = order.expires_ns - order.deadline_ns
+    return max(now_ns, wall_ns - ahead_ns) > start_ns + TOO_LATE_NS

@@ -44,12 +44,15 @@ class Gate:
         self.generation = generation
         self.latched = latched
 
-    def pass_order(self, order: Order, now_ns: int, *, together: bool = False) -> None:
+    def pass_order(
+        self, order: Order, now_ns: int, wall_ns: int, *, together: bool = False
+    ) -> None:
         """Let one order through, once, and remember its numbers.
 
         Args:
             order: Any order; one for another robot is void here.
             now_ns: Monotonic clock, the one ``order.deadline_ns`` was taken from.
+            wall_ns: Wall clock, the one ``order.expires_ns`` was taken from.
             together: Whether this robot keeps a common start; most ways to a robot have no place
                 for one, and what goes by them begins at once.
 
@@ -74,8 +77,9 @@ class Gate:
             raise OrderVoid(
                 said("{robot} has already acted on a later command.", robot=order.robot)
             )
-        if now_ns > order.deadline_ns or (together and misses_start(order, now_ns)):
-            raise OrderVoid(_too_late(order, now_ns))
+        late = now_ns > order.deadline_ns or wall_ns > order.expires_ns
+        if late or (together and misses_start(order, now_ns, wall_ns)):
+            raise too_late(order) if late else _misses_the_others(order)
         self.n = order.n
 
     def still_allows(self, order: Order) -> bool:
@@ -96,10 +100,15 @@ class Gate:
             self.latched = False
 
 
-def _too_late(order: Order, now_ns: int) -> str:
-    if now_ns > order.deadline_ns:
-        return said("This reached {robot} too late. Nothing was done.", robot=order.robot)
-    return said(
-        "This reached {robot} too late to begin with the others. Nothing was done.",
-        robot=order.robot,
+def _misses_the_others(order: Order) -> OrderVoid:
+    return OrderVoid(
+        said(
+            "This reached {robot} too late to begin with the others. Nothing was done.",
+            robot=order.robot,
+        )
     )
+
+
+def too_late(order: Order) -> OrderVoid:
+    """Return the refusal of an order that has expired."""
+    return OrderVoid(said("This reached {robot} too late. Nothing was done.", robot=order.robot))

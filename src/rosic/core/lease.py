@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
+    from rosic.core.robot import RobotId
 
 
 class Lease:
@@ -71,3 +72,12 @@ class Lease:
         """Give the robot back. Orders still under way keep their fence and become void."""
         self.holder = None
         self.active = 0
+
+
+class Leases(dict["RobotId", Lease]):
+    """Every robot's lease; read for every order, so that it is a plain table."""
+
+    def age(self, ns: int) -> None:
+        """Make what idles older: so much time has passed that the monotonic clock missed."""
+        for lease in self.values():
+            lease.idle_since_ns -= ns

@@ -39,6 +39,7 @@ class Request(msgspec.Struct, frozen=True, gc=False):
         sent_ns: Wall clock of the platform, never later than our receive time.
         age_ns: How old it was when we received it.
         deadline_ns: Monotonic clock after which no robot may act on it.
+        expires_ns: The same moment on the wall clock; whichever clock is later counts.
         sequel: An earlier line of the same message asked the same robot; wait for that one.
     """
 
@@ -50,6 +51,7 @@ class Request(msgspec.Struct, frozen=True, gc=False):
     sent_ns: int
     age_ns: int
     deadline_ns: int
+    expires_ns: int
     group: str = ""
     sequel: bool = False
 
@@ -84,6 +86,7 @@ class Order(msgspec.Struct, frozen=True):
     Attributes:
         n: The robot's order number; only grows.
         deadline_ns: Monotonic clock; not acted on later.
+        expires_ns: The same moment on the wall clock; not acted on later, by either.
         start_ns: Monotonic clock of a common start for several robots; None starts at once. Kept
             by robots whose way has a place for it, which do not begin much later either.
         words: How it reads: ``move, 0.50 m left``.
@@ -95,10 +98,19 @@ class Order(msgspec.Struct, frozen=True):
     arguments: dict[str, Argument]
     n: int
     deadline_ns: int
+    expires_ns: int
     permit: Permit
     start_ns: int | None = None
     sequel: bool = False
     words: str = ""
+
+    def is_late(self, now_ns: int, wall_ns: int) -> bool:
+        """Whether it has expired by the monotonic clock or by the wall clock (I2).
+
+        Neither alone would do: a virtual machine that is paused stops the one, and somebody who
+        sets the other back would make an old order good again.
+        """
+        return now_ns > self.deadline_ns or wall_ns > self.expires_ns
 
 
 class Stage(enum.Enum):

@@ -6,6 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING, Any
 
 from rosic.contracts.robot import deliver_of
+from rosic.core.gate import too_late
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.robot import Busy, Presence, Profile, RobotId
 from rosic.core.saying import said
@@ -106,10 +107,13 @@ class Linker:
 
         Raises:
             PolicyMoved: At once. Not relayed; admit it once more, its turn is kept.
-            OrderVoid, RobotOffline: Awaited. The robot has not moved.
+            OrderVoid: At once or awaited. The robot has not moved.
+            RobotOffline: Awaited. The robot has not moved.
             RobotUnreachable: Awaited. It may or may not have moved.
         """
-        permit = order.permit
+        permit, clock = order.permit, self._clock
+        if clock.monotonic_ns() > order.deadline_ns or clock.wall_ns() > order.expires_ns:
+            raise too_late(order)
         # Asked of every order: asking is also how a clock that was set back is noticed in time.
         if self.wall_ns() >= permit.until_ns or permit.epoch != self.epoch:
             raise PolicyMoved(said("The rights have changed meanwhile."))

@@ -161,8 +161,8 @@ class Mailbox:
     async def _expire(self) -> None:
         """Tell waiting orders that they have become too old, when it happens."""
         while self._waiting:
-            now_ns = self._clock.monotonic_ns()
-            late = [entry for entry in self._waiting if entry.order.deadline_ns < now_ns]
+            now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
+            late = [entry for entry in self._waiting if entry.order.is_late(now_ns, wall_ns)]
             for entry in late:
                 self._waiting.remove(entry)
                 shown = self._robot.profile.shown

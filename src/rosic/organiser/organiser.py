@@ -15,7 +15,7 @@ from msgspec.structs import replace as renewed
 from rosic.core.asking import Ask, Denied, Key, State
 from rosic.core.decision import decide
 from rosic.core.identity import Caller, PrincipalId
-from rosic.core.lease import Lease
+from rosic.core.lease import Lease, Leases
 from rosic.core.order import FOREVER_NS, Order, Permit, Request
 from rosic.core.robot import Slots
 from rosic.core.roles import Need
@@ -57,6 +57,7 @@ class Organiser:
         released: Hears of a robot that was taken from whoever had it.
         narrow: Keys that reach less than their principal's rights; kept by the authoriser.
         calendar: Whose time it is.
+        leases: Who has each robot.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
         rates: How much may be asked of and by whom.
     """
@@ -76,25 +77,23 @@ class Organiser:
         self.in_doubt = False
         self.locked_out: Callable[[PrincipalId], object] = _nothing
         self.released: Callable[[RobotId], object] = _nothing
-        self.lease_idle_s = lease_idle_s
+        self.lease_idle_s, self.wall_ns = lease_idle_s, clock.wall_ns
         self.name_of: NameOf = str
-        self.wall_ns = clock.wall_ns
         self.moment: Moment = lambda _who, _at_ns: said("some time ago")
         self.key_of: KeyOf = _nothing
         self.narrow: Collection[KeyId] = frozenset()
         self._slots: dict[RobotId, SlotRule] = {}
         self._stops, self._clock = stops, clock
-        self.rates = Rates(clock, limit)
-        self._idle_ns = int(lease_idle_s * 1e9)
+        self.rates, self._idle_ns = Rates(clock, limit), int(lease_idle_s * 1e9)
         self._warned: set[PrincipalId] = set()
-        self._leases: dict[RobotId, Lease] = {}
+        self.leases = Leases()
         for profile in profiles.values():
             self.enlist(profile)
         self._refusing = Refusing(self, profiles, stops)
 
     def remember_fences(self, fences: Mapping[RobotId, int]) -> None:
         """Start from the fences of the record (I13)."""
-        self._leases |= {r: Lease(fence) for r, fence in fences.items() if r in self._leases}
+        self.leases.update({r: Lease(fence) for r, fence in fences.items() if r in self.leases})
 
     def charge(self, caller: Caller) -> None:
         """Take one line's worth from a person's bucket, whatever the line says.
@@ -142,7 +141,7 @@ class Organiser:
         for request in requests:
             robot, skill = request.robot, request.skill
             right = rights.may(principal, robot, skill.id)
-            lease = self._leases[robot] if skill.actuates else None
+            lease = self.leases[robot] if skill.actuates else None
             plain = right is not None and right.plain
             until_ns = self._open(caller, robot, lease, now_ns) if plain else 0
             if not until_ns:
@@ -244,7 +243,7 @@ class Organiser:
 
     def _state(self, caller: Caller, robot: RobotId, grounds: Grounds) -> State:
         wall_ns, now_ns = self._clock.wall_ns(), self._clock.monotonic_ns()
-        lease = self._leases.get(robot)
+        lease = self.leases.get(robot)
         rule = self._slots.get(robot, "none")
         slot = None if rule == "none" else self.calendar.present(robot, wall_ns)
         free_ns: int | None = None
@@ -281,7 +280,7 @@ class Organiser:
             raise self._refusing.denial(decision)
         self._refusing.check_agreed_since(self.rights.policy, order.permit.epoch, decision)
         fence, until_ns = order.permit.fence, self._until_ns(decision)
-        if fence and (self.in_doubt or not self._leases[order.robot].runs(fence)):
+        if fence and (self.in_doubt or not self.leases[order.robot].runs(fence)):
             raise TimeInDoubt(CLOCK_SET_BACK) if self.in_doubt else self._refusing.over(order.robot)
         return renewed(order.permit, new_fence=False, epoch=self.rights.epoch, until_ns=until_ns)
 
@@ -318,13 +317,13 @@ class Organiser:
     def settle(self, permit: Permit) -> None:
         """One order has ended; when it was the last, the lease begins to idle."""
         if permit.fence:
-            self._leases[permit.robot].settle(permit.fence, self._clock.monotonic_ns())
+            self.leases[permit.robot].settle(permit.fence, self._clock.monotonic_ns())
 
     def abandon(self, permits: Sequence[Permit]) -> None:
         """Nothing became of these: a lease taken for them is given back."""
         for permit in permits:
             self.settle(permit)
-            lease = self._leases[permit.robot]
+            lease = self.leases[permit.robot]
             if permit.new_fence and permit.fence == lease.fence and not lease.active:
                 lease.release()
 
@@ -334,7 +333,8 @@ class Organiser:
 
     def holder(self, robot: RobotId) -> PrincipalId | None:
         """Return who has a robot now."""
-        return self._leases[robot].holder_at(self._clock.monotonic_ns(), self._idle_ns)
+        self.wall_ns()  # a clock that was set forward ends what idles
+        return self.leases[robot].holder_at(self._clock.monotonic_ns(), self._idle_ns)
 
     def whose(self, robot: RobotId) -> PrincipalId | None:
         """Return who has a robot now, or whose time with it is now."""
@@ -344,14 +344,14 @@ class Organiser:
 
     def free_in(self, robot: RobotId) -> tuple[bool, float]:
         """Return whether a robot that is taken is at work, and the seconds that it has to idle."""
-        lease, now_ns = self._leases[robot], self._clock.monotonic_ns()
+        lease, now_ns = self.leases[robot], self._clock.monotonic_ns()
         if lease.active:
             return True, self.lease_idle_s
         return False, (self._idle_ns - (now_ns - lease.idle_since_ns)) / 1e9
 
     def lease(self, robot: RobotId) -> Lease:
         """Return a robot's lease; only looked at."""
-        return self._leases[robot]
+        return self.leases[robot]
 
     def why_not_move(self, principal: PrincipalId, robot: RobotId) -> NotPermitted | None:
         """Return why somebody may not move a robot at all, whatever the time; None if they may."""
@@ -370,17 +370,17 @@ class Organiser:
 
     def release(self, robot: RobotId) -> None:
         """Take a robot from whoever has it; orders still under way become void."""
-        self._leases[robot].release()
+        self.leases[robot].release()
         self.released(robot)
 
     def yielded(self, robot: RobotId, principal: PrincipalId) -> None:
         """Let somebody have a robot that was given up for them, until they use it or it idles."""
         now_ns, idle_ns = self._clock.monotonic_ns(), self._idle_ns
-        self._leases[robot].keep(principal, now_ns + idle_ns, now_ns, idle_ns)
+        self.leases[robot].keep(principal, now_ns + idle_ns, now_ns, idle_ns)
 
     def held_by(self, principal: PrincipalId) -> tuple[RobotId, ...]:
         """Return every robot that somebody has now."""
-        return tuple(robot for robot in self._leases if self.holder(robot) == principal)
+        return tuple(robot for robot in self.leases if self.holder(robot) == principal)
 
     def release_all(self, principal: PrincipalId) -> tuple[RobotId, ...]:
         """Take every robot away from somebody; return which."""
@@ -391,7 +391,7 @@ class Organiser:
 
     def enlist(self, profile: Profile, fence: int = 0) -> None:
         """Know one more robot, from the highest fence it has seen (I13)."""
-        self._leases[profile.id] = Lease(fence)
+        self.leases[profile.id] = Lease(fence)
         if profile.slots is not Slots.NONE:
             self._slots[profile.id] = profile.slots.value
 

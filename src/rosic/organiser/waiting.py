@@ -11,6 +11,7 @@ from bisect import insort
 from typing import TYPE_CHECKING
 
 import msgspec
+from msgspec.structs import replace
 
 from rosic.core.identity import PrincipalId
 from rosic.core.record import Fact
@@ -212,6 +213,13 @@ class WaitingList:
     def withdraw(self, robot: RobotId) -> None:
         """Take an offer back, because the robot is not free after all; nobody loses a place."""
         self._offers.pop(robot, None)
+
+    def age(self, ns: int) -> None:
+        """Make every offer older: so much time has passed that the monotonic clock missed."""
+        self._offers = {
+            robot: replace(offer, expires_ns=offer.expires_ns - ns)
+            for robot, offer in self._offers.items()
+        }
 
     def lapsed(self) -> tuple[Waiting, ...]:
         """Return who let their turn pass; write ``no_more()`` of each, apply it, and tell them."""

@@ -172,7 +172,7 @@ class Agreements:
         elif isinstance(line, Do):
             for robot, skill in zip(line.robots, line.skills, strict=True):
                 asked = Request(
-                    b"", robot, skill, line.spoken, line.text, 0, 0, 0, line.group
+                    b"", robot, skill, line.spoken, line.text, 0, 0, 0, 0, line.group
                 )  # fmt: skip
                 values = self._rooms.container.complete(asked)
                 yield Part(robot, skill.id, values.arguments, values.words)

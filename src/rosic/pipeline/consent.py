@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import msgspec
 
+from rosic.contracts.clock import Reading, passed_ns, reading
 from rosic.core.asking import Ask, Code, Denied
 from rosic.core.decision import may_agree
 from rosic.core.identity import Caller, PrincipalId
@@ -56,7 +57,7 @@ class Request(msgspec.Struct):
     line: Do
     act: Act
     asks: tuple[Ask, ...]
-    until_ns: int
+    asked: Reading
     second: PrincipalId | None = None
 
 
@@ -129,8 +130,7 @@ class Consent:
                 needed=needed.sentence,
             )
         number = f"s{self._entropy.token(ID_BYTES).hex()}"
-        until_ns = self._clock.monotonic_ns() + int(ASKED_FOR_S * 1e9)
-        self._requests[number] = Request(caller, line, act, asks, until_ns)
+        self._requests[number] = Request(caller, line, act, asks, reading(self._clock))
         if len(self._requests) > ASKED_AT_MOST:
             self._requests.popitem(last=False)
         told = self._reach.tell(
@@ -277,7 +277,7 @@ class Consent:
 
     def _open(self, number: str) -> Request:
         request = self._requests.get(number)
-        if request is None or self._clock.monotonic_ns() > request.until_ns:
+        if request is None or passed_ns(self._clock, request.asked) > int(ASKED_FOR_S * 1e9):
             self._requests.pop(number, None)
             raise Expired(said("That question is settled already. Nothing was done."))
         return request

@@ -35,7 +35,8 @@ class Requesting:
         age_ns = received_ns - sent_ns
         if age_ns < 0:
             sent_ns, age_ns = received_ns, 0
-        waited_ns = self._clock.wall_ns() - received_ns
+        wall_ns = self._clock.wall_ns()
+        waited_ns = wall_ns - received_ns
         # Whichever clock says that it is older: the wall clock may have been set back meanwhile.
         asked_ns = (now_ns - waited_ns if waited_ns > now_ns - arrived_ns else arrived_ns) - age_ns
         requests: list[Request] = []
@@ -50,6 +51,7 @@ class Requesting:
                 sent_ns,
                 age_ns,
                 asked_ns + skill.order_lifetime_ns,
+                wall_ns + (asked_ns - now_ns) + skill.order_lifetime_ns,
                 line.group,
                 robot in said.asked,
             )

@@ -92,7 +92,7 @@ class MemoryRobot:
             raise RobotOffline(
                 said("{shown} is not there. Nothing was sent.", shown=self.profile.shown)
             )
-        self.gate.pass_order(order, self._clock.monotonic_ns())
+        self.gate.pass_order(order, self._clock.monotonic_ns(), self._clock.wall_ns())
         tell(SENT)
         self.acted.append(order.n)
         self._doing = order

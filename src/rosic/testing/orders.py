@@ -45,8 +45,7 @@ class OrderBook:
             late_s: How long ago it expired; 0 for one that is fresh.
         """
         number = next(self._n) if n is None else n
-        now_ns = self._clock.monotonic_ns()
-        deadline_ns = now_ns - int(late_s * 1e9) if late_s else now_ns + LIFETIME_NS
+        left_ns = -int(late_s * 1e9) if late_s else LIFETIME_NS
         permit = Permit(
             "p1", "k1", self._profile.id, skill, fence, False, stop_generation, 1
         )  # fmt: skip
@@ -56,6 +55,7 @@ class OrderBook:
             self._profile.skills[skill],
             dict(arguments or {}),
             number,
-            deadline_ns,
+            self._clock.monotonic_ns() + left_ns,
+            self._clock.wall_ns() + left_ns,
             permit,
         )

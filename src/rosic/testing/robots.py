@@ -11,6 +11,7 @@ from contextlib import aclosing
 from typing import TYPE_CHECKING, ClassVar
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.core.order import Ending, Outcome, Report, Stage, Stop
 from rosic.core.view import Sight
@@ -114,10 +115,15 @@ class RobotConformance:
         self, make_robot: MakeRobot, clock: Clock
     ) -> None:
         async with make_robot() as robot:
-            order = OrderBook(robot.profile, clock).order(
-                self.short, self.short_arguments, late_s=0.001
-            )
-            await self._is_void(robot, order)
+            order = OrderBook(robot.profile, clock).order(self.short, self.short_arguments)
+            await self._is_void(robot, replace(order, deadline_ns=clock.monotonic_ns() - 1_000_000))
+
+    async def test_an_order_that_is_too_late_by_the_wall_clock_does_nothing(
+        self, make_robot: MakeRobot, clock: Clock
+    ) -> None:
+        async with make_robot() as robot:
+            order = OrderBook(robot.profile, clock).order(self.short, self.short_arguments)
+            await self._is_void(robot, replace(order, expires_ns=clock.wall_ns() - 1_000_000))
 
     async def test_a_stop_ends_what_is_under_way(self, make_robot: MakeRobot, clock: Clock) -> None:
         async with make_robot() as robot:

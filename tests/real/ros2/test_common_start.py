@@ -64,8 +64,15 @@ class LetsAllBegin(Gate):
 
     __slots__ = ()
 
-    def pass_order(self, order: Order, now_ns: int, *, together: bool = False) -> None:  # noqa: ARG002
-        super().pass_order(order, now_ns)
+    def pass_order(
+        self,
+        order: Order,
+        now_ns: int,
+        wall_ns: int,
+        *,
+        together: bool = False,  # noqa: ARG002
+    ) -> None:
+        super().pass_order(order, now_ns, wall_ns)
 
 
 async def test_who_hears_of_a_common_start_too_late_does_not_begin(

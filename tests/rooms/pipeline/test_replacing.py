@@ -29,7 +29,7 @@ class Heavy(MemoryRobot):
     rested = 0
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:  # noqa: ARG002
-        self.gate.pass_order(order, self._clock.monotonic_ns())
+        self.gate.pass_order(order, self._clock.monotonic_ns(), self._clock.wall_ns())
         self.acted.append(order.n)
         self.overlaps += self.moving
         self.moving = True

@@ -30,7 +30,7 @@ class Talkative(MemoryRobot):
     """Works for ten seconds and has news all the time."""
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
-        self.gate.pass_order(order, self._clock.monotonic_ns())
+        self.gate.pass_order(order, self._clock.monotonic_ns(), self._clock.wall_ns())
         self.acted.append(order.n)
         for step in range(STEPS):
             tell(Report(Stage.RUNNING, None, f"step {step}"))

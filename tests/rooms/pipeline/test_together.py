@@ -49,8 +49,9 @@ class Linked(Worker):
         if self.declines:
             return Outcome(Ending.REFUSED, self.declines)
         await self._clock.sleep(self.opens_s)
-        if misses_start(order, self._clock.monotonic_ns()):
-            self.gate.pass_order(order, self._clock.monotonic_ns(), together=True)
+        now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
+        if misses_start(order, now_ns, wall_ns):
+            self.gate.pass_order(order, now_ns, wall_ns, together=True)
         try:
             return await super().execute(order, tell)
         except asyncio.CancelledError:

@@ -181,7 +181,7 @@ class Recorder(MemoryRobot):
         """Act once, unless it fails before."""
         if self.mode is Mode.OFFLINE:
             raise RobotOffline(f"{self.profile.shown} is not there. Nothing was sent.")
-        self.gate.pass_order(order, self._clock.monotonic_ns())
+        self.gate.pass_order(order, self._clock.monotonic_ns(), self._clock.wall_ns())
         tell(SENT)
         if self.mode is Mode.LOST_BEFORE:
             raise RobotUnreachable(f"{self.profile.shown} does not answer.")

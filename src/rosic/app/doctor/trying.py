@@ -160,18 +160,18 @@ class Trial:
             OPERATOR, "", self._profile.id, self._skill.id, gate.fence + 1, True,
             gate.generation, 0,
         )  # fmt: skip
+        now_ns, lives_ns = clock.wall_ns(), int(LIVES_S * 1e9)
         order = Order(
             self._entropy.token(COMMAND_ID_BYTES), self._profile.id, self._skill,
             slow_arguments(self._profile, self._skill), gate.n + 1,
-            clock.monotonic_ns() + int(LIVES_S * 1e9), permit,
+            clock.monotonic_ns() + lives_ns, now_ns + lives_ns, permit,
         )  # fmt: skip
-        now_ns = clock.wall_ns()
         await self._store.write(
             Claimed(
                 cid=order.cid, principal=OPERATOR, key="", robot=order.robot,
                 skill=self._skill.id, n=order.n, fence=permit.fence, new_fence=True,
                 stop_generation=permit.stop_generation, epoch=0, digest=b"",
-                accepted_ns=now_ns, expires_ns=now_ns + int(LIVES_S * 1e9),
+                accepted_ns=now_ns, expires_ns=order.expires_ns,
             )
         )  # fmt: skip
         return order

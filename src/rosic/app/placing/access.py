@@ -83,6 +83,7 @@ class Access:
         """Take over what earlier runs wrote, and say who keeps what from now on."""
         authority, changes = self._authority, self.changes
         self.time.when_behind = partial(self._set_back, organiser, board)
+        self.time.when_ahead = partial(self._paused, organiser)
         keepers = {
             "high-water": self.time.apply,
             "tally": self.tally.apply,
@@ -124,6 +125,10 @@ class Access:
             board.not_later(self.time.wall_ns())
         self._authority.moved()
         self._authority.when_changed()
+
+    def _paused(self, organiser: Organiser, ns: int) -> None:
+        organiser.leases.age(ns)
+        self.waiting.age(ns)
 
     def _booked(self, calendar: Calendar, fact: Fact) -> None:
         calendar.apply(fact)

@@ -207,10 +207,12 @@ class Running:
 
     def _request(self, rule: Rule, line: Do, cid: CommandId) -> Request:
         [skill] = line.skills
-        deadline_ns = self._clock.monotonic_ns() + skill.order_lifetime_ns
+        now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
+        lives_ns = skill.order_lifetime_ns
         return Request(
-            cid, rule.robot, skill, line.spoken, line.text, self._clock.wall_ns(), 0, deadline_ns
-        )
+            cid, rule.robot, skill, line.spoken, line.text, wall_ns, 0, now_ns + lives_ns,
+            wall_ns + lives_ns,
+        )  # fmt: skip
 
     async def _take_over(self, rule: Rule, caller: Caller, needed: TakeOver) -> None:
         shown = self._rooms.profiles[rule.robot].shown

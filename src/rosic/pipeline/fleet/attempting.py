@@ -159,10 +159,11 @@ class Attempting:
 
     def _request(self, doing: Begin, line: Do, said: Said, cid: CommandId) -> Request:
         [skill] = line.skills
-        deadline_ns = self._clock.monotonic_ns() + skill.order_lifetime_ns
+        now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
+        lives_ns = skill.order_lifetime_ns
         return Request(
-            cid, doing.robot, skill, line.spoken, said.lines[doing.step], self._clock.wall_ns(), 0,
-            deadline_ns,
+            cid, doing.robot, skill, line.spoken, said.lines[doing.step], wall_ns, 0,
+            now_ns + lives_ns, wall_ns + lives_ns,
         )  # fmt: skip
 
     def _where(self, task: Task, said: Said) -> tuple[Messenger, Chat]:

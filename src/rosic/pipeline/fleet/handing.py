@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from msgspec.structs import replace
 
+from rosic.contracts.clock import Reading, passed_ns, reading
 from rosic.core.fleet import events as e
 from rosic.core.message import ChatKind
 from rosic.core.record import Decided
@@ -34,11 +35,11 @@ OPEN_AT_MOST: Final = 100
 
 
 class Offer(NamedTuple):
-    """Somebody wants to hand over; monotonic clock."""
+    """Somebody wants to hand over."""
 
     giver: PrincipalId
     taker: PrincipalId
-    at_ns: int
+    made: Reading
 
 
 class HandoverClerk:
@@ -86,10 +87,11 @@ class HandoverClerk:
         if in_vain or (not tasks and not any(self._moves(taker, r) for r in robots)):
             raise NotPermitted(words.in_vain(people[0].name, [task.id for task in in_vain]))
         self._count += 1
-        now_ns = self._clock.monotonic_ns()
-        offers = {k: o for k, o in self._offers.items() if now_ns - o.at_ns < GOOD_FOR_NS}
+        offers = {
+            k: o for k, o in self._offers.items() if passed_ns(self._clock, o.made) < GOOD_FOR_NS
+        }
         self._offers = dict(list(offers.items())[-OPEN_AT_MOST:])
-        self._offers[str(self._count)] = Offer(giver, taker, now_ns)
+        self._offers[str(self._count)] = Offer(giver, taker, reading(self._clock))
         text = words.offered(asked.caller.name, len(tasks), len(robots))
         reached = self._reach.tell((taker,), text, words.choices(str(self._count)))
         if not reached:
@@ -98,7 +100,7 @@ class HandoverClerk:
 
     def _taken(self, asked: Asked, number: str) -> Offer:
         offer = self._offers.get(number)
-        late = offer is None or self._clock.monotonic_ns() - offer.at_ns > GOOD_FOR_NS
+        late = offer is None or passed_ns(self._clock, offer.made) > GOOD_FOR_NS
         if offer is None or late or offer.taker != asked.caller.principal:
             raise NotUnderstood(words.OVER)
         del self._offers[number]

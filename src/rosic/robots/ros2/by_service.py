@@ -115,6 +115,5 @@ async def ask(
 async def _call(
     errand: Errand, link: ServiceLink, values: Values, timeout_s: float, *, leave: bool
 ) -> RosObject:
-    if leave:
-        errand.leave()
-    return await link.call(values, timeout_s=timeout_s)
+    # A place among the calls under way may be waited for: the gate is asked after that.
+    return await link.call(values, timeout_s=timeout_s, leave=errand.leave if leave else None)

@@ -115,10 +115,10 @@ class Errand:
         try:
             await wait_until(ready, what, self._patient_s(together=together))
         except NotSent as fault:
-            now_ns = self.side.clock.monotonic_ns()
-            missed = together and misses_start(self.order, now_ns)
-            if missed or now_ns > self.order.deadline_ns:  # being late is why, not discovery
-                self.side.gate.pass_order(self.order, now_ns, together=together)
+            now_ns, wall_ns = self.side.clock.monotonic_ns(), self.side.clock.wall_ns()
+            missed = together and misses_start(self.order, now_ns, wall_ns)
+            if missed or self.order.is_late(now_ns, wall_ns):  # being late is why, not discovery
+                self.side.gate.pass_order(self.order, now_ns, wall_ns, together=together)
             raise self.offline() from fault
 
     def _patient_s(self, *, together: bool) -> float:
@@ -143,8 +143,10 @@ class Errand:
         Raises:
             OrderVoid: The gate declined.
         """
-        now_ns = self.side.clock.monotonic_ns()
-        self.side.gate.pass_order(self.order, now_ns, together=together)
+        clock = self.side.clock
+        self.side.gate.pass_order(
+            self.order, clock.monotonic_ns(), clock.wall_ns(), together=together
+        )
         self.left = True
         _log.debug("%s: order %d is sent", self.order.robot, self.order.n)
         self._tell(Report(Stage.SENT))

@@ -56,7 +56,13 @@ class ServiceLink:
         return self._runtime.alive and bool(self._handle.service_is_ready())
 
     async def call(
-        self, values: Values, *, timeout_s: float, found_within_s: float = 0.0, urgent: bool = False
+        self,
+        values: Values,
+        *,
+        timeout_s: float,
+        found_within_s: float = 0.0,
+        urgent: bool = False,
+        leave: Callable[[], object] | None = None,
     ) -> RosObject:
         """Call it and return the response, to be read with `reading.compile_path`.
 
@@ -66,6 +72,8 @@ class ServiceLink:
                 under way.
             found_within_s: How long to look for somebody who offers it.
             urgent: Pass by the calls that wait; for what stops a robot.
+            leave: Called immediately before it is sent, when everything that may take time is
+                over. What it raises is raised here, and nothing was sent.
 
         Raises:
             BadValue: A value does not fit; nothing was sent.
@@ -82,6 +90,8 @@ class ServiceLink:
         except TimeoutError:
             raise NotSent(f"Too many calls are under way; {self.name} was not called.") from None
         try:
+            if leave is not None:
+                leave()
             return await self._runtime.thread.ask(
                 lambda: self._handle.call_async(request), self.name, timeout_s=timeout_s
             )

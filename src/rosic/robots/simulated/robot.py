@@ -100,7 +100,8 @@ class SimulatedRobot:
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Carry out one order."""
         together = order.skill.topic is None  # a stream of velocities has no place for a start
-        self.gate.pass_order(order, self._clock.monotonic_ns(), together=together)
+        clock = self._clock
+        self.gate.pass_order(order, clock.monotonic_ns(), clock.wall_ns(), together=together)
         tell(Report(Stage.SENT))
         self._doing = order.skill.id
         self.begun += 1
