@@ -33,7 +33,7 @@ from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.container.words_container import SETTINGS_DAMAGED
-from rosic.contracts.messenger import settle_with
+from rosic.contracts.messenger import know_with, settle_with
 from rosic.core.language import Vocabulary, inert_text
 from rosic.core.message import Outbound
 from rosic.errors import ConfigurationError
@@ -207,6 +207,7 @@ class Gateway:
         self.enlisting = Enlisting(self, self._settings, parts, memory, ways)
         for messenger in self._messengers:
             settle_with(messenger, self.pipeline.arrears.settled)
+            know_with(messenger, self.rooms.authoriser.knows)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)

@@ -104,6 +104,10 @@ class Authoriser:
         caller = Caller(person.id, person.name, inbound.sender, key.id, self._session_key())
         return Session(caller, self.ends_of(key))
 
+    def knows(self, address: Address) -> bool:
+        """Whether somebody here has this account, be it that their access has ended; a look-up."""
+        return self.directory.at(address) is not None
+
     def stand_for(self, principal: PrincipalId) -> Caller:
         """Return somebody as whoever acts now by a rule of theirs, under their present key.
 

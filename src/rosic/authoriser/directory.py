@@ -36,12 +36,16 @@ class Directory:
         self._keys: dict[KeyId, AuthorisationKey] = {}
         self._current: dict[PrincipalId, AuthorisationKey] = {}
         self._at: dict[tuple[str, str], PrincipalId] = {}
+        self._named: dict[str, dict[PrincipalId, None]] = {}
 
     def enrol(self, person: Principal) -> None:
         """Add or replace a person."""
         before = self._people.get(person.id)
         for address in before.addresses if before else ():
             self._at.pop((address.platform, address.account), None)
+        if before is not None:
+            self._named[before.name.casefold()].pop(before.id)
+        self._named.setdefault(person.name.casefold(), {})[person.id] = None
         self._people[person.id] = person
         for address in person.addresses:
             self._at[address.platform, address.account] = person.id
@@ -80,8 +84,7 @@ class Directory:
 
     def named(self, name: str) -> tuple[Principal, ...]:
         """Return everybody who is shown under a name; for commands of the operator only."""
-        wanted = name.casefold()
-        return tuple(p for p in self._people.values() if p.name.casefold() == wanted)
+        return tuple(map(self._people.__getitem__, self._named.get(name.casefold(), ())))
 
     def name(self, principal: PrincipalId) -> str:
         """Return how a person is shown."""

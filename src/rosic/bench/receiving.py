@@ -99,9 +99,11 @@ class Handed(Line):
         del within_s
         return await act(_Anybody())
 
-    async def updates(self, offset: int | None, timeout_s: int, kinds: Sequence[str]) -> list[Any]:
+    async def updates(
+        self, offset: int | None, timeout_s: int, kinds: Sequence[str], limit: int
+    ) -> list[Any]:
         """Give out one update, or nothing in time: whoever is silent for long is not believed."""
-        del offset, kinds
+        del offset, kinds, limit
         if not timeout_s and self._next.empty():
             return []
         try:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import codecs
 import re
-import unicodedata
 from typing import Final, NamedTuple
 
-from rosic.core.language.cleaning import clean
+from rosic.core.language.cleaning import clean, normalised
 
 LONGEST_NAME: Final = 100
+LOOKED_AT: Final = 4 * LONGEST_NAME
 """In bytes; what is kept of an ending goes on top of nothing."""
 HEAD_BYTES: Final = 512
 LONGEST_ENDING: Final = 8
@@ -102,8 +102,8 @@ def file_name(said: str, sort: Sort) -> str:
 
     Total: whatever was said, the result is a plain name of at most 100 bytes.
     """
-    last = re.split(r"[\\/]", said)[-1]
-    plain = unicodedata.normalize("NFKC", clean(last).replace("\n", " "))
+    last = re.split(r"[\\/]", said[-LOOKED_AT:])[-1]
+    plain = normalised(clean(last).replace("\n", " "))
     plain = " ".join(_NOT_IN_NAMES.sub("_", plain).split()).strip(". -")
     stem, dot, ending = plain.rpartition(".")
     if not dot or ending.casefold() not in sort.endings:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from typing import Protocol, TypeAlias
 
+from rosic.core.identity import Address
 from rosic.core.menu import Menu
 from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Passing, Reaction, Weight
 from rosic.errors import MessengerFault
@@ -19,6 +20,7 @@ PutPicture: TypeAlias = Callable[[str, Outbound], Awaitable[None]]
 React: TypeAlias = Callable[[Chat, str, str], Awaitable[None]]
 Settle: TypeAlias = Callable[[float], Awaitable[bool]]
 """Waits at most so many seconds until everything received so far is on disk; whether it is."""
+Knows: TypeAlias = Callable[[Address], bool]
 SetMenus: TypeAlias = Callable[[Sequence[Menu]], Awaitable[None]]
 
 
@@ -144,6 +146,17 @@ def settle_with(messenger: Messenger, settle: Settle) -> bool:
         return False
     take(settle)
     return True
+
+
+def know_with(messenger: Messenger, known: Knows) -> None:
+    """Have a messenger that receives much at once read first what people known here sent.
+
+    Whom it asks about is a look-up. Nothing is lost or given up by it: what strangers sent comes
+    later, so that however much that is, nobody's stop waits behind it.
+    """
+    take: Callable[[Knows], None] | None = getattr(messenger, "know_with", None)
+    if take is not None:
+        take(known)
 
 
 def catching_up(messenger: Messenger) -> bool:

@@ -149,8 +149,10 @@ class Agreements:
         found = self._reader.lines(text, "", everybody)
         return text if len(found) == 1 and _is_for(found[0], name) else f"{name} {text}"
 
-    def name_in(self, refusal: Refusal, line: Do) -> None:
+    def name_in(self, refusal: Refusal, line: Line) -> None:
         """Let what is offered again name whom it was for, whatever is chosen by then."""
+        if not isinstance(line, Do) or not refusal.offers:
+            return
         named = self.named(line)
         refusal.offers = tuple(named if o == line.text else o for o in refusal.offers)
 

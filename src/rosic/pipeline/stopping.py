@@ -8,7 +8,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from rosic.core import words
-from rosic.core.message import Inbound, Outbound, Weight
+from rosic.core.message import Inbound, Outbound, Standing, Weight
 from rosic.core.order import Rest
 from rosic.core.record import Stopped
 from rosic.core.saying import in_language, joined, said
@@ -60,6 +60,14 @@ class StopLane:
         self._tasks: set[asyncio.Task[None]] = set()
         self._answering: Counter[tuple[str, str]] = Counter()
         self.outbox: Outbox | None = None
+
+    def hears(self, inbound: Inbound) -> bool:
+        """Whether a stop could be in a message at all: in a stranger's words none is looked for.
+
+        Nobody stops what they may not see. Whoever has no name (I17) is no stranger.
+        """
+        unnamed = inbound.standing is Standing.ANONYMOUS or inbound.standing is Standing.CHANNEL
+        return unnamed or self._authoriser.knows(inbound.sender)
 
     async def stop(self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...]) -> None:
         """Stop now; tell when rest was measured. On return every adapter has been told to stop.

@@ -123,7 +123,7 @@ class Pipeline:
         """
         arrived_ns = self._clock.monotonic_ns()
         heard = inbound.text if inbound.nonce is None else inbound.nonce
-        stop = self._reader.stop(heard)
+        stop = self._reader.stop(heard) if self._stop_lane.hears(inbound) else None
         if stop is not None:
             await self._stop_lane.stop(
                 messenger, inbound, stop or self._replied(messenger, inbound)
@@ -217,6 +217,8 @@ class Pipeline:
         if inbound.nonce is not None:
             self.agreements.check(lines, said.act)
         for number, line in enumerate(lines):
+            if number:
+                await asyncio.sleep(0)  # each line is a step: a stop does not wait for twenty
             cid = line_id(inbound, number)
             try:
                 if isinstance(line, Do):
@@ -226,8 +228,7 @@ class Pipeline:
             except FirstNeeded as needed:
                 self._ask_for(said, line, needed)
             except Refusal as refusal:
-                if isinstance(line, Do) and refusal.offers:
-                    self.agreements.name_in(refusal, line)
+                self.agreements.name_in(refusal, line)
                 await self._replies.refuse(said.messenger, inbound, caller, cid, refusal)
                 self.reception.refused(caller, refusal)
             except Exception:

@@ -4,6 +4,7 @@ from __future__ import annotations
 import pytest
 
 from rosic.core.language import Vocabulary, hears_stop
+from rosic.core.language.cleaning import normalised
 from rosic.core.language.stopping import is_stop_word
 
 EVERYTHING = """
@@ -42,7 +43,7 @@ LANGUAGES = {
     "Chinese": "停 停止 停下 停！ 停止！！",
     "Japanese": "止まれ とまれ ストップ 停止 ｽﾄｯﾌﾟ",
     "Korean": "멈춰 정지 멈추세요 멈춰!",
-    "Vietnamese": "dừng",
+    "Vietnamese": "dừng ngừng ngưng dung ngung Ngừng!",
     "Thai": "หยุด",
     "Indonesian": "berhenti",
     "Swahili": "simama",
@@ -155,6 +156,26 @@ def test_one_line_of_many_stops() -> None:
     assert hears_stop("stop omni\nstop") == ()
     assert hears_stop("hello\u2028stop") == ()
     assert hears_stop("\n" * 3000 + "stop") == ()
+
+
+def test_of_many_lines_the_first_and_the_last_are_looked_at() -> None:
+    many = "\n".join(f"line {n}" for n in range(400))
+    assert hears_stop(f"{many}\nstop") == ()
+    assert hears_stop(f"stop\n{many}") == ()
+    assert hears_stop("\n" * 3000 + "stop omni") == ("omni",)
+    assert hears_stop("no\n" * 1300 + "stop") == ()
+
+
+@pytest.mark.parametrize("said", ["stop", "停", "🛑"])
+def test_a_line_of_nothing_but_stops_is_one_at_any_length(said: str) -> None:
+    assert hears_stop(f"{said} " * 1000) == ()
+
+
+def test_a_sign_that_is_a_whole_sentence_hides_no_stop() -> None:
+    assert hears_stop("\ufdfa" * 300 + "\nstop") == ()
+    assert hears_stop("stop \ufdfa") == ()
+    assert len(normalised("\ufdfa\ufdfb" * 100)) == 200
+    assert max(len(normalised(chr(code))) for code in range(0xE000, 0x1F000)) <= 6
 
 
 def test_only_the_first_4096_characters_count() -> None:

@@ -14,6 +14,7 @@ import pytest
 from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from rosic.messengers.memory import MemoryMessenger
+from rosic.messengers.telegram import mapping, wire
 from rosic.messengers.telegram.listening import Moment
 from rosic.messengers.telegram.messenger import TelegramMessenger, telegram_messenger
 from rosic.testing.clock import settle
@@ -87,11 +88,14 @@ class Run:
 
     async def _feed(self, raw: dict[str, object]) -> None:
         clock = self._place.clock
-        now = Moment(clock.wall_ns(), clock.monotonic_ns())
-        for news in self._listener._news([raw], now):
-            if news.inbound is not None:
-                pipeline = self._place.gateway.pipeline
-                await pipeline.receive(self._place.chat, news.inbound)
+        listener, number = self._listener, wire.update_id(raw)
+        if number is None:  # it can be neither handed over nor confirmed
+            return
+        received = mapping.Received(clock.wall_ns(), listener._listening.stamp(clock.wall_ns()))
+        update = listener._parsed(raw)
+        news = listener._news(number, update, received, of_stranger=False)
+        if news.inbound is not None:
+            await self._place.gateway.pipeline.receive(self._place.chat, news.inbound)
         await self._quiet()
 
     async def _quiet(self) -> None:

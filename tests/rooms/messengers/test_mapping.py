@@ -174,13 +174,34 @@ def test_a_group_that_moves() -> None:
     ],
 )
 def test_what_is_malformed_says_so(raw: object) -> None:
-    assert wire.update_id(raw) == 1
-    with pytest.raises(msgspec.ValidationError):
-        wire.parse(raw)
+    for given in (raw, msgspec.Raw(msgspec.json.encode(raw))):
+        assert wire.update_id(given) == 1
+        with pytest.raises(msgspec.ValidationError):
+            wire.parse(given)
+
+
+@pytest.mark.parametrize(
+    ("said", "number", "text"),
+    [
+        (b' { "update_id" : 7, "message":{"message_id":1,"date":1,"chat":{"id":1},"text":"a"}}',
+         7, "a"),
+        (b'{"message":{"message_id":1,"date":1,"chat":{"id":1},"text":"b"},"update_id":8}', 8, "b"),
+        (b'{"message":{"message_id":1,"date":1,"chat":{"id":1},"text":"\\ud800stop"},"update_id":9}',
+         9, "\ud800stop"),
+    ],
+)  # fmt: skip
+def test_an_update_is_read_as_it_came_over_the_wire(said: bytes, number: int, text: str) -> None:
+    raw = msgspec.Raw(said)
+    assert wire.update_id(raw) == number
+    update = wire.parse(raw)
+    assert update.message is not None
+    assert update.message.text == text
 
 
 def test_what_is_new_to_us_is_passed_over() -> None:
     unknown = {"update_id": 1, "message_from_the_future": {"x": [1, 2]}}
     assert mapping.read(wire.parse(unknown), "x", RECEIVED) is None
     assert wire.update_id([]) is None
+    assert wire.update_id(msgspec.Raw(b"[1]")) is None
+    assert wire.update_id(msgspec.Raw(b'{"update_id":"1"}')) is None
     assert wire.update_id({"update_id": "1"}) is None

@@ -30,10 +30,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.office import Asked
 
 DIGEST_LETTERS: Final = 16
-_SAID: Final = re.compile(
-    rf"(?P<name>.+?)(?:\s+as\s+(?P<role>[^\s.]+))?(?:\s+(?P<digest>[0-9a-f]{{{DIGEST_LETTERS}}}))?\s*\Z",
-    re.IGNORECASE,
-)
+AS: Final = "as"
+_DIGEST: Final = re.compile(rf"[0-9a-f]{{{DIGEST_LETTERS}}}", re.IGNORECASE)
 
 
 class Newcomers:
@@ -108,10 +106,13 @@ class Newcomers:
 
 def _read(said: str) -> tuple[str, str, str]:
     """Return the file, the role and the digest that were said; empty where they were not."""
-    found = _SAID.match(said.strip())
-    if found is None:
-        return said, "", ""
-    return found["name"], found["role"] or "", (found["digest"] or "").casefold()
+    words_said, role, digest = said.split(), "", ""
+    if len(words_said) > 1 and _DIGEST.fullmatch(words_said[-1]):
+        digest = words_said.pop().casefold()
+    *name, last_but_one, last = ("", "", *words_said)
+    if any(name) and last_but_one.casefold() == AS and "." not in last:
+        words_said, role = words_said[:-2], last
+    return " ".join(words_said), role, digest
 
 
 def newcomers_of(gateway: Gateway) -> None:

@@ -11,6 +11,8 @@ import unicodedata
 
 LONGEST_NAME = 64
 LONGEST_QUOTE = 32
+# Of a longer name no more is looked at: most of it is cut off in the end.
+NAME_LOOKED_AT = 4 * LONGEST_NAME
 
 # Explicit embeddings, overrides and isolates: with them a person can be shown another order of
 # words than the one that is read here.
@@ -22,6 +24,15 @@ _COMMAND = re.compile(r"(?<![\w/])/(?=\w)|(?<=t\.me)/", re.IGNORECASE)
 _SIGNS = str.maketrans(
     {"\u2212": "-", "\u2013": "-", "\u2215": "/", "\u2044": "/", "\u066b": ".", "º": "°", "˚": "°"}
 )
+
+# NFKC writes each of these two as a whole sentence: 18 characters and 8. No other sign becomes more
+# than six, so what is sent at its longest stays a few thousand characters.
+_SENTENCES = str.maketrans({"\ufdfa": "\ufffd", "\ufdfb": "\ufffd"})
+
+
+def normalised(text: str) -> str:
+    """Return the text in NFKC, at most six times as long: a sign for a sentence is one sign."""
+    return text if text.isascii() else unicodedata.normalize("NFKC", text.translate(_SENTENCES))
 
 
 def is_plain(text: str) -> bool:
@@ -60,7 +71,7 @@ def clean_name(text: str) -> str:
 
     A name is its owner's to choose: whoever is called ``/unlock Eve`` gives others no command.
     """
-    return inert_text(" ".join(unicodedata.normalize("NFKC", clean(text)).split())[:LONGEST_NAME])
+    return inert_text(" ".join(normalised(clean(text[:NAME_LOOKED_AT])).split())[:LONGEST_NAME])
 
 
 def quote(text: str) -> str:
@@ -85,5 +96,5 @@ def fold_word(word: str) -> str:
         return word
     if any(character.isnumeric() and not character.isdecimal() for character in word):
         return word
-    word = unicodedata.normalize("NFKC", word.translate(_SIGNS)).translate(_SIGNS)
+    word = normalised(word.translate(_SIGNS)).translate(_SIGNS)
     return "".join([str(unicodedata.decimal(c)) if c.isdecimal() else c for c in word])

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from math import isfinite
 from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.language.cleaning import clean_name, quote
+from rosic.core.language.cleaning import clean_name, normalised, quote
 from rosic.core.language.numerals import read_numeral
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.units import NONE, Unit, UnitTable
@@ -111,7 +110,7 @@ class CompiledRobot(msgspec.Struct, frozen=True, kw_only=True):
 
 def fold(text: str) -> str:
     """Return a name as the grammar compares it: NFKC, small letters, single spaces."""
-    return " ".join(unicodedata.normalize("NFKC", text).casefold().split())
+    return " ".join(normalised(text).casefold().split())
 
 
 def longest_by_first_word(phrases: Iterator[str] | dict[str, CompiledSkill]) -> dict[str, int]:

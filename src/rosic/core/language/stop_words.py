@@ -7,6 +7,8 @@ import unicodedata
 from itertools import product
 from string import ascii_lowercase, digits
 
+from rosic.core.language.cleaning import normalised
+
 # As the first word of a line, any of these stops, whatever follows.
 _STRONG = """
     stop halt freeze abort
@@ -30,7 +32,9 @@ _STRONG = """
     止まれ とまれ 止めて 止めろ 止まって ストップ 停止して
     停止してください 止まってください 止めてください
     멈춰 멈춰라 멈춰요 멈추세요 멈춰주세요 멈춰줘 멈춤 정지 정지해 정지해줘 스톱 스탑 중지
-    dừng หยุด berhenti hentikan simama tigil itigil
+    dừng ngừng ngưng หยุด berhenti hentikan simama tigil itigil hinto
+    sustok apstājies peatu ndal ndalo dayan застани запри тоқта зогс կանգնիր გაჩერდი
+    थांबा थांब ਰੁਕੋ રોકો થોભો ನಿಲ್ಲಿಸಿ ನಿಲ್ಲು നിർത്തുക നിർത്തൂ ရပ် ឈប់ ຢຸດ ቁም አቁም
     🛑 ✋ ⛔ ⏹ 🤚 🖐 🚫
 """
 
@@ -57,7 +61,7 @@ _EVERYTHING = """
 # What stands right before a stop and makes another word of it, or its opposite.
 _UNSAID = """
     bus train tram truck full pit non last next first whistle door not never t dont doesnt didnt
-    cant cannot wont nicht nie niemals pas ne jamais nunca não mai niet не 不 不要 别 別
+    cant cannot wont nicht nie niemals pas ne jamais nunca não mai niet không đừng не 不 不要 别 別
 """
 
 MISSPELT_OF = ("stop", "halt")
@@ -68,7 +72,7 @@ _RUN = re.compile(r"(.)\1+", re.DOTALL)
 
 def fold_stop(text: str) -> str:
     """Return a text as stop words are compared: small letters, no accents, no variants of signs."""
-    decomposed = unicodedata.normalize("NFKD", unicodedata.normalize("NFKC", text).casefold())
+    decomposed = unicodedata.normalize("NFKD", normalised(text).casefold())
     return _UNSEEN.sub("", "".join([c for c in decomposed if not unicodedata.combining(c)]))
 
 

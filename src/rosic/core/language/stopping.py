@@ -12,7 +12,7 @@ import unicodedata
 from string import punctuation
 from typing import TYPE_CHECKING
 
-from rosic.core.language.cleaning import is_plain
+from rosic.core.language.cleaning import is_plain, normalised
 from rosic.core.language.stop_words import (
     ALONG,
     EVERYTHING,
@@ -32,9 +32,13 @@ if TYPE_CHECKING:
 
 # So much of a text is looked at, whatever its length.
 LOOKED_AT = 4096
-# A longer line talks about something, unless it begins with a stop or consists of nothing else.
+# Of more lines these are: a person who stops begins or ends with it.
+FIRST_LINES, LAST_LINES = 96, 32
+# A longer line talks about something, unless it begins with a stop or consists of nothing else, as
+# far as it is looked at.
 LONGEST_LINE = 64
 LONGEST_SHOUT = 256
+KINDS_KEPT = 4096
 
 _BLANKED = str.maketrans({mark: " " for mark in punctuation if mark not in "_@"})
 _MENTION = re.compile(r"@(\w*)\S*")
@@ -55,7 +59,7 @@ def hears_stop(text: str, known: Container[str] = ()) -> tuple[str, ...] | None:
     """Return whom a text stops, or None if it is no stop.
 
     One line that is a stop makes the whole text one. Takes time linear in the first 4,096
-    characters and none for the rest.
+    characters, of 256 in a line and of 128 lines, and none for the rest.
 
     Args:
         text: Raw, as received; any ``str``.
@@ -68,11 +72,19 @@ def hears_stop(text: str, known: Container[str] = ()) -> tuple[str, ...] | None:
     head = text[:LOOKED_AT]
     if is_plain(head):
         return _heard_ascii(head.lower(), known)
-    heard = [_heard(line, known) for line in head.splitlines()]
+    heard = [_heard(line, known) for line in _lines(head)]
     stops = [names for names in heard if names is not None]
     if not stops:
         return None
     return () if () in stops else tuple(dict.fromkeys([name for names in stops for name in names]))
+
+
+def _lines(head: str) -> list[str]:
+    """Return the lines that are looked at, each once: empty ones and repetitions cost nothing."""
+    lines = [line for line in dict.fromkeys(head.splitlines()) if line and not line.isspace()]
+    if len(lines) <= FIRST_LINES + LAST_LINES:
+        return lines
+    return lines[:FIRST_LINES] + lines[-LAST_LINES:]
 
 
 def _heard_ascii(line: str, known: Container[str]) -> tuple[str, ...] | None:
@@ -90,7 +102,8 @@ def _heard_ascii(line: str, known: Container[str]) -> tuple[str, ...] | None:
 
 
 def _heard(line: str, known: Container[str]) -> tuple[str, ...] | None:
-    words = _words(line, known)
+    line = line.strip()
+    words = _words(_beginning(line), known)
     if not words:
         return None
     folded = [fold_stop(word) for word in words]
@@ -98,11 +111,19 @@ def _heard(line: str, known: Container[str]) -> tuple[str, ...] | None:
     if "".join(folded) in STRONG:  # s t o p
         return ()
     stops = [at for at, word in enumerate(folded) if word in STOPPING]
-    if len(line.strip()) > LONGEST_LINE and not _is_shout(line, folded):
+    if len(line) > LONGEST_LINE and not _is_shout(line, folded):
         return None
     if not stops:
         return _heard_misspelt(words, folded, known)
     return _heard_exact(words, folded, stops, known)
+
+
+def _beginning(line: str) -> str:
+    """Return what is looked at of a line: whole words, unless it is one."""
+    if len(line) <= LONGEST_SHOUT:
+        return line
+    end = line.rfind(" ", 0, LONGEST_SHOUT + 1)
+    return line[: end if end > 0 else LONGEST_SHOUT]
 
 
 def _words(line: str, known: Container[str]) -> list[str]:
@@ -111,9 +132,18 @@ def _words(line: str, known: Container[str]) -> list[str]:
         line = _MENTION.sub(lambda m: f" {m[1]}" if m[1].lower() in known else " ", line)
     if is_plain(line):
         return line.lower().translate(_BLANKED).split()
-    line = _SIGNS.sub(r" \1 ", unicodedata.normalize("NFKC", line).casefold())
-    kept = "".join([_kept(character) for character in line])
-    return _SEAM.sub(" ", kept).split()
+    line = _SIGNS.sub(r" \1 ", normalised(line).casefold())
+    return _SEAM.sub(" ", line.translate(_KEPT)).split()
+
+
+class _Kept(dict[int, str]):
+    """What each character is in a word: itself, nothing, or the end of the word."""
+
+    def __missing__(self, code: int) -> str:
+        if len(self) >= KINDS_KEPT:
+            self.clear()
+        self[code] = kept = _kept(chr(code))
+        return kept
 
 
 def _kept(character: str) -> str:
@@ -121,6 +151,9 @@ def _kept(character: str) -> str:
     if kind[0] in "LNM" or character == "_" or _SIGNS.match(character):
         return character
     return "" if kind in {"Cc", "Cf", "Cs", "Sk"} and not character.isspace() else " "
+
+
+_KEPT = _Kept()
 
 
 def _unstretched(word: str) -> str:

@@ -68,10 +68,17 @@ def inert(text: str) -> tuple[MessageEntity, ...] | None:
     spans = [span for span in spans if not _is_invitation(text[slice(*span)])]
     if len(spans) > MARKS_AT_MOST:
         spans = [(spans[0][0], spans[-1][1])]
-    return tuple(
-        MessageEntity(MessageEntity.CODE, units(text[:begin]), units(text[begin:end]))
-        for begin, end in spans
-    ) or None  # fmt: skip
+    return tuple(_marks(text, spans)) or None
+
+
+def _marks(text: str, spans: list[Span]) -> Iterator[MessageEntity]:
+    """Yield a mark for each span, counted from the one before: each sign is counted once."""
+    at = offset = 0
+    for begin, end in spans:
+        offset += units(text[at:begin])
+        length = units(text[begin:end])
+        yield MessageEntity(MessageEntity.CODE, offset, length)
+        at, offset = end, offset + length
 
 
 def _is_invitation(text: str) -> bool:

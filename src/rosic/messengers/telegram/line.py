@@ -9,11 +9,13 @@ from contextlib import aclosing
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+import msgspec
 from telegram import Bot
 from telegram.error import NetworkError, TelegramError
 from telegram.request import HTTPXRequest
 
 from rosic.errors import ConfigurationError, RosicError
+from rosic.messengers.telegram import wire
 from rosic.messengers.telegram.settings import API_BASE
 from rosic.messengers.telegram.trouble import DEFAULT_WAIT_S, TooFast, trouble
 from rosic.messengers.telegram.uploading import Spoilt, Upload
@@ -41,8 +43,6 @@ CALL_S = 20.0
 POLL_GRACE_S = 5.0
 """How much longer than asked for a poll may take before the connection counts as dead."""
 SIDE_BY_SIDE = 32
-BATCH = 100
-"""The most that Telegram gives at once (https://core.telegram.org/bots/api#getupdates)."""
 
 
 class _Request(HTTPXRequest):
@@ -105,6 +105,21 @@ class _Request(HTTPXRequest):
                 yield piece
 
 
+class _Polling(_Request):
+    """Leaves updates as they came: each is taken apart by itself, and one seen before never."""
+
+    @staticmethod
+    def parse_json_payload(payload: bytes) -> dict[str, Any]:
+        """Find where each update begins and ends."""
+        try:
+            answer = msgspec.json.decode(payload, type=wire.Answer)
+        except (msgspec.DecodeError, RecursionError):  # halves of characters, or no JSON
+            return _Request.parse_json_payload(payload)
+        if answer.result is not None:
+            return {"ok": answer.ok, "result": answer.result}
+        return _Request.parse_json_payload(payload)  # an error, which is short
+
+
 class ApiBot(Bot):
     """Gives updates as they are on the wire, so that one malformed update spoils no other."""
 
@@ -112,12 +127,12 @@ class ApiBot(Bot):
         return "Bot(***)"
 
     async def raw_updates(
-        self, offset: int | None, timeout_s: int, kinds: Sequence[str]
+        self, offset: int | None, timeout_s: int, kinds: Sequence[str], limit: int
     ) -> list[Any]:
         """Call getUpdates. An offset of None confirms nothing."""
         data = {
             "offset": offset,
-            "limit": BATCH,
+            "limit": limit,
             "timeout": timeout_s,
             "allowed_updates": list(kinds),
         }
@@ -199,14 +214,19 @@ class Line:
             found = trouble(error)
         raise found
 
-    async def updates(self, offset: int | None, timeout_s: int, kinds: Sequence[str]) -> list[Any]:
+    async def updates(
+        self, offset: int | None, timeout_s: int, kinds: Sequence[str], limit: int
+    ) -> list[Any]:
         """Return the updates that are not confirmed, waiting up to ``timeout_s`` for the first.
+
+        Each is as it came over the wire (``msgspec.Raw``), or taken apart already; `wire` reads
+        either.
 
         Raises:
             Trouble: Nothing was received. What the offset confirms may be confirmed.
         """
         return await self.ask(
-            lambda bot: bot.raw_updates(offset, timeout_s, kinds),
+            lambda bot: bot.raw_updates(offset, timeout_s, kinds, limit),
             within_s=CONNECT_S + timeout_s + 2 * POLL_GRACE_S,
         )
 
@@ -219,7 +239,7 @@ class Line:
         settings, bot = self._settings, None
         # What a library says about a proxy may hold its password, so nothing of it is chained.
         with contextlib.suppress(Exception):
-            self._requests = (self._request(1), self._request(SIDE_BY_SIDE))
+            self._requests = (self._request(_Polling, 1), self._request(_Request, SIDE_BY_SIDE))
             bot = ApiBot(
                 settings.token.reveal(),
                 base_url=settings.api_base,
@@ -234,9 +254,9 @@ class Line:
             )
         self._bot = bot
 
-    def _request(self, connections: int) -> _Request:
+    def _request(self, kind: type[_Request], connections: int) -> _Request:
         settings = self._settings
-        return _Request(
+        return kind(
             connection_pool_size=connections,
             connect_timeout=CONNECT_S,
             pool_timeout=CONNECT_S,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from asyncio import TaskGroup
 from collections import Counter
+from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import msgspec
@@ -14,16 +15,18 @@ from rosic.core.message import Chat, ChatKind, Passage, Passing
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import mapping, wire
-from rosic.messengers.telegram.line import BATCH, CALL_S
+from rosic.messengers.telegram.batch import BATCH, Pause, limit_after
+from rosic.messengers.telegram.line import CALL_S
 from rosic.messengers.telegram.listening import SECOND_NS, Listening, Moment
 from rosic.messengers.telegram.trouble import Kind, Trouble
 from rosic.messengers.telegram.window import News, Window
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Sequence
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive, Settle
+    from rosic.core.identity import Address
     from rosic.core.message import Inbound, Reaction
     from rosic.messengers.telegram.chats import Chats
     from rosic.messengers.telegram.line import Line
@@ -60,6 +63,7 @@ class Listener:
             account: whether it hears everything in groups.
         reacted: Told, while it listens, what people put beside messages.
         settle: Asked before anything is confirmed.
+        known: Whether somebody at an address may be known here: what they sent is read first.
         counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
             ``clock-behind``: messages that came from the future.
     """
@@ -76,6 +80,7 @@ class Listener:
         self.passed: Callable[[Passing], None] = _nobody_watches
         self.reacted: Callable[[Reaction], None] = _nobody_watches
         self.settle: Settle = _settled
+        self.known: Callable[[Address], bool] = _anybody
         self._name = name
         self._line = line
         self._chats = chats
@@ -86,6 +91,7 @@ class Listener:
         self._listening = Listening()
         self.own_name = ""
         self._hears_groups = False
+        self._limit = BATCH
         self._failures = 0
         self._contested = False
         self.counts: Counter[str] = Counter()
@@ -171,7 +177,7 @@ class Listener:
         at_once = window.busy or not settled or (listening.frozen and listening.calm(asked))
         timeout_s = 0 if at_once else self._poll_timeout_s
         try:
-            raws = await self._line.updates(offset, timeout_s, wire.KINDS)
+            raws = await self._line.updates(offset, timeout_s, wire.KINDS, self._limit)
         except Trouble as trouble:
             await self._cope(trouble)
             return
@@ -179,29 +185,64 @@ class Listener:
         listening.answered(now)
         self._recovered()
         window.confirmed(offset)
-        fresh = window.take(self._news(raws, now))
+        full = len(raws) >= self._limit
+        self._limit = limit_after(raws, self._limit)
+        fresh = await self._take_in(window, raws, now)
         if raws and not fresh and not window.busy and window.offset is None:
             await self._clock.sleep(WAITS_S[0])  # nothing but updates without a number
         await window.idle(PEEK_S)
-        full = len(raws) >= BATCH
         if listening.drained(asked, empty=not fresh, full=full):
             self._contested = False
             log.info("%s: listening", self._name)
 
-    def _news(self, raws: Iterable[object], now: Moment) -> list[News]:
-        received = mapping.Received(now.wall_ns, self._listening.stamp(now.wall_ns))
-        return [
-            self._read(number, raw, received)
-            for raw in raws
-            if (number := wire.update_id(raw)) is not None
-        ]
+    async def _take_in(self, window: Window, raws: Sequence[object], now: Moment) -> int:
+        """Look for stops in everything that came, those of people known here first; then begin.
 
-    def _read(self, number: int, raw: object, received: mapping.Received) -> News:
+        A hundred updates are many steps of the loop, so that a stop among them is obeyed while the
+        rest is still read. What was given out before is not read again.
+
+        Returns:
+            How many had not been given out before.
+        """
+        received = mapping.Received(now.wall_ns, self._listening.stamp(now.wall_ns))
+        pause = Pause()
+        parsed: dict[int, wire.Update | None] = {}
+        for raw in raws:
+            number = wire.update_id(raw)
+            if number is not None and number not in parsed and not window.knows(number):
+                parsed[number] = self._parsed(raw)
+                await pause.after(raw)
+        ranked = ((self._is_strangers(u), number, u) for number, u in parsed.items())
+        by_rank = sorted(ranked, key=itemgetter(0, 1))
+        for of_stranger, number, update in by_rank:
+            window.admit(self._news(number, update, received, of_stranger=of_stranger))
+            await pause.after(update)
+        window.release()
+        return len(parsed)
+
+    def _parsed(self, raw: object) -> wire.Update | None:
+        """Return an update as Telegram documents it; None for one that is malformed."""
         try:
-            update = wire.parse(raw)
+            return wire.parse(raw)
         except msgspec.ValidationError as error:
             self.counts["malformed"] += 1
             log.warning("%s: a malformed update was passed over: %s", self._name, error)
+            return None
+
+    def _is_strangers(self, update: wire.Update | None) -> bool:
+        """Whether it is known who sent an update, and that nobody here knows them."""
+        who = None if update is None else mapping.author(update)
+        return who is not None and not self.known(who)
+
+    def _news(
+        self,
+        number: int,
+        update: wire.Update | None,
+        received: mapping.Received,
+        *,
+        of_stranger: bool,
+    ) -> News:
+        if update is None:
             return News(number, None)
         if (move := mapping.moved(update)) is not None:
             self._chats.moved(*move)
@@ -215,7 +256,8 @@ class Listener:
             return News(number, None)
         self._chats.back(inbound.chat.id)
         self._check_clock(inbound, update)
-        return News(number, inbound, self._is_stop(inbound))
+        # Whom nobody knows stops nothing, whatever they say.
+        return News(number, inbound, not of_stranger and self._is_stop(inbound))
 
     def _moved(self, old: str, new: str) -> None:
         """A group has moved: seen, or found by speaking, before it could be seen."""
@@ -299,6 +341,11 @@ class Listener:
 
 async def _settled(_within_s: float) -> bool:
     """Say that what was received is settled: nobody put anything off."""
+    return True
+
+
+def _anybody(_address: Address) -> bool:
+    """Nobody has said who is known: everything is read in the order in which it was sent."""
     return True
 
 

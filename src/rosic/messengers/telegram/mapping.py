@@ -68,6 +68,19 @@ def read(update: wire.Update, own_name: str, received: Received) -> Inbound | No
     return None
 
 
+def author(update: wire.Update) -> Address | None:
+    """Return whose account sent an update; None where Telegram does not tell whose it was.
+
+    A stop counts without a name, too (I17), so these are not taken for strangers'.
+    """
+    message = update.message or update.edited_message
+    if update.callback_query is not None:
+        return Address(PLATFORM, str(update.callback_query.sender.id))
+    if message is None or _standing(message) in {Standing.ANONYMOUS, Standing.CHANNEL}:
+        return None
+    return Address(PLATFORM, str(_author(message)))
+
+
 def moved(update: wire.Update) -> tuple[str, str] | None:
     """Return the old and the new id of a group that became a supergroup."""
     message = update.message
@@ -147,7 +160,10 @@ def addressed_here(text: str, own_name: str) -> str | None:
     A stop counts whomever it names: with two bots in a group, a hurried tap in the menu picks
     either. A line keeps its place, because a command's identity holds its line.
     """
-    lines = [_line(line, own_name.casefold()) for line in text.split("\n")]
+    if "@" not in text:
+        return text
+    own = own_name.casefold()
+    lines = [_line(line, own) if "@" in line else line for line in text.split("\n")]
     if all(line is None for line in lines):
         return None
     return "\n".join(line or "" for line in lines)

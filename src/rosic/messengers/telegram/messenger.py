@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Passed, Reacted, Receive, Settle
+    from rosic.contracts.messenger import Knows, Passed, Reacted, Receive, Settle
     from rosic.core.menu import Menu
     from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Weight
 
@@ -127,6 +127,10 @@ class TelegramMessenger:
     def settle_with(self, settle: Settle) -> None:
         """Ask before anything is confirmed; see ``contracts.messenger``."""
         self._listener.settle = settle
+
+    def know_with(self, known: Knows) -> None:
+        """Read first what people known here sent; see ``contracts.messenger``."""
+        self._listener.known = known
 
     def catching_up(self) -> bool:
         """Return whether backlog may still come; see ``contracts.messenger``."""

@@ -20,7 +20,7 @@ def clean(text: str) -> str:
 
 def units(text: str) -> int:
     """Return its length in UTF-16 code units."""
-    return len(text) + sum(1 for character in text if character > "\uffff")
+    return len(text) if text.isascii() else len(text.encode("utf-16-le", "surrogatepass")) // 2
 
 
 def shorten(text: str, limit: int) -> str:

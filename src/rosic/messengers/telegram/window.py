@@ -10,11 +10,11 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
+from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections import Counter
-    from collections.abc import Iterable
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
@@ -57,6 +57,7 @@ class Window:
         self._clock = clock
         self._open: set[int] = set()
         self._done: set[int] = set()
+        self._admitted: list[tuple[int, Inbound]] = []
         self._lanes: dict[str, deque[tuple[int, Inbound]]] = {}
         self._idle = asyncio.Event()
         self._idle.set()
@@ -86,31 +87,35 @@ class Window:
         if offset is not None:
             self._done = {number for number in self._done if number >= offset}
 
-    def take(self, news: Iterable[News]) -> int:
-        """Start handing over what a poll brought, in the order of its numbers.
+    def knows(self, update_id: int) -> bool:
+        """Whether an update was given out before, so that nothing of it need be read again."""
+        return update_id in self._open or update_id in self._done
+
+    def admit(self, one: News) -> bool:
+        """Take what a poll brought: a stop is handed over now, anything else by `release`.
 
         Returns:
-            How many had not been given out before.
+            Whether it had not been given out before; else nothing is done.
         """
-        lanes: list[tuple[int, Inbound]] = []
-        fresh = 0
-        for one in sorted(news, key=lambda one: one.update_id):
-            if one.update_id in self._open or one.update_id in self._done:
-                continue
-            fresh += 1
-            if one.inbound is None:
-                self._done.add(one.update_id)
-                self._counts["passed-over"] += 1
-                continue
-            self._open.add(one.update_id)
-            self._idle.clear()
-            if one.stop:
-                self._group.create_task(self._hand_over(one.update_id, one.inbound))
-            else:
-                lanes.append((one.update_id, one.inbound))
-        for update_id, inbound in lanes:
+        if self.knows(one.update_id):
+            return False
+        if one.inbound is None:
+            self._done.add(one.update_id)
+            self._counts["passed-over"] += 1
+            return True
+        self._open.add(one.update_id)
+        self._idle.clear()
+        if one.stop:
+            self._group.create_task(self._hand_over(one.update_id, one.inbound))
+        else:
+            self._admitted.append((one.update_id, one.inbound))
+        return True
+
+    def release(self) -> None:
+        """Begin to hand over what was admitted, in the order of its numbers."""
+        admitted, self._admitted = self._admitted, []
+        for update_id, inbound in sorted(admitted, key=itemgetter(0)):
             self._queue(update_id, inbound)
-        return fresh
 
     async def idle(self, at_most_s: float) -> None:
         """Wait until everything has been received, but not for long: a stop may come meanwhile."""
@@ -139,6 +144,7 @@ class Window:
         while lane:
             await self._hand_over(*lane[0])
             lane.popleft()
+            await asyncio.sleep(0)  # a message is a step: what is refused at once never waited
         del self._lanes[chat]
 
     async def _hand_over(self, update_id: int, inbound: Inbound) -> None:

@@ -12,6 +12,7 @@ from rosic.authoriser.codes import codes_in
 from rosic.container.archive import NOBODY, Author
 from rosic.contracts.messenger import (
     catching_up,
+    know_with,
     menus_of,
     pictures_of,
     reactions_of,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
     from rosic.container.archive import Archive
     from rosic.contracts.messenger import (
+        Knows,
         Messenger,
         Passed,
         Reacted,
@@ -103,6 +105,10 @@ class Recorded:
     def settle_with(self, settle: Settle) -> None:
         """Have it ask before it confirms; see ``contracts.messenger``."""
         self.settles = settle_with(self._messenger, settle)
+
+    def know_with(self, known: Knows) -> None:
+        """Read first what people known here sent; see ``contracts.messenger``."""
+        know_with(self._messenger, known)
 
     def catching_up(self) -> bool:
         """Return whether backlog may still come; see ``contracts.messenger``."""

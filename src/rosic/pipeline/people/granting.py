@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language import clean_name
+from rosic.core.language.cleaning import LONGEST_NAME
 from rosic.core.message import Button
 from rosic.core.roles import Grant
 from rosic.errors import Expired, NotPermitted
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 BACK = "back"
 _ID_BYTES = 8
+_LONGEST_NAME = LONGEST_NAME // 2 + 1
+"""In words: there is a sign at least between any two."""
 _SECOND_NS = 1_000_000_000
 
 
@@ -158,7 +161,7 @@ class Granting:
         """
         low = said.split()
         directory = self._registry.authoriser.directory
-        for count in range(len(low) - 1, 0, -1):
+        for count in range(min(len(low) - 1, _LONGEST_NAME), 0, -1):
             name, rest = " ".join(low[:count]), " ".join(low[count:])
             if directory.person(name) is not None or directory.named(clean_name(name)):
                 found = self._names.find(name, "grant", self._has_access, private=True)

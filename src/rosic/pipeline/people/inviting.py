@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -34,9 +35,9 @@ def _no_link(_messenger: Messenger, _code: Secret) -> str:
     return ""
 
 
-def qr_picture(messenger: Messenger, name: str, text: str) -> Attachment | None:
+async def qr_picture(messenger: Messenger, name: str, text: str) -> Attachment | None:
     """Return a picture to be scanned; nothing where no file can be sent. It shows a secret."""
-    picture = qr_png(text)
+    picture = await asyncio.to_thread(qr_png, text)  # a stop does not wait for it
     if len(picture) > messenger.file_bytes:
         return None
     return Attachment(name, "image/png", picture)
@@ -97,7 +98,7 @@ class Inviting:
         if asked.messenger.platform == TERMINAL:
             lines.append(qr_text(link or text))
         else:
-            picture = qr_picture(asked.messenger, "invitation.png", link or text)
+            picture = await qr_picture(asked.messenger, "invitation.png", link or text)
         made = offer.invitation
         keep = partial(
             self._registry.retracting.keep, f"{INVITATION} {made.id}", by, made.expires_ns

@@ -54,7 +54,7 @@ class Proving:
         if asked.messenger.platform == TERMINAL:
             lines.append(qr_text(uri))
             return Reply(joined("\n", lines))
-        picture = qr_picture(asked.messenger, "authenticator.png", uri)
+        picture = await qr_picture(asked.messenger, "authenticator.png", uri)
         if picture is not None:
             lines.append(words_access.SCAN)
         until_ns = self._registry.clock.wall_ns() + SETUP_NS

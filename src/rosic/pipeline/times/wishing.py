@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 OFF = "off"
 _MOST_WORDS_OF_LENGTH = 4
 _ENDS = ".,;:!?"
-_PRIORITY = re.compile(r"[\s,]+prio(?:rity|rität)?:? ?(\d{1,9})\Z", re.IGNORECASE)
+_PRIORITY = re.compile(r"(?<![\s,])[\s,]+prio(?:rity|rität)?:? ?(\d{1,9})\Z", re.IGNORECASE)
 
 
 class Wishing:
@@ -81,7 +81,7 @@ class Wishing:
         zone, now_ns = self._times.sides.zone_of(principal), self._times.clock.wall_ns()
         raw = text.split()
         splits = [(raw[:n], raw[n:]) for n in range(min(len(raw), _MOST_WORDS_OF_LENGTH), 0, -1)]
-        splits += [(raw[n:], raw[:n]) for n in range(len(raw) - 1, 0, -1)]
+        splits += [(raw[n:], raw[:n]) for n in range(len(raw) - 1, 0, -1)[:_MOST_WORDS_OF_LENGTH]]
         for length, window in splits:
             length_s = length_of(" ".join(length).lower())
             if length_s is None or not window:
