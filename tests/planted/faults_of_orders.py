@@ -6,6 +6,7 @@ from tests.planted.faults import BUTTONS, GATE, STOPPING, WAY, Fault
 
 ROBOTS = "tests/conformance/test_robots.py"
 AGREED = "tests/rooms/pipeline/test_agreed_acts.py"
+VICTIMS = "tests/rooms/pipeline/people/test_victims.py"
 MAILBOX = "tests/rooms/test_mailbox.py"
 
 LATE = "tests/rooms/pipeline/test_suspended.py"
@@ -114,6 +115,23 @@ OF_ORDERS = (
         caught_by=(
             f"{AGREED}::test_an_order_that_waited_while_the_rules_changed_counts_as_agreed_to_no_more",
         ),
+    ),
+    Fault(
+        name="a word in the line confirms that somebody's access ends",
+        file="pipeline/people/custody.py",
+        guard="        if asked.act != agreed:\n            self._check_revocable(found)",
+        without=(
+            '        if asked.act != agreed and not asked.rest.endswith("confirmed"):\n'
+            "            self._check_revocable(found)"
+        ),
+        caught_by=(f"{VICTIMS}::test_who_is_called_confirmed_ends_nobodys_access",),
+    ),
+    Fault(
+        name="whoever has the longest name is meant, unasked",
+        file="pipeline/people/granting.py",
+        guard="        if len(found) == 1:\n            return found[0]",
+        without="        if found:\n            return found[0]",
+        caught_by=(f"{VICTIMS}::test_a_line_that_can_mean_two_people_is_asked_about",),
     ),
     Fault(
         name="I10 a stop is kept in memory only",

@@ -9,7 +9,7 @@ import msgspec
 from rosic.authoriser import words_entry as words
 from rosic.authoriser.admission import Applicant, Pending, Redeemed, Waiting
 from rosic.core.identity import AuthorisationKey, Principal
-from rosic.core.language.cleaning import clean_name
+from rosic.core.language.cleaning import clean_name, drawn
 from rosic.core.record import Decided, Enrolled, KeyIssued, Letter, PersonalCard
 
 if TYPE_CHECKING:
@@ -108,13 +108,17 @@ class Newcomers:
         )  # fmt: skip
 
     def _free_name(self, invitation: Invitation, name: str) -> str:
-        """Return a name that nobody has, so that an admin can say whom they mean."""
+        """Return a name that nobody has, nor any that looks like it.
+
+        An admin can then say whom they mean, and sees it.
+        """
         wanted = self._invitations.name_for(invitation) or clean_name(name) or GUEST
         free, number = wanted, 1
         # Collected once: hundreds may be called the same, and each number is asked about.
-        taken = {applicant.name.casefold() for applicant in self._applicants.all()}
-        taken.update(person.name.casefold() for person in self._directory.people())
-        while free.casefold() in taken:
+        names = [applicant.name for applicant in self._applicants.all()]
+        names += [person.name for person in self._directory.people()]
+        taken = {name.casefold() for name in names}.union(map(drawn, names))
+        while free.casefold() in taken or drawn(free) in taken:
             number += 1
             free = f"{wanted} {number}"
         return free

@@ -150,7 +150,9 @@ async def test_whoever_is_erased_leaves_no_words_and_no_robot_moves_for_them() -
         post = here.gateway.among.circle.around.post
         assert list(post.chats("w1", "road"))
         assert "2: move 1 m" in await here.say("/tasks", account=BO, chat=BO)
-        await here.say("/forget me confirmed", account=BO, chat=BO)
+        await here.say("/forget me", account=BO, chat=BO)
+        button, under = here.button("Forget me for good")
+        await here.tap(button, under, account=BO)
         await heard(here, 15)
         assert {task.state for task in tasks(here).values()} == {State.CANCELLED}
         telling = here.gateway.furnishing.fleet.telling

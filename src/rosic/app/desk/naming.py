@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.core.language import clean
 from rosic.errors import NotUnderstood
 from rosic.pipeline.people import words
+from rosic.pipeline.people.names import everybody_called
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -114,8 +115,7 @@ def the_one(directory: Directory, name: str) -> Principal:
     Raises:
         NotUnderstood: Nobody, or more than one.
     """
-    by_id = directory.person(name)
-    found = (by_id,) if by_id is not None else directory.named(name)
+    found = everybody_called(directory, name)
     if len(found) == 1:
         return found[0]
     said = clean(name)

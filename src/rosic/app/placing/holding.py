@@ -28,6 +28,7 @@ from rosic.pipeline.containers.words_containers import YOU
 from rosic.pipeline.files.aside import Aside
 from rosic.pipeline.files.handing import Handing, Ways
 from rosic.pipeline.files.receiving import Receiving
+from rosic.pipeline.people.names import everybody_called
 from rosic.robots.folders import RobotFolders
 
 if TYPE_CHECKING:
@@ -345,8 +346,7 @@ def holdings_of(
 def _called(authoriser: Authoriser, name: str) -> tuple[PrincipalId, ...]:
     """Return everybody with a good key who is called so, or has that id."""
     directory = authoriser.directory
-    by_id = directory.person(name)
-    found = (by_id,) if by_id is not None else directory.named(name)
+    found = everybody_called(directory, name)
     return tuple(person.id for person in found if directory.has_good_key(person.id))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from functools import lru_cache
 
 LONGEST_NAME = 64
 LONGEST_QUOTE = 32
@@ -33,6 +34,14 @@ _SENTENCES = str.maketrans({"\ufdfa": "\ufffd", "\ufdfb": "\ufffd"})
 def normalised(text: str) -> str:
     """Return the text in NFKC, at most six times as long: a sign for a sentence is one sign."""
     return text if text.isascii() else unicodedata.normalize("NFKC", text.translate(_SENTENCES))
+
+
+# Letters of other scripts, and digits, that are drawn like a Latin letter.
+_DRAWN_LIKE = str.maketrans(
+    "АВЕЗІЈКМНОРСТУХЅԌԚԜавекмнорстухіјѕһԁԛԝӏѵΑΒΕΖΗΙΚΜΝΟΡΤΥΧαικνορτυχIl1|0",  # noqa: RUF001
+    "ABE3lJKMHOPCTYXSGQWabekmhopctyxijshdqwlvABEZHlKMNOPTYXaikvoptuxllllo",
+)
+_NO_LETTERS = re.compile(r"[\W_]+")
 
 
 def is_plain(text: str) -> bool:
@@ -72,6 +81,18 @@ def clean_name(text: str) -> str:
     A name is its owner's to choose: whoever is called ``/unlock Eve`` gives others no command.
     """
     return inert_text(" ".join(normalised(clean(text[:NAME_LOOKED_AT])).split())[:LONGEST_NAME])
+
+
+@lru_cache(maxsize=16_384)
+def drawn(name: str) -> str:
+    """Return what two names have in common that look alike, for telling them apart.
+
+    Accents, spaces and signs are no difference, nor is the script of a letter that is drawn like a
+    Latin one.
+    """
+    plain = name if name.isascii() else unicodedata.normalize("NFKD", clean(name))
+    letters = _NO_LETTERS.sub("", plain.translate(_DRAWN_LIKE)).casefold()
+    return letters.replace("rn", "m").replace("vv", "w")
 
 
 def quote(text: str) -> str:

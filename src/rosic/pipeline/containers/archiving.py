@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.containers.parts import Holdings, Vault
     from rosic.pipeline.office import Asked
 
-CONFIRMED = "confirmed"
+SURE = b"erase this archive"
 TEXT = "text"
 
 
@@ -57,8 +57,8 @@ class Archiving:
             return await self._begin(asked, said[1:])
         if said[0] == "off" and len(said) == 1:
             return await self._end(asked)
-        if said[0] == "erase":
-            return await self._erase(asked, sure=said[1:] == [CONFIRMED])
+        if said == ["erase"]:
+            return await self._erase(asked, sure=asked.act == SURE)
         if said[0] == "export" and len(said) <= 2:  # noqa: PLR2004 - the word and the form
             return await self._export(asked, said[1] if len(said) > 1 else TEXT)
         raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive",))
@@ -93,7 +93,7 @@ class Archiving:
         if self._archive.state(asked.inbound.chat) is None:
             raise NotUnderstood(NOT_ON)
         if not sure:
-            yes = Button(words.YES_ERASE, f"/archive erase {CONFIRMED}")
+            yes = Button(words.YES_ERASE, "/archive erase", act=SURE)
             return Reply(words.ERASE_SURE, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         async with self._holdings.changes.turn() as turn:
             now_ns, by = self._holdings.clock.wall_ns(), asked.caller.principal

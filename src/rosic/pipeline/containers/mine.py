@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 EXPORT = "export"
 ME = frozenset({"me", "myself", "my data", "mydata"})
-CONFIRMED = "me confirmed"
+SURE = b"forget me"
 FILE = "my-data"
 
 
@@ -81,11 +81,11 @@ class Mine:
         """
         check_private(asked)
         said, principal = " ".join(asked.rest.casefold().split()), asked.caller.principal
-        if said == CONFIRMED:
+        if said in ME and asked.act == SURE:
             erased = await self._erasing.erase(principal, principal)
             return Reply(words.FORGOTTEN if erased.at_rest else words.FORGOTTEN_MOVING)
         if said not in ME:
             raise NotUnderstood(words.ONLY_ME if said else words.HOW_TO_FORGET)
         self._erasing.check(principal, principal)
-        yes = Button(words.YES_FORGET, f"/forget {CONFIRMED}")
+        yes = Button(words.YES_FORGET, "/forget me", act=SURE)
         return Reply(words.SURE, ((yes,), (Button(words.LEAVE_IT, LEAVE),)))

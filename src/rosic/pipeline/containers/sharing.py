@@ -127,11 +127,16 @@ class Sharing:
 
     async def _lend(self, principal: PrincipalId, name: str, rest: str) -> Reply:
         holdings = self._holdings
-        who, *lasts = _FOR.split(rest, maxsplit=1)
-        found = self._found(principal, who)
+        who, *said = _FOR.split(rest, maxsplit=1)
+        # Somebody may be called "Bo for 2h", and another Bo.
+        found: list[tuple[str, tuple[str, ...]]] = []
+        if said:
+            found += [(one, ()) for one in holdings.find(rest)]
+        if not found or holdings.find(who):
+            found += [(one, tuple(said)) for one in self._found(principal, who)]
         if len(found) > 1:
-            return self._which(name, found, lasts)
-        (reader,) = found
+            return self._which(name, found)
+        [(reader, lasts)] = found
         if reader == principal:
             raise NotUnderstood(words.YOURSELF)
         until_ns = holdings.clock.wall_ns() + _length_ns(lasts[0]) if lasts else 0
@@ -180,11 +185,13 @@ class Sharing:
         meant = [one for one in found if one in lent] or list(found)
         return meant[0]
 
-    def _which(self, name: str, found: Sequence[str], lasts: Sequence[str]) -> Reply:
-        how_long = f" for {lasts[0]}" if lasts else ""
+    def _which(self, name: str, found: Sequence[tuple[str, tuple[str, ...]]]) -> Reply:
         buttons = [
-            Button(words.numbered(self._name(one), number), f"/share {name} with {one}{how_long}")
-            for number, one in enumerate(found[:MOST_BUTTONS], start=1)
+            Button(
+                words.numbered(self._name(one), number),
+                f"/share {name} with {one}{f' for {lasts[0]}' if lasts else ''}",
+            )
+            for number, (one, lasts) in enumerate(found[:MOST_BUTTONS], start=1)
         ]
         return Reply(words.SEVERAL, rows(buttons))
 

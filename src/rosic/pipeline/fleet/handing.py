@@ -70,13 +70,16 @@ class HandoverClerk:
             if said[0].casefold() == "decline":
                 return self._declined(asked, offer)
             return await self._accept(asked, offer)
-        return self._offer(asked, " ".join(said[1:] if said[:1] == ["to"] else said))
+        return self._offer(asked, said)
 
-    def _offer(self, asked: Asked, name: str) -> Reply:
+    def _offer(self, asked: Asked, said: list[str]) -> Reply:
+        name = " ".join(said[1:] if said[:1] == ["to"] else said)
         if not name:
             raise NotUnderstood(words.HOW_TO)
         giver, directory = asked.caller.principal, self._rooms.authoriser.directory
-        people = [person for person in directory.named(name) if person.id != giver]
+        # Somebody may be called "To Bo", and another Bo.
+        called = {p.id: p for n in (" ".join(said), name) for p in directory.named(n)}
+        people = [person for person in called.values() if person.id != giver]
         if len(people) != 1:
             raise NotUnderstood(words.nobody(name))
         taker = people[0].id

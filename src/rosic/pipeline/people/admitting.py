@@ -72,10 +72,6 @@ class Admitting:
             asked, applicant.question, (row,), urgent=True, lifetime_s=PENDING_S, still=True
         )
 
-    def knows(self, said: str) -> bool:
-        """Whether this means somebody who waits to come in: an id, a name, or the two words."""
-        return self._meant(said) is not None
-
     async def approve(self, asked: Asked) -> Reply:
         """Let somebody in: ``/approve Cy``, or the button.
 
@@ -142,6 +138,17 @@ class Admitting:
             applicant
             for applicant in self._enrolment.applicants.all()
             if self._powers.may_admit(by, applicant.pending.given)
+        )
+
+    def questions(
+        self, by: PrincipalId, said: str
+    ) -> tuple[tuple[str, str, tuple[Button, ...]], ...]:
+        """Return everybody called so whom this person may let in: name, line and buttons, each."""
+        wanted = said.strip().casefold()
+        return tuple(
+            (a.name, words.waits(a.name, a.pending.given.words, a.words), buttons_for(a, a.name))
+            for a in self.waiting(by)
+            if wanted in {a.name.casefold(), a.words}
         )
 
     def _asked_about(self, asked: Asked) -> Applicant:

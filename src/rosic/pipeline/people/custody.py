@@ -15,7 +15,7 @@ from rosic.errors import NotPermitted, NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words, words_access
-from rosic.pipeline.people.names import CONFIRMED, Names, confirmed
+from rosic.pipeline.people.names import BY_ID, Names, sure
 from rosic.pipeline.people.powers import LOCK, PEOPLE
 from rosic.pipeline.replies import LEAVE
 
@@ -56,16 +56,17 @@ class Custody:
         by = asked.caller.principal
         self._powers.check(by, PEOPLE)
         check_private(asked)
-        said, sure = confirmed(asked.rest)
+        said = asked.rest.strip()
         if not said:
             return Reply(words_access.HOW_TO_REVOKE)
-        found = self._names.find(said, "revoke", self._has_access, private=True)
+        found = self._names.find(asked, said, "revoke", self._has_access)
         if isinstance(found, Reply):
             return found
-        if not sure:
+        question = words_access.revoke_question(found.name, self._given(found.id))
+        agreed = sure("revoke", found.id, question)
+        if asked.act != agreed:
             self._check_revocable(found)
-            yes = Button(words_access.REVOKE, f"/revoke {found.id} {CONFIRMED}")
-            question = words_access.revoke_question(found.name, self._given(found.id))
+            yes = Button(words_access.REVOKE, f"/revoke {found.id}", act=agreed)
             return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         written = await self._end_for_good(found, by)
         self._notices.revoked(found, by)
@@ -121,22 +122,23 @@ class Custody:
             Refusal: Not theirs to do, nobody of that name, or the last admin.
         """
         by = asked.caller.principal
-        said, sure = confirmed(asked.rest)
+        said = asked.rest.strip()
         if said.casefold() in MYSELF:
             said = by
-        own = said == by or [p.id for p in self._directory.named(said)] == [by]
+        own = [person.id for person in self._names.called(said)] == [by]
         if not own:
             self._powers.check(by, LOCK)
         if not said:
             return Reply(words_access.HOW_TO_LOCK)
-        found = self._names.find(said, "lock", self._is_free, private=asked.private)
+        found = self._names.find(asked, said, "lock", self._is_free)
         if isinstance(found, Reply):
             return found
         if self._powers.is_last_admin(found.id, for_good=False):
             if found.id != by:
                 raise NotPermitted(words_access.last_admin(found.name))
-            if not sure:
-                yes = Button(words_access.LOCK_ME, f"/lock {by} {CONFIRMED}")
+            agreed = sure("lock", by)
+            if asked.act != agreed:
+                yes = Button(words_access.LOCK_ME, f"/lock {by}", act=agreed)
                 return Reply(words_access.LOCK_LAST, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         written = await self._end_for_now(found.id, by)
         self._notices.locked(found, by)
@@ -156,7 +158,7 @@ class Custody:
         if not said:
             return Reply(words_access.how_to_unlock(self._locked_names() if asked.private else ()))
         found = self._names.find(
-            said, "unlock", lambda person: self._locks.locked(person.id), private=asked.private
+            asked, said, "unlock", lambda person: self._locks.locked(person.id)
         )
         if isinstance(found, Reply):
             return found
@@ -199,7 +201,7 @@ def _locked(person: Principal, by: PrincipalId, *, written: bool) -> Reply:
     """Return that somebody is locked, with the way back for whoever meant somebody else."""
     if person.id == by:
         return Reply(words.noted(words_access.LOCKED_YOURSELF, written=written))
-    undo = Button(words_access.UNLOCK, f"/unlock {person.id}")
+    undo = Button(words_access.UNLOCK, f"/unlock {person.id}", act=BY_ID)
     return Reply(words.noted(words_keys.locked(person.name), written=written), ((undo,),))
 
 

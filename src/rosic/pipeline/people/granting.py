@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
-from rosic.core.language import clean_name
 from rosic.core.language.cleaning import LONGEST_NAME
 from rosic.core.message import Button
 from rosic.core.roles import Grant
-from rosic.errors import Expired, NotPermitted
+from rosic.errors import Expired, NotPermitted, NotUnderstood
 from rosic.organiser.words_calendar import moment
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words, words_asking
 from rosic.pipeline.people.invitation_line import read_grant
-from rosic.pipeline.people.names import CONFIRMED, Names, confirmed
+from rosic.pipeline.people.names import MOST_OFFERED, Names, by_id_button, sure
 from rosic.pipeline.replies import LEAVE
 
 if TYPE_CHECKING:
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.people.registry import Registry
 
 BACK = "back"
+# Only ids of grants may follow: somebody may be called "Back".
+_BACK = re.compile(rf"{BACK}(?: g[0-9a-f]{{16}})+")
 _ID_BYTES = 8
 _LONGEST_NAME = LONGEST_NAME // 2 + 1
 """In words: there is a sign at least between any two."""
@@ -95,11 +97,9 @@ class Granting:
         self._check_gives(by)
         if not rest:
             return self._how()
-        first, _, other = rest.partition(" ")
-        if first == BACK:
-            return await self._take_back(by, other.split())
-        said, sure = confirmed(rest)
-        return await self._give(by, said, sure=sure)
+        if _BACK.fullmatch(rest):
+            return await self._take_back(by, rest.split()[1:])
+        return await self._give(asked, rest)
 
     def _how(self) -> Reply:
         rights = self._registry.rights()
@@ -117,16 +117,18 @@ class Granting:
         if not self._powers.gives(by):
             raise NotPermitted(words_asking.not_yours(self._powers.helpers(by)))
 
-    async def _give(self, by: PrincipalId, said: str, *, sure: bool) -> Reply:
-        found, rest = self._whom(said)
+    async def _give(self, asked: Asked, said: str) -> Reply:
+        found, rest = self._whom(asked, said)
         if isinstance(found, Reply):
             return found
+        by = asked.caller.principal
         given = read_grant(rest, self._registry.rights())
         if found.id == by:
             raise NotPermitted(words_asking.not_to_yourself())
         self._powers.check_give(by, given)
-        if given.lasts_s is None and not sure:
-            yes = Button(words_asking.give_label(), f"/grant {found.id} {rest} {CONFIRMED}")
+        agreed = sure(self._registry.rights().policy, "grant", found.id, rest)
+        if given.lasts_s is None and asked.act != agreed:
+            yes = Button(words_asking.give_label(), f"/grant {found.id} {rest}", act=agreed)
             question = words_asking.give_question(found.name, given.words)
             return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         grants = await self._write(by, found, given)
@@ -153,22 +155,37 @@ class Granting:
         text = words_asking.gave(person.name, self.said(grants, by))
         return Reply(text, ((self.take_button(grants),),))
 
-    def _whom(self, said: str) -> tuple[Principal | Reply, str]:
-        """Return who is meant by the first words, as many as go, and the rest of the line.
+    def _whom(self, asked: Asked, said: str) -> tuple[Principal | Reply, str]:
+        """Return who is meant by the first words, and the rest of the line.
+
+        Where more than one beginning of the line is a name, it is asked which: somebody may be
+        called "Bo operator", and another Bo.
 
         Raises:
             NotUnderstood: Nobody.
         """
         low = said.split()
-        directory = self._registry.authoriser.directory
-        for count in range(min(len(low) - 1, _LONGEST_NAME), 0, -1):
+        by_id = self._registry.authoriser.directory.person(low[0])
+        if by_id is not None and asked.act:
+            return by_id, " ".join(low[1:])
+        found: list[tuple[Principal, str]] = []
+        for count in range(min(len(low), _LONGEST_NAME), 0, -1):
             name, rest = " ".join(low[:count]), " ".join(low[count:])
-            if directory.person(name) is not None or directory.named(clean_name(name)):
-                found = self._names.find(name, "grant", self._has_access, private=True)
-                if isinstance(found, Reply):
-                    found = _with_rest(found, rest)
-                return found, rest
-        return self._names.find(low[0], "grant", self._has_access, private=False), ""
+            if len(name) > LONGEST_NAME:
+                continue
+            named = self._names.called(name)
+            fitting = tuple(filter(self._has_access, named)) or named
+            found += [(person, rest) for person in fitting]
+        if not found:
+            raise NotUnderstood(words.nobody_called(low[0]))
+        found = [one for one in found if one[1]] or found  # a name alone gives nothing
+        if len(found) == 1:
+            return found[0]
+        rows = tuple(
+            (by_id_button(person, f"/grant {person.id} {rest}", rest),)
+            for person, rest in found[:MOST_OFFERED]
+        )
+        return Reply(words.several(len(found), low[0]), rows), ""
 
     def _has_access(self, person: Principal) -> bool:
         return self._powers.acts(person.id)
@@ -218,11 +235,3 @@ class Granting:
 
     def _what(self, grants: Iterable[Grant]) -> str:
         return "; ".join(words.grant(grant, grant.limits, "") for grant in grants)
-
-
-def _with_rest(reply: Reply, rest: str) -> Reply:
-    """Let the buttons that tell people apart say the rest of the line as well."""
-    rows = tuple(
-        tuple(Button(b.label, f"{b.command} {rest}") for b in row) for row in reply.buttons
-    )
-    return Reply(reply.text, rows)

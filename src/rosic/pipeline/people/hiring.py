@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.saying import joined
+from rosic.errors import NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.people import words, words_asking
 from rosic.pipeline.people.about import About
@@ -52,13 +53,13 @@ class Answers:
 
     async def approve(self, asked: Asked) -> Reply:
         """Take a yes; without saying to whom, show what may be answered."""
-        if reply := self._open(asked):
+        if reply := self._open(asked) or self._several(asked):
             return reply
         return await self._asker(asked).approve(asked)
 
     async def decline(self, asked: Asked) -> Reply:
         """Take a no; likewise."""
-        if reply := self._open(asked):
+        if reply := self._open(asked) or self._several(asked):
             return reply
         return await self._asker(asked).decline(asked)
 
@@ -75,14 +76,37 @@ class Answers:
         text = joined("\n", (words_asking.these_wait(), *lines))
         return Reply(text, tuple(row for *_, row in found))
 
+    def _several(self, asked: Asked) -> Reply | None:
+        """Return the question whom an answer means, if more than one waits for it.
+
+        A name is its owner's to choose: who wants in may be called like somebody who asks for a
+        right.
+
+        Raises:
+            NotUnderstood: Others read along.
+        """
+        said, by = asked.rest.strip(), asked.caller.principal
+        if self._consent is not None and self._consent.is_one(said):
+            return None
+        found = self._admitting.questions(by, said)
+        if self._petitioning is not None:
+            found += self._petitioning.questions(by, said)
+        if len(found) < 2:  # noqa: PLR2004 - it is clear who is meant
+            return None
+        if not asked.private:
+            raise NotUnderstood(words.several_in_group(len(found), said))
+        lines = [line for _, line, _ in found[:MOST]]
+        text = joined("\n", (words_asking.these_wait(), *lines))
+        return Reply(text, tuple(row for *_, row in found[:MOST]))
+
     def _asker(self, asked: Asked) -> Admitting | Consent | Petitioning:
         consent, petitioning, said = self._consent, self._petitioning, asked.rest.strip()
         if consent is not None and consent.is_one(said):
             return consent
-        if petitioning is None or (said and self._admitting.knows(said)):
+        by = asked.caller.principal
+        if petitioning is None or self._admitting.questions(by, said):
             return self._admitting
-        known = petitioning.knows(asked.caller.principal, said)
-        return petitioning if known else self._admitting
+        return petitioning if petitioning.knows(by, said) else self._admitting
 
 
 def hire(office: Office, clerks: Clerks, consent: Consent | None = None) -> None:

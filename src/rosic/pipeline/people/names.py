@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.language import clean_name
 from rosic.core.language.suggestions import MOST_SUGGESTIONS, did_you_mean
 from rosic.core.message import Button
+from rosic.core.saying import joined
 from rosic.errors import NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.people import words
@@ -14,11 +16,14 @@ from rosic.pipeline.people import words
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from rosic.authoriser.directory import Directory
     from rosic.core.identity import Principal
+    from rosic.pipeline.office import Asked
     from rosic.pipeline.people.registry import Registry
 
-CONFIRMED = "confirmed"
-"""The last word of a command that a button says after the question was asked."""
+BY_ID: Final = b"by its id"
+"""What a button carries that means one person, whoever else may be called like that id."""
+SURE_BYTES: Final = 16
 MOST_OFFERED = 8
 
 
@@ -29,23 +34,26 @@ class Names:
         self._directory = registry.authoriser.directory
 
     def find(
-        self, said: str, verb: str, fits: Callable[[Principal], bool], *, private: bool
+        self, asked: Asked, said: str, verb: str, fits: Callable[[Principal], bool]
     ) -> Principal | Reply:
         """Return who is meant, or the question which of several.
 
+        All of what was said is the name: no word of it means anything else.
+
         Args:
-            said: A name, or an id that a button says.
+            asked: By whom, where. Names are offered only where nobody else reads along.
+            said: A name, or an id.
             verb: What is to be done, for offers: ``lock``.
             fits: Whether it can be done with somebody; preferred where names are shared.
-            private: Whether names may be offered: nobody else reads along.
 
         Raises:
             NotUnderstood: Nobody; offers who may have been meant.
         """
         by_id = self._directory.person(said)
-        if by_id is not None:
+        if by_id is not None and asked.act:
             return by_id
-        named = self._directory.named(clean_name(said))
+        private = asked.private
+        named = self.called(said)
         fitting = tuple(filter(fits, named)) or named
         if len(fitting) == 1:
             return fitting[0]
@@ -55,11 +63,12 @@ class Names:
             )
         if not private:
             raise NotUnderstood(words.several_in_group(len(fitting), said))
-        buttons = tuple(
-            (Button(words.told_apart(p.name, p.roles), f"/{verb} {p.id}"),)
-            for p in fitting[:MOST_OFFERED]
-        )
+        buttons = tuple((by_id_button(p, f"/{verb} {p.id}"),) for p in fitting[:MOST_OFFERED])
         return Reply(words.several(len(fitting), said), buttons)
+
+    def called(self, said: str) -> tuple[Principal, ...]:
+        """Return everybody who is called so, or has that id; each once."""
+        return everybody_called(self._directory, said)
 
     def _offers(self, said: str, verb: str) -> tuple[str, ...]:
         wanted = clean_name(said).casefold()
@@ -80,7 +89,29 @@ def _first_alike(names: Iterable[str], wanted: str) -> list[str]:
     return sorted(names, key=lambda name: name[:1].casefold() != wanted[0])
 
 
-def confirmed(rest: str) -> tuple[str, bool]:
-    """Return whom a command means, and whether the question was asked before."""
-    before, _, last = rest.rpartition(" ")
-    return (before.strip(), True) if before.strip() and last == CONFIRMED else (rest.strip(), False)
+def everybody_called(directory: Directory, said: str) -> tuple[Principal, ...]:
+    """Return everybody who is called so, or has that id; each once.
+
+    An id is nobody's secret, and a name is its owner's to choose: one that is another's id must
+    not decide who is meant.
+    """
+    name = clean_name(said)
+    by_id = directory.person(said)
+    found = (() if by_id is None else (by_id,), directory.named(name) if name else ())
+    return tuple({person.id: person for some in found for person in some}.values())
+
+
+def by_id_button(person: Principal, command: str, *more: str) -> Button:
+    """Return the button that means one of several; what else it says stands in its label."""
+    label = joined(", ", (words.told_apart(person.name, person.roles), *more))
+    return Button(label, command, act=BY_ID)
+
+
+def sure(*about: object) -> bytes:
+    """Return what a button carries that confirms something: a digest of all that was shown.
+
+    Nobody can type it: a word in a command would also be a word in somebody's name. Whatever is
+    different by the time of the tap is asked again.
+    """
+    said = repr(about).encode("utf-8", "replace")
+    return blake2b(said, digest_size=SURE_BYTES).digest()

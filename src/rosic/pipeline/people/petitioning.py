@@ -192,14 +192,22 @@ class Petitioning:
         known = self._petitions.get(first)
         if known is not None:
             return Answer(known, how.strip())
-        name, lasts = read_tail(said)
-        wanted = name.casefold()
-        found = [
+        found = self._called(by, said)
+        if len(found) != 1:
+            return None  # of several, it was asked which
+        if self._registry.name(found[0].principal).casefold() == said.strip().casefold():
+            return Answer(found[0], "")
+        lasts = read_tail(said)[1]
+        return Answer(found[0], "" if lasts is None else str(lasts))
+
+    def _called(self, by: PrincipalId, said: str) -> list[Petition]:
+        """Return every petition of whoever may be meant: all of it is a name, or its head."""
+        wanted = {said.strip().casefold(), read_tail(said)[0].casefold()}
+        return [
             petition
             for petition in self.waiting(by)
-            if self._registry.name(petition.principal).casefold() == wanted
+            if self._registry.name(petition.principal).casefold() in wanted
         ]
-        return Answer(found[0], "" if lasts is None else str(lasts)) if found else None
 
     def _until_ns(self, answer: Answer, zone: Zone) -> int:
         now_ns = self._registry.clock.wall_ns()
@@ -237,9 +245,17 @@ class Petitioning:
             and self._powers.may_give(by, self._places.given(petition.want))
         )
 
-    def questions(self, by: PrincipalId) -> tuple[tuple[str, str, tuple[Button, ...]], ...]:
-        """Return what waits for somebody's answer: who asks, a line and its buttons, each."""
-        named = [(self._registry.name(p.principal), p) for p in self.waiting(by)]
+    def questions(
+        self, by: PrincipalId, said: str = ""
+    ) -> tuple[tuple[str, str, tuple[Button, ...]], ...]:
+        """Return what waits for somebody's answer: who asks, a line and its buttons, each.
+
+        Args:
+            by: Who may answer.
+            said: Only of those whom this may mean: a name, perhaps with how long after it.
+        """
+        waiting = self._called(by, said) if said else self.waiting(by)
+        named = [(self._registry.name(p.principal), p) for p in waiting]
         return tuple(
             (name, words.asks(name, self._asked_for(petition)), self._buttons(petition, name))
             for name, petition in named

@@ -91,7 +91,7 @@ class Proving:
         check_private(asked)
         if not said:
             return Reply(words_access.HOW_TO_RESET)
-        found = self._names.find(said, f"authenticator {RESET}", self._has_phone, private=True)
+        found = self._names.find(asked, said, f"authenticator {RESET}", self._has_phone)
         if isinstance(found, Reply):
             return found
         async with self._registry.changes.turn() as turn:

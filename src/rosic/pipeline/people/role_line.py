@@ -15,7 +15,6 @@ from rosic.core.roles import Role
 from rosic.errors import NotUnderstood
 from rosic.pipeline.office import check_length
 from rosic.pipeline.people import words_roles
-from rosic.pipeline.people.names import CONFIRMED
 
 if TYPE_CHECKING:
     from rosic.core.reach import Fleet
@@ -29,7 +28,7 @@ _FILLERS = frozenset({"and", ",", "&"})
 # Words that mean something else where roles are named: in /grant, /invite and here.
 _TAKEN = frozenset(
     {
-        "a", "an", "and", "as", "at", "back", "code", "confirm", CONFIRMED, "everywhere", FLEET,
+        "a", "an", "and", "as", "at", "back", "code", "confirm", "everywhere", FLEET,
         "for", "limit", MAY, OFF, "on", "the", WITH,
     }
 )  # fmt: skip

@@ -14,7 +14,7 @@ from rosic.organiser.rolebook import MOST_ROLES
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words, words_asking, words_roles
-from rosic.pipeline.people.names import CONFIRMED, confirmed
+from rosic.pipeline.people.names import sure
 from rosic.pipeline.people.powers import FOR_GOOD_NS
 from rosic.pipeline.people.role_line import MAY, OFF, check_name, read_role, said_line
 from rosic.pipeline.replies import LEAVE
@@ -51,7 +51,7 @@ class Rolemaking:
         check_private(asked)
         by = asked.caller.principal
         self._check_gives(by)
-        said, sure = confirmed(said_line(asked.rest))
+        said = said_line(asked.rest)
         if not said:
             return Reply(words_roles.listing(self._line(n) for n in self._book.rulebook.roles))
         name, _, rest = said.partition(" ")
@@ -64,7 +64,7 @@ class Rolemaking:
             return await self._take(by, name)
         if verb.casefold() != MAY or not what:
             raise NotUnderstood(words_roles.HOW)
-        return await self._make(by, name, what, sure=sure)
+        return await self._make(asked, name, what)
 
     def _line(self, name: str) -> str:
         own = name in self._book.own
@@ -72,11 +72,12 @@ class Rolemaking:
 
     # ---- making ----
 
-    async def _make(self, by: PrincipalId, name: str, what: str, *, sure: bool) -> Reply:
-        role = read_role(what)
-        if not sure:
+    async def _make(self, asked: Asked, name: str, what: str) -> Reply:
+        role, by = read_role(what), asked.caller.principal
+        agreed = sure(self._registry.rights().policy, "role", name, what)
+        if asked.act != agreed:
             before, affected = self._book.own.get(name), self._check(by, name, role)
-            yes = Button(words_roles.MAKE_IT, f"/role {name} {MAY} {what} {CONFIRMED}")
+            yes = Button(words_roles.MAKE_IT, f"/role {name} {MAY} {what}", act=agreed)
             question = words_roles.question(name, role, before, self._names(affected))
             return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
         async with self._registry.changes.turn() as turn:

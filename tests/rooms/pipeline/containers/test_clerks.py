@@ -147,7 +147,7 @@ async def test_an_archive_is_erased_after_one_question() -> None:
         assert reply.text == "Shall every message of this chat that is kept be erased?"
         assert [b.label for row in reply.buttons for b in row] == ["Erase them", "Leave it"]
         assert "a thing" in await ward.file("archive", "export")
-        assert (await ward.said("archive", "erase confirmed")).startswith("Every message of this")
+        assert (await ward.sure("archive", "erase")).startswith("Every message of this")
         assert await ward.said("archive", "export") == "No message of this chat is kept."
         assert await ward.said("archive", "erase") == (
             "The messages of this chat are not being kept."

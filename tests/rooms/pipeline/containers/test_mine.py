@@ -10,6 +10,7 @@ import pytest
 from rosic.core.message import ChatKind
 from rosic.errors import RecordUnavailable, Refusal, StoreFault
 from rosic.pipeline.containers import inspecting
+from rosic.pipeline.containers.mine import SURE
 from rosic.stores.database import DatabaseStore
 from rosic.testing.clock import ManualClock
 from tests.rooms.pipeline.containers.ward import a_ward, used
@@ -59,7 +60,10 @@ async def test_it_asks_once_and_says_what_goes_and_what_stays() -> None:
         assert reply.text.startswith("Shall I forget you? Your access ends at once")
         assert "backups made earlier stay readable" in reply.text.lower()
         commands = [b.command for row in reply.buttons for b in row]
-        assert commands == ["/forget me confirmed", "leave it"]
+        assert commands == ["/forget me", "leave it"]
+        for typed in ("me", "me confirmed"):
+            await ward.said("forget", typed, account=BO)
+            assert ward.id_of(BO), "no word that is typed forgets anybody"
         assert (await ward.said("forget", "Ada", account=BO)).startswith("You can have only your")
         assert (await ward.said("forget", account=BO)).startswith("To have everything about you")
         assert ward.id_of(BO)
@@ -67,8 +71,8 @@ async def test_it_asks_once_and_says_what_goes_and_what_stays() -> None:
 
 async def test_the_last_admin_stays() -> None:
     async with a_ward() as ward:
-        for rest in ("me", "me confirmed"):
-            assert await ward.said("forget", rest) == (
+        for act in (b"", SURE):
+            assert await ward.said("forget", "me", act=act) == (
                 "You are the only admin here, so nobody could let anybody in any more. Nothing was "
                 "erased. Make somebody else admin first."
             )
@@ -88,9 +92,7 @@ async def test_whoever_is_forgotten_is_a_stranger_and_nothing_of_theirs_can_be_r
         bo = await used(ward)
         before = await ward.kept.belongings(bo)
         assert sum(fact.letter is not None for fact in before) >= 8
-        assert await ward.said("forget", "me confirmed", account=BO) == (
-            "You are forgotten here. Farewell."
-        )
+        assert await ward.sure("forget", "me", account=BO) == ("You are forgotten here. Farewell.")
         assert ward.id_of(BO) == ""
         assert "I do not know you" in await ward.say("omni wave", account=BO, chat=BO)
         assert ward.acted() == 1
@@ -152,7 +154,7 @@ async def test_a_robot_that_does_not_rest_holds_nothing_up_and_it_is_done_again(
                 "busy": lambda _: busy[0],
             }
         )
-        asking = asyncio.create_task(ward.said("forget", "me confirmed", account=BO))
+        asking = asyncio.create_task(ward.sure("forget", "me", account=BO))
         await ward.clock.advance(15)
         assert await asking == (
             "You are forgotten here. A robot of yours has not confirmed that it is at rest: please "
@@ -176,7 +178,7 @@ async def test_a_record_that_cannot_be_cleared_is_cleared_at_the_next_start(
             raise StoreFault(container)
 
         ward.kept.shred = broken  # type: ignore[method-assign]
-        assert (await ward.said("forget", "me confirmed", account=BO)).startswith(
+        assert (await ward.sure("forget", "me", account=BO)).startswith(
             "Your access has ended, but the record could not be cleared now."
         )
         assert "it is tried again" in caplog.text
@@ -219,7 +221,7 @@ async def test_a_copy_made_before_stays_readable_with_its_key_and_one_made_after
         bo = await used(ward)
     shutil.copytree(folder, tmp_path / "before")
     async with a_ward(folder, clock=clock) as ward:
-        await ward.said("forget", "me confirmed", account=BO)
+        await ward.sure("forget", "me", account=BO)
     shutil.copytree(folder, tmp_path / "after")
     async for name, letters in readable(tmp_path, bo, clock):
         assert (letters > 0) is (name == "before")
@@ -260,9 +262,7 @@ async def test_somebody_else_s_order_holds_nobody_s_erasing_up() -> None:
         lives = ward.gateway.pipeline.lives
         assert lives.busy(ward.id_of(ADA))
         assert not lives.busy(ward.id_of(BO))
-        assert await ward.said("forget", "me confirmed", account=BO) == (
-            "You are forgotten here. Farewell."
-        )
+        assert await ward.sure("forget", "me", account=BO) == ("You are forgotten here. Farewell.")
         assert len(lives) == 1
         await ward.say("stop", account=ADA, chat=ADA)
         await ward.quiet()

@@ -78,7 +78,7 @@ async def test_of_one_s_own_is_spoken_in_private_alone_and_it_ends_with_its_owne
             said = await ward.said(verb, rest, account=BO, kind=ChatKind.GROUP)
             assert said == "Ask me that in a private chat with me, please."
         await ward.said("share", "bay with Vi", account=BO)
-        await ward.said("forget", "me confirmed", account=BO)
+        await ward.sure("forget", "me", account=BO)
         assert "four" not in await ward.said("shelf", account=VI)
         assert not ward.shelf.lending._at
 

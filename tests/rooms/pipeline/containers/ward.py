@@ -200,7 +200,13 @@ class Ward(Place):
             await asyncio.sleep(0.002)
 
     async def ask(
-        self, verb: str, rest: str = "", *, account: str = "1", kind: ChatKind = ChatKind.PRIVATE
+        self,
+        verb: str,
+        rest: str = "",
+        *,
+        account: str = "1",
+        kind: ChatKind = ChatKind.PRIVATE,
+        act: bytes = b"",
     ) -> Reply:
         """Do an errand; a refusal's sentence is a reply as well, with its offers as buttons."""
         self.serial += 1
@@ -212,7 +218,7 @@ class Ward(Place):
         )  # fmt: skip
         author = self.author_of(inbound.sender)
         caller = Caller(author.principal, author.name, inbound.sender, "k", "s")
-        asked = Asked(self.chat, inbound, caller, rest, b"")
+        asked = Asked(self.chat, inbound, caller, rest, b"", act)
         try:
             return await self.gateway.pipeline.reception.office.do(Errand(verb, rest), asked)
         except Refusal as refusal:
@@ -223,6 +229,15 @@ class Ward(Place):
         reply = await self.ask(verb, rest, **how)
         assert reply.attachment is not None, reply.text
         return reply.attachment.content.decode()
+
+    async def sure(self, verb: str, rest: str, **how: Any) -> str:  # noqa: ANN401 - as `ask`
+        """Do an errand that asks first, and tap its first button."""
+        reply = await self.ask(verb, rest, **how)
+        [[yes, *_], *_] = reply.buttons or [[None]]
+        if yes is None:
+            return reply.text
+        assert yes.command == f"/{verb} {rest}", yes
+        return (await self.ask(verb, rest, act=yes.act, **how)).text
 
     async def said(self, verb: str, rest: str = "", **how: Any) -> str:  # noqa: ANN401 - as `ask`
         return (await self.ask(verb, rest, **how)).text

@@ -288,7 +288,7 @@ async def test_who_is_erased_leaves_no_file(tmp_path: Path) -> None:
         assert "files you sent: 1" in mine
         assert "what is in them: 1 (586 KiB)" in mine
         who = ward.id_of(BO)
-        erasing = asyncio.ensure_future(ward.said("forget", "me confirmed", account=BO))
+        erasing = asyncio.ensure_future(ward.sure("forget", "me", account=BO))
         while not erasing.done():  # the disk takes real time, while 10 s pass on the test's clock
             await ward.clock.advance(0.1)
             await asyncio.sleep(0.002)

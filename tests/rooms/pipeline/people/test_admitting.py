@@ -101,8 +101,9 @@ async def test_an_answer_may_be_typed_by_name_or_by_the_words() -> None:
         shared = await applies(hall)
         assert await hall.say(ADA, "/approve") == "Whom? Di waits to come in. Nothing was done."
         assert await hall.say(ADA, "/approve Nobody") == words_entry.SETTLED
-        assert hall.admitting.knows("di")
-        assert not hall.admitting.knows("Cy Young")
+        ada = hall.directory.named("Ada")[0].id
+        assert [name for name, *_ in hall.admitting.questions(ada, "di")] == ["Di"]
+        assert hall.admitting.questions(ada, "Cy Young") == ()
         assert await hall.say(ADA, f"/approve {shared}") == "Di is in, as senior."
         assert await hall.say(ADA, "/decline") == "Nobody waits to come in. Nothing was done."
         await applies(hall, account=ED)
