@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
+from rosic.core.common_start import TOO_LATE_NS
 from rosic.core.gate import Gate
 from rosic.core.identity import command_id
 from rosic.core.order import Order, Permit, Stop
@@ -117,3 +120,26 @@ def test_looking_goes_on_through_a_stop() -> None:
     looking = order(1, 1, 0, NOW_NS, LOOK)
     gate.apply_stop(Stop("r", 1))
     assert gate.still_allows(looking)
+
+
+def test_the_same_stop_again_latches_nothing_that_was_resumed() -> None:
+    gate = Gate("r")
+    gate.apply_stop(Stop("r", 1))
+    gate.resume(1)
+    gate.apply_stop(Stop("r", 1))
+    assert not gate.latched, "the board says that it may move: nobody could resume it any more"
+
+
+@pytest.mark.parametrize(
+    ("late_ns", "why"),
+    [
+        (0, "This reached r too late to begin with the others. Nothing was done."),
+        (1, "This reached r too late. Nothing was done."),
+    ],
+)
+def test_what_is_too_late_is_told_for_what(late_ns: int, why: str) -> None:
+    began_ns = NOW_NS - TOO_LATE_NS - 1
+    together = replace(order(1, 1, 0, NOW_NS - late_ns), start_ns=began_ns)
+    with pytest.raises(OrderVoid) as void:
+        Gate("r").pass_order(together, NOW_NS, WALL_NS, together=True)
+    assert str(void.value) == why

@@ -57,7 +57,7 @@ class Wanted(msgspec.Struct, frozen=True, kw_only=True):
     until_s: float
     folder: Path
     keep_kills: bool = False
-    slack_s: float = 20.0
+    slack_s: float = 10.0
 
 
 class Known(msgspec.Struct, frozen=True):

@@ -23,6 +23,11 @@ PIPELINE = "tests/rooms/pipeline"
 STORES = "tests/rooms/stores"
 TELEGRAM = "tests/real/telegram"
 
+RIGHTS = tuple(
+    f"tests/core/rights/test_{name}.py"
+    for name in ("answers", "decision", "exhaustive", "limits", "mistakes", "oracle", "rights")
+)
+
 MODULES = (
     Module("gate", "core/gate.py", (
         "tests/core/test_gate.py", "tests/rooms/robots/test_common_start.py",
@@ -52,13 +57,16 @@ MODULES = (
     Module("root key", "stores/rootkey.py", (
         f"{STORES}/test_rootkey.py", f"{STORES}/test_opening.py",
     )),
-    Module("rights", "core/rights.py", ("tests/core/rights",)),
-    Module("decision", "core/decision.py", ("tests/core/rights",)),
-    Module("limits", "core/limits.py", ("tests/core/rights",)),
-    Module("tables of rights", "core/tables.py", ("tests/core/rights",)),
+    Module("rights", "core/rights.py", RIGHTS),
+    Module("decision", "core/decision.py", RIGHTS),
+    Module("limits", "core/limits.py", RIGHTS),
+    Module("tables of rights", "core/tables.py", RIGHTS),
     Module("consent", "pipeline/consent.py", (
         f"{PIPELINE}/test_second_person.py", f"{PIPELINE}/test_rights.py",
-        f"{PIPELINE}/test_turned_away.py",
+        f"{PIPELINE}/test_turned_away.py", f"{PIPELINE}/test_agreed_acts.py",
+    )),
+    Module("agreements", "pipeline/agreement.py", (
+        f"{PIPELINE}/test_agreed_acts.py", f"{PIPELINE}/test_second_person.py",
     )),
     Module("buttons", "authoriser/buttons.py", (
         f"{PIPELINE}/test_buttons.py", "tests/rooms/test_authoriser.py",

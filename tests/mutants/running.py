@@ -29,6 +29,7 @@ from tests.mutants.mutation import Mutant, mutants, mutated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from io import FileIO
     from types import FrameType
 
     from _typeshed import TraceFunction
@@ -198,32 +199,36 @@ def _end_of(session: pytest.Session, items: Timed, order: Order, become: Become)
     """Run tests in a fork that becomes a mutant; return what became of it."""
     if not items:
         return UNREACHED
-    expected_s = min(order.seconds, sum(seconds for _, seconds in items))
-    longest_s = max(seconds for _, seconds in items)
+    within_s = 5 * max(seconds for _, seconds in items) + order.slack_s
     folder = tempfile.mkdtemp(prefix="mutant-", dir=FOLDER)
+    beats, beating = os.pipe()
     child = os.fork()
     if not child:
         os.setsid()
-        _fork(session, items, Path(folder), become)
-    status = _waited(child, expected_s + 5 * longest_s + order.slack_s)
+        _fork(session, items, Path(folder), become, beating)
+    os.close(beating)
+    with open(beats, "rb", buffering=0) as heard:  # noqa: PTH123 - a pipe
+        status = _waited(child, heard, within_s)
     shutil.rmtree(folder, ignore_errors=True)
     assert status != UNFIT, "the mutant could not be tried; the log says why"
     return ENDS.get(status, KILLED)
 
 
-def _waited(child: int, within_s: float) -> int:
-    """Return how a fork ended; whatever it began ends with it."""
+def _waited(child: int, beats: FileIO, within_s: float) -> int:
+    """Return how a fork ended. It is ended with whatever it began when a test takes too long."""
+    os.set_blocking(beats.fileno(), False)
     until = time.monotonic() + within_s
-    ended, status = os.waitpid(child, os.WNOHANG)
+    ended = status = 0
     while not ended:
+        if beats.read(64):
+            until = time.monotonic() + within_s
         if time.monotonic() > until:
             os.killpg(child, signal.SIGKILL)
             _, status = os.waitpid(child, 0)
-            break
+            return os.waitstatus_to_exitcode(status)
         time.sleep(LOOK_EVERY_S)
         ended, status = os.waitpid(child, os.WNOHANG)
-    else:
-        _end_group(child)
+    _end_group(child)
     return os.waitstatus_to_exitcode(status)
 
 
@@ -234,7 +239,9 @@ def _end_group(leader: int) -> None:
         return
 
 
-def _fork(session: pytest.Session, items: Timed, folder: Path, become: Become) -> None:
+def _fork(
+    session: pytest.Session, items: Timed, folder: Path, become: Become, beating: int
+) -> None:
     """Be a mutant, run its tests, and say by the exit status whether one of them failed."""
     status = UNFIT
     try:
@@ -242,7 +249,7 @@ def _fork(session: pytest.Session, items: Timed, folder: Path, become: Become) -
         used = resource.getrlimit(resource.RLIMIT_AS)
         resource.setrlimit(resource.RLIMIT_AS, (_size() + MORE_BYTES, used[1]))
         until = become()
-        status = 3 if until is None else _first_failure(session, items, until)
+        status = 3 if until is None else _first_failure(session, items, until, beating)
     except BaseException:
         traceback.print_exc()
         raise
@@ -256,8 +263,9 @@ def _size() -> int:
     return int(pages) * resource.getpagesize()
 
 
-def _first_failure(session: pytest.Session, items: Timed, until: float) -> int:
+def _first_failure(session: pytest.Session, items: Timed, until: float, beating: int) -> int:
     for item, following in _in_turn([item for item, _ in items]):
+        os.write(beating, b".")
         _run(item, following)
         if session.testsfailed:
             return 1

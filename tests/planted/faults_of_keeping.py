@@ -88,4 +88,22 @@ OF_KEEPING = (
             f"{SECOND_PERSON}::test_an_agreement_is_good_for_five_minutes_since_it_was_asked_for",
         ),
     ),
+    Fault(
+        name="I16 what was agreed to is not compared at all",
+        file="pipeline/consent.py",
+        guard="if not theirs or request.act.command != text or request.act.digest != act:",
+        without="if not theirs:",
+        caught_by=(
+            "tests/rooms/pipeline/test_agreed_acts.py::test_an_agreement_counts_for_its_own_act_alone",
+        ),
+    ),
+    Fault(
+        name="I16 what was agreed to for one is done for another",
+        file="pipeline/consent.py",
+        guard="        if not theirs or request",
+        without="        if request",
+        caught_by=(
+            "tests/rooms/pipeline/test_agreed_acts.py::test_an_agreement_counts_for_whoever_asked_for_it_alone",
+        ),
+    ),
 )

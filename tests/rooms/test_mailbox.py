@@ -119,6 +119,84 @@ async def test_what_waits_too_long_is_told_when_it_happens() -> None:
     assert bench.mailbox.next() is None
 
 
+async def test_an_order_is_good_until_its_last_moment_and_every_later_one_is_watched_too() -> None:
+    bench = Bench(Busy.QUEUE)
+    bench.busy()
+    for _ in range(3):
+        waiting = bench.entry()
+        bench.mailbox.put(waiting)
+        left_s = (waiting.order.deadline_ns - bench.clock.monotonic_ns()) / 1e9
+        await bench.clock.advance(left_s)
+        assert waiting.voided == "", "this is the moment until which it is good"
+        await bench.clock.advance(0.02)
+        assert waiting.voided
+        assert len(bench.mailbox) == 0
+
+
+def watches() -> int:
+    return sum(
+        getattr(task.get_coro(), "__qualname__", "") == "Mailbox._expire"
+        for task in asyncio.all_tasks()
+    )
+
+
+class Patient(ManualClock):
+    """Counts how often somebody goes to sleep."""
+
+    sleeps = 0
+
+    async def sleep(self, seconds: float) -> None:
+        self.sleeps += 1
+        await super().sleep(seconds)
+
+
+async def test_who_watches_what_waits_is_one_and_is_woken_for_a_reason_only() -> None:
+    bench = Bench(Busy.QUEUE, queue_length=10)
+    bench.clock = clock = Patient()
+    bench.mailbox = Mailbox(bench.robot, clock)
+    bench.busy()
+    now_ns, wall_ns = clock.monotonic_ns(), clock.wall_ns()
+    waiting = [bench.entry() for _ in range(5)]
+    for number, entry in enumerate(waiting):
+        lasts_ns = (5 - number) * 100_000_000_000
+        entry.order = replace(
+            entry.order, deadline_ns=now_ns + lasts_ns, expires_ns=wall_ns + lasts_ns
+        )
+        bench.mailbox.put(entry)
+    await settle()
+    assert watches() == 1
+    await clock.advance(100.02)
+    assert [bool(entry.voided) for entry in waiting] == [False, False, False, False, True]
+    before = clock.sleeps
+    await clock.advance(99.0)
+    assert clock.sleeps == before, "the next order is good for another second"
+    await clock.advance(400.0)
+    assert all(entry.voided for entry in waiting)
+    assert watches() == 0
+
+
+def test_only_a_robot_that_refuses_and_is_at_work_is_not_free() -> None:
+    free = Bench(Busy.REFUSE)
+    free.mailbox.check_free()
+    queues = Bench(Busy.QUEUE)
+    queues.busy()
+    queues.mailbox.check_free()
+    refuses = Bench(Busy.REFUSE)
+    refuses.busy()
+    with pytest.raises(RobotBusy):
+        refuses.mailbox.check_free()
+
+
+async def test_what_is_under_way_is_replaced_once() -> None:
+    bench = Bench(Busy.REPLACE)
+    assert not bench.mailbox.replace()
+    bench.mailbox.running = running = asyncio.ensure_future(asyncio.Event().wait())  # type: ignore[assignment]
+    assert bench.mailbox.replace()
+    assert not bench.mailbox.replace(), "its coming to rest is not cut short"
+    await asyncio.wait((running,))
+    assert running.cancelled()
+
+
 async def test_a_stop_voids_what_waits_and_nothing_that_came_later() -> None:
     bench = Bench(Busy.QUEUE)
     bench.busy()

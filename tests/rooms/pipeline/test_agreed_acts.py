@@ -290,6 +290,19 @@ async def test_an_agreement_counts_for_its_own_act_alone() -> None:
         assert not Noting.done
 
 
+async def test_an_agreement_counts_for_whoever_asked_for_it_alone() -> None:
+    """Even if its number came to stand in a button of somebody else's."""
+    async with lab(rules(SECOND)) as place:
+        await asks(place, "omni move 1 m")
+        await place.tap(*place.button("I agree"))
+        button, under = place.button("Do it")
+        bound = place.gateway.rooms.authoriser.buttons._bound
+        bound[button.nonce] = replace(bound[button.nonce], principal=who(place, "Ada"))
+        told = await place.tap(button, under, account=ADA)
+        assert told == "That was agreed to for something else. Nothing was done."
+        assert not Noting.done
+
+
 async def test_a_button_that_was_bound_to_nothing_moves_nothing() -> None:
     """What was forgotten to be bound is refused, and not done as it comes (I18)."""
     async with lab(rules()) as place:

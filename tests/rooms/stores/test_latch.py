@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import os
+import threading
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,7 +16,6 @@ from rosic.stores.latch import FileLatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
 ROOM = 8
 NAME, STATE = slots.name_offset(1), slots.state_offset(1, ROOM)
@@ -39,6 +40,7 @@ def test_the_file_is_whole_and_private_from_the_start(tmp_path: Path) -> None:
     path = tmp_path / "data" / "latch"
     assert FileLatch(path).read() == {}
     assert path.stat().st_mode & 0o777 == 0o600
+    assert path.parent.stat().st_mode & 0o777 == 0o700
     assert path.stat().st_size == len(slots.empty_file(4096))
     assert path.stat().st_blocks * 512 >= path.stat().st_size, "blocks that are really there"
 
@@ -298,6 +300,62 @@ async def test_a_disk_that_does_not_confirm_a_stop_is_said(tmp_path: Path) -> No
     with pytest.raises(StoreFault, match="could not be kept on disk"):
         await latch.write("omni", 1, latched=True)
     await latch.close()
+
+
+def opened(path: Path) -> int:
+    """Return how often this process has a file open."""
+    return sum(
+        link.exists() and link.resolve() == path.resolve()
+        for link in Path("/proc/self/fd").iterdir()
+    )
+
+
+async def test_closing_keeps_what_was_asked_for_before_and_leaves_nothing_open(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "latch"
+    latch = FileLatch(path, robots_max=ROOM)
+    latch.read()
+    writing = [
+        asyncio.create_task(latch.write(f"robot{number}", 1, latched=True)) for number in range(4)
+    ]
+    await asyncio.sleep(0)
+    await latch.close()
+    assert opened(path) == 0
+    assert not [thread for thread in threading.enumerate() if thread.name == "rosic-latch"]
+    await asyncio.gather(*writing)
+    assert FileLatch(path, robots_max=ROOM).read() == {f"robot{n}": (1, True) for n in range(4)}
+
+
+async def test_a_latch_that_was_only_read_is_closed_too(tmp_path: Path) -> None:
+    latch = FileLatch(tmp_path / "latch")
+    latch.read()
+    assert opened(tmp_path / "latch") == 1
+    await latch.close()
+    await latch.close()
+    assert opened(tmp_path / "latch") == 0
+
+
+async def test_a_stop_that_comes_after_closing_is_kept_all_the_same(tmp_path: Path) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.close()
+    await latch.write("omni", 4, latched=True)
+    await latch.close()
+    assert FileLatch(tmp_path / "latch").read()["omni"] == (4, True)
+
+
+async def test_a_stop_overwrites_the_place_of_its_own_robot_only(tmp_path: Path) -> None:
+    """What another place says on disk is not said anew by somebody who has nothing to say."""
+    path = tmp_path / "latch"
+    latch = await a_latch(path)
+    before = path.read_bytes()
+    other = slots.State("kuka1", 9, latched=True)
+    damage(path, lambda content: content.__setitem__(slice(STATE, STATE + 64),
+                                                     slots.pack_state(other)))  # fmt: skip
+    await latch.write("omni", 4, latched=True)
+    await latch.close()
+    assert path.read_bytes() != before
+    assert FileLatch(path).read() == {"omni": (4, True), "kuka1": (9, True)}
 
 
 def test_a_folder_that_cannot_be_written_is_said(tmp_path: Path) -> None:
