@@ -27,7 +27,7 @@ LIFETIME_NS = 60_000_000_000
 # whoever taps it has typed it.
 STOP_PREFIX = "stop "
 # A menu moves nothing, so whoever reads before they tap may be late.
-MENU = ("?", "use ", "/use ", "robots", "undo ")
+MENU = ("?", "use ", "/use ", "robots", "undo ", "help ")
 MENU_LIFETIME_NS = 600_000_000_000
 
 

@@ -15,16 +15,12 @@ if TYPE_CHECKING:
     from rosic.core.robot import Presence, Profile
     from rosic.core.skill import Parameter, Skill
 
-HELP = said(
-    "Say what a robot should do, for example:\n{examples}\nSay stop at any time: "
-    "whatever you may see, you may stop.\nAlso: status, use NAME (then its name may "
-    "be left out), resume NAME (after a stop), help NAME."
+HELP = said("Say what a robot should do, for example:\n{examples}")
+HELP_LOOK = said("You may look at robots here. What you lack, ask for: /ask")
+HELP_STOP = said(
+    "Say stop at any time: whatever you may see, you may stop. A robot's name alone shows its "
+    "buttons."
 )
-
-HELP_TIMES = said("Times of your own: /slots, /book, /wish, /wait, /cancel.")
-HELP_RIGHTS = said("What you may do: /me, /role. What you lack: /ask.")
-HELP_PEOPLE = said("Who looks after people: /people, /invite, /grant, /revoke, /lock, /security.")
-HELP_PLANS = said("Who decides on times: /plan.")
 
 # The texts of the paper's Algorithm 7.
 MAY_COMMAND = said("You have permission to send and receive commands.")
@@ -55,9 +51,9 @@ def help_for_all(examples: Sequence[str]) -> str:
     return filled(HELP, examples="\n".join(f"  {example}" for example in examples))
 
 
-def help_for(profile: Profile) -> str:
-    """Return what one robot can do."""
-    lines: list[str] = [said("{shown} can:", shown=profile.shown)]
+def help_for(profile: Profile, shown: str = "") -> str:
+    """Return what one robot can do, or several that can do the same."""
+    lines: list[str] = [said("{shown} can:", shown=shown or profile.shown)]
     for skill in profile.skills.values():
         wanted = joined(", ", (parameter_hint(n, p) for n, p in skill.parameters.items()))
         lines.append(
@@ -114,6 +110,25 @@ def status_line(
     profile: Profile, presence: Presence, *, holder: str, stopped_by: str | None, waiting: int
 ) -> str:
     """Return one robot's state in one line."""
+    parts = _state(presence, holder, stopped_by)
+    if waiting:
+        parts.append(said("{waiting} waiting", waiting=waiting))
+    parts.extend(_values(profile, presence.values))
+    return joined(
+        "", (joined("", (profile.shown, ": ")), joined(" · ", (part for part in parts if part)))
+    )
+
+
+def robot_line(profile: Profile, presence: Presence, holder: str, stopped_by: str | None) -> str:
+    """Return one robot of a list: what it is called, what to say, and whether it can be had."""
+    typed = profile.shown.casefold() == profile.id
+    name = profile.shown if typed else said("{shown} ({id})", shown=profile.shown, id=profile.id)
+    return joined(
+        "", (name, ": ", joined(" · ", filter(None, _state(presence, holder, stopped_by))))
+    )
+
+
+def _state(presence: Presence, holder: str, stopped_by: str | None) -> list[str]:
     parts = [_link(presence)]
     if stopped_by is not None:
         parts.append(
@@ -126,12 +141,7 @@ def status_line(
     elif presence.at_rest:
         parts.append(said("at rest"))
     parts.append(said("taken by {holder}", holder=holder) if holder else said("free"))
-    if waiting:
-        parts.append(said("{waiting} waiting", waiting=waiting))
-    parts.extend(_values(profile, presence.values))
-    return joined(
-        "", (joined("", (profile.shown, ": ")), joined(" · ", (part for part in parts if part)))
-    )
+    return parts
 
 
 def _link(presence: Presence) -> str:

@@ -12,14 +12,13 @@ from rosic.contracts.messenger import Messenger
 from rosic.core import words
 from rosic.core.language import Help, Line, Start, Status, Use
 from rosic.core.message import Attachment, Button, Chat
-from rosic.core.reach import FLEET
-from rosic.core.robot import Slots
 from rosic.core.saying import joined, said
 from rosic.pipeline.earlier import Earlier
+from rosic.pipeline.help_menu import HelpMenu
 from rosic.pipeline.replies import ASK_FIRST, PREVIOUS, TRAIL
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
 
     from rosic.core.identity import Caller, PrincipalId
     from rosic.core.robot import Profile, RobotId
@@ -33,7 +32,6 @@ BUTTONS_A_ROW = 3
 LETTERS_A_ROW = 36
 # What stands between a robot and a skill in a link; Telegram allows no dot there.
 LINKED = "__"
-EXAMPLES = 3
 WHICH = said("Which robot?")
 NONE_CHOSEN = said("No robot is chosen now. Say its name with each command.")
 NOT_THE_LAST = said("Something else was chosen here since. Nothing was changed.")
@@ -73,6 +71,7 @@ class Desk:
         self._board = rooms.board
         self._profiles = rooms.profiles
         self._choosing = choosing
+        self._help_menu = HelpMenu(rooms)
         self._earlier = Earlier()
         reception.office.employ("undo", self.undo)
 
@@ -88,26 +87,26 @@ class Desk:
             return Reply(self._states(line.robots or sorted(visible)))
         if isinstance(line, Use):
             return self._use(caller, chat, line)
-        if isinstance(line, Help) and line.topic:
-            topics = [self._profiles[robot] for robot in self.members(line.topic)]
-            return Reply(joined("\n", (words.help_for(p) for p in topics if p.id in visible)))
         if isinstance(line, Help):
-            general = words.help_for_all(self._examples(visible))
-            lines = (general, *self._beside(caller.principal, visible))
-            return Reply(joined("\n", lines), self._robots(visible))
-        return Reply(_which(visible), self._robots(visible))
+            return self._help(caller, line.topic, visible)
+        listed = [self._listed(robot) for robot in sorted(visible)[: words.NAMED_AT_MOST]]
+        return Reply(joined("\n", (*listed, _which(visible))), self._robots(visible))
 
-    def _beside(self, principal: PrincipalId, visible: frozenset[RobotId]) -> Iterator[str]:
-        """Yield what somebody can ask for beside orders."""
-        organiser = self._organiser
-        booked = (r for r in visible if self._profiles[r].slots is not Slots.NONE)
-        if any(organiser.why_not_move(principal, robot) is None for robot in booked):
-            yield words.HELP_TIMES
-        yield words.HELP_RIGHTS
-        if organiser.allows(principal, FLEET, "people"):
-            yield words.HELP_PEOPLE
-        if organiser.allows(principal, FLEET, "slots"):
-            yield words.HELP_PLANS
+    def _help(self, caller: Caller, topic: str, visible: frozenset[RobotId]) -> Reply:
+        principal = caller.principal
+        members = [robot for robot in self.members(topic) if robot in visible]
+        if not members:
+            text, sections = self._help_menu.overview(principal, visible)
+            page = self._help_menu.section(topic, principal, visible)
+            return Reply(page or text, (*rows(sections), *self._robots(visible)))
+        if members == [topic]:
+            profile = self._profiles[topic]
+            return Reply(words.help_for(profile), self._skills(principal, profile), about=topic)
+        kinds: dict[frozenset[str], list[Profile]] = {}
+        for profile in map(self._profiles.__getitem__, members):
+            kinds.setdefault(frozenset(profile.skills), []).append(profile)
+        each = (words.help_for(k[0], ", ".join(p.shown for p in k)) for k in kinds.values())
+        return Reply(joined("\n", each), self._robots(members), about=topic)
 
     def _linked(
         self, caller: Caller, chat: Chat, line: Start, visible: frozenset[RobotId]
@@ -174,6 +173,13 @@ class Desk:
             stopped_by=by,
             waiting=self._linker.waiting(robot),
         )
+
+    def _listed(self, robot: RobotId) -> str:
+        holder, stopped = self._organiser.whose(robot), self._board[robot]
+        name_of = self._organiser.name_of
+        by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None
+        held = name_of(holder) if holder else ""
+        return words.robot_line(self._profiles[robot], self._linker.presence(robot), held, by)
 
     def _use(self, caller: Caller, chat: Chat, line: Use) -> Reply:
         before = self._chosen(caller.principal, chat)
@@ -247,21 +253,6 @@ class Desk:
     def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:
         some = sorted(visible)[: words.NAMED_AT_MOST]
         return rows([Button(self._profiles[r].shown, f"use {r}") for r in some])
-
-    def _examples(self, visible: Iterable[RobotId]) -> list[str]:
-        examples: list[str] = []
-        known: set[frozenset[str]] = set()
-        for robot in sorted(visible):
-            kind = frozenset(self._profiles[robot].skills)
-            if kind in known:
-                continue  # one of each kind of robot
-            known.add(kind)
-            for skill in self._profiles[robot].skills.values():
-                given = [p for p in skill.parameters.values() if p.default is None]
-                if not given:
-                    examples.append(f"{robot} {words.spoken(skill)}")
-                    break
-        return examples[:EXAMPLES]
 
 
 def _which(visible: frozenset[RobotId]) -> str:

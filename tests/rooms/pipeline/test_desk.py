@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
-from tests.rooms.pipeline.place import BO, VI, Place
+from tests.rooms.pipeline.place import ADA, BO, VI, Place
 
 
 async def test_status_says_who_has_what_and_what_it_does() -> None:
@@ -48,17 +48,57 @@ async def test_help_names_skills_and_bounds() -> None:
         assert "Say stop at any time" in await place.say("help")
 
 
-async def test_help_names_what_can_be_asked_for_beside_orders_by_whoever_may() -> None:
+PAGES = ("move", "see", "share", "fleet", "alarms")
+
+
+async def test_help_is_a_menu_of_what_one_may_and_has_no_empty_line() -> None:
     async with Place().open() as place:
-        admins = await place.say("help")
-        assert all(verb in admins for verb in ("/book", "/wish", "/role", "/ask", "/plan", "/lock"))
-        operators = await place.say("help", account=BO, chat=BO)
-        assert all(verb in operators for verb in ("/book", "/wish", "/role", "/ask"))
-        assert "/plan" not in operators
-        assert "/people" not in operators
-        viewers = await place.say("help", account=VI, chat=VI)
-        assert "/ask" in viewers
-        assert "/wish" not in viewers, "they move nothing"
+        pages: dict[str, str] = {}
+        for who in (ADA, BO, VI):
+            told = [await place.say(f"help {page}", account=who, chat=who) for page in ("", *PAGES)]
+            for text in told:
+                assert all(line.strip() for line in text.splitlines()), text
+                assert not text.rstrip().endswith(":"), text
+            pages[who] = "\n".join(told)
+        wanted = ("/book", "/wish", "/role", "/ask", "/plan", "/lock", "/fleet", "/task", "/alerts")
+        assert all(verb in pages[ADA] for verb in wanted)
+        assert all(verb in pages[BO] for verb in ("/book", "/wish", "/role", "/ask"))
+        assert "/plan" not in pages[BO]
+        assert "/people" not in pages[BO]
+        assert "/ask" in pages[VI]
+        assert "/wish" not in pages[VI], "they move nothing"
+        assert "move 0.5 m" not in pages[VI]
+        await place.say("help")
+        labels = [button.label for row in place.last()[1].buttons for button in row]
+        assert labels[:5] == ["Move", "See", "Share", "Fleet", "Alarms"]
+        await place.tap(*place.button("Alarms"))
+        assert place.last()[1].text.startswith("Alarms:")
+
+
+async def test_examples_of_help_may_be_sent_as_they_are() -> None:
+    async with Place().open() as place:
+        told = await place.say("help move") + await place.say("help fleet")
+        examples = [line.strip() for line in told.splitlines() if line.startswith(("  cf", "  sw"))]
+        assert examples == ["cf1 move 0.5 m", "swarm move 0.5 m"]
+        for example in examples:
+            assert "moved" in await place.say(example) or place.acted("cf1")
+        assert place.acted("cf1") == 2
+
+
+async def test_robots_lists_them_and_a_name_alone_shows_its_buttons() -> None:
+    async with Place().open() as place:
+        await place.say("stop kuka1")
+        told = await place.say("robots")
+        assert "kuka1: stopped by you · free" in told or "kuka1: stopped by Ada · free" in told
+        assert "omni: at rest · free" in told
+        await place.say("omni")
+        shown = place.last()[1]
+        labels = [button.label for row in shown.buttons for button in row]
+        assert shown.text.startswith("omni can:")
+        assert {"Move", "Wave", "STOP"} <= set(labels)
+        told = await place.say("swarm")
+        assert told.startswith("cf1, cf2 can:")
+        assert told.count("can:") == 1
 
 
 async def test_a_robots_own_words_reach_whoever_spoke_to_it_last_and_are_inert() -> None:

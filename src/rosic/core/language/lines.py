@@ -53,7 +53,7 @@ class Help(msgspec.Struct, frozen=True):
     """What can be said? A robot's or a group's name alone asks this of it.
 
     Attributes:
-        topic: A robot's id, a group's name, or empty.
+        topic: A robot's id, a group's name, one of `words.HELP_PAGES`, or empty.
     """
 
     topic: str = ""

@@ -23,7 +23,7 @@ from rosic.core.language.misunderstanding import Misunderstanding
 from rosic.core.language.stopping import hears_stop
 from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.language.vocabulary import Callee, Vocabulary
-from rosic.core.language.words import ERRANDS, EVERYTHING, FILLERS, NOTHING
+from rosic.core.language.words import ERRANDS, EVERYTHING, FILLERS, HELP_PAGES, NOTHING
 from rosic.core.order import Spoken
 
 if TYPE_CHECKING:
@@ -298,6 +298,8 @@ class LineReader:
         if callee is not None or at == len(self._low):
             return Help(callee.name if callee is not None else "")
         named, _ = self._callee(at)
+        if named is None and self._low[at] in HELP_PAGES:
+            return Help(self._low[at])
         return Help(named.name) if named is not None else self._trouble().no_such_robot(at)
 
     def robots(self, _: Callee | None, __: int) -> Line:

@@ -18,6 +18,9 @@ ERRANDS = frozenset(
     }
 )  # fmt: skip
 
+# What help has a page of.
+HELP_PAGES = frozenset({"alarms", "fleet", "move", "see", "share"})
+
 # What people say instead, and what is offered to them.
 HINTS: dict[str, str] = {
     "?": "help",
