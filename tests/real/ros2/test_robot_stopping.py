@@ -37,6 +37,8 @@ FAR: dict[str, Argument] = {"direction": "forward", "distance": 4.0, "speed": 0.
 NEAR: dict[str, Argument] = {"direction": "back", "distance": 0.5, "speed": 0.25}
 ODOMETRY = "nav_msgs/msg/Odometry"
 AT_REST_M_S = 0.005
+FAST_M_S = 0.3
+TRIES = 5
 
 
 pytestmark = pytest.mark.usefixtures("omni")
@@ -99,6 +101,21 @@ async def moving(robot: TriedRobot) -> asyncio.Task[Outcome]:
     await until(lambda: robot.presence().at_rest is False or task.done())
     assert not task.done(), task
     return task
+
+
+async def moving_fast(robot: TriedRobot, odometry: Latest) -> asyncio.Task[Outcome]:
+    """Return a motion that somebody else sees at speed; one that ended unseen is made again.
+
+    Where the processors are busy, they may see none of it until it is over.
+    """
+    for _ in range(TRIES):
+        task = await moving(robot)
+        async with asyncio.timeout(60 * pace()):
+            while speed_m_s(odometry) <= FAST_M_S and not task.done():  # noqa: ASYNC110
+                await asyncio.sleep(0.01)
+        if not task.done():
+            return task
+    pytest.fail(f"{TRIES} motions ended before anybody saw them at speed")
 
 
 async def test_what_is_done_is_what_was_measured(clock: SystemClock, odometry: Latest) -> None:
@@ -172,8 +189,7 @@ async def test_a_measuring_of_the_watchdog_that_is_called_off_ends_at_rest(
 
 async def test_a_stop_is_confirmed_only_at_rest(clock: SystemClock, odometry: Latest) -> None:
     async with opened(shipped("omni"), clock) as robot:
-        running = await moving(robot)
-        await until(lambda: speed_m_s(odometry) > 0.3)
+        running = await moving_fast(robot, odometry)
         rest = await robot.stop(Stop("omni", 1))
         standing = await stands(odometry)
         at = x_m(odometry)

@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 
 Found = TypeVar("Found")
 
-WITHIN_S: Final = 45.0
-"""On the play's clock. Nothing in a play takes half as long."""
+WITHIN_S: Final = 180.0
+"""On the play's clock, which may be four times as fast as the machine's. Nothing in a play takes
+half a minute, but a busy machine may take several times as long."""
 BEAT_S: Final = 0.8
 READ_S: Final = 0.02
 """For each letter of what an onlooker says, before somebody acts."""
