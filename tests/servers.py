@@ -31,7 +31,10 @@ class Need(NamedTuple):
     what_for: str
 
 
-NEEDS: Final = (Need("faketime", "faketime", "tests under another date"),)
+NEEDS: Final = (
+    Need("gcc", "gcc", "ROS 2 interfaces, and tests under another date"),
+    Need("g++", "g++", "ROS 2 interfaces"),
+)
 
 _QUIETLY: Final = ("-qq", "-o", "Acquire::Retries=3", "-o", "DPkg::Lock::Timeout=120")
 _APT: Final = (

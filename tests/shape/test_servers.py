@@ -79,7 +79,8 @@ def test_what_cannot_be_installed_is_said_in_one_sentence(
 ) -> None:
     done = servers(tmp_path, then)
     assert done.returncode == 1
-    assert done.stderr.startswith("Not installed: faketime (for tests under another date): ")
+    wanting = ", ".join(f"{need.command} (for {need.what_for})" for need in NEEDS)
+    assert done.stderr.startswith(f"Not installed: {wanting}: ")
     assert done.stderr.endswith(why + "\n")
     assert done.stderr.count("\n") == 1
 

@@ -24,7 +24,10 @@ print(SystemClock().monotonic_ns() - time.monotonic_ns(), SystemClock().monotoni
 def _may_sleep() -> bool:
     if shutil.which("unshare") is None:
         return False
-    tried = subprocess.run((*ASLEEP, "true"), capture_output=True, check=False)  # noqa: S603
+    # As another user in there, this one may not reach an interpreter below a folder that is closed.
+    tried = subprocess.run(  # noqa: S603
+        (*ASLEEP, sys.executable, "-c", ""), capture_output=True, check=False
+    )
     return tried.returncode == 0
 
 

@@ -93,6 +93,11 @@ class Gateway:
         await self.until(lambda: len(self.heard) >= count)
         return self.heard
 
+    async def hears(self, text: str) -> Inbound:
+        """Wait until a message has been handed over, and return it as it came first."""
+        await self.until(lambda: text in self.texts)
+        return self.heard[self.texts.index(text)]
+
     def let_pass(self, seconds: float) -> None:
         """Let time pass on both sides."""
         self.clock.passed_s += seconds
