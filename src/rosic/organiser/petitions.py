@@ -76,6 +76,8 @@ class Petition(msgspec.Struct, frozen=True, kw_only=True):
         asked_ns: Wall clock.
         settled_ns: Wall clock; 0 while it is open.
         by: Who answered.
+        digest: Of what it would give when it was asked; whoever allows it, allows that. Empty in
+            what versions before this one wrote: nobody can allow that any more.
     """
 
     id: str
@@ -85,6 +87,7 @@ class Petition(msgspec.Struct, frozen=True, kw_only=True):
     state: State = State.OPEN
     settled_ns: int = 0
     by: PrincipalId = ""
+    digest: bytes = b""
 
     @property
     def lapses_ns(self) -> int:
@@ -132,8 +135,15 @@ class Petitions:
 
     # ---- asking ----
 
-    def ask(self, principal: PrincipalId, want: Want) -> tuple[Petition, tuple[Record, ...]]:
+    def ask(
+        self, principal: PrincipalId, want: Want, digest: bytes
+    ) -> tuple[Petition, tuple[Record, ...]]:
         """Return a new petition, and the records that open it.
+
+        Args:
+            principal: Who asks.
+            want: For what.
+            digest: Of what that would give now.
 
         Raises:
             OutOfBounds: For no time, or for longer than anything is given on request.
@@ -148,7 +158,7 @@ class Petitions:
         self._check_often(mine, now_ns)
         petition = Petition(
             id=f"a{self._entropy.token(_ID_BYTES).hex()}", principal=principal, want=want,
-            asked_ns=now_ns,
+            asked_ns=now_ns, digest=digest,
         )  # fmt: skip
         return petition, self._records(petition, "ask", principal)
 

@@ -36,7 +36,7 @@ class Book:
                 self.petitions.apply(record)
 
     def asks(self, principal: str, want: Want = WAVE) -> Petition:
-        petition, records = self.petitions.ask(principal, want)
+        petition, records = self.petitions.ask(principal, want, b"what it gives")
         self.write(*records)
         return petition
 
@@ -78,7 +78,7 @@ async def test_all_of_it_outlives_a_restart_and_is_forgotten_in_the_end() -> Non
     again = book.restarted()
     assert again.open() == (open_one,)
     with pytest.raises(TooManyRequests, match="The answer to that was no"):
-        again.ask("p1", WAVE)
+        again.ask("p1", WAVE, b"")
     assert book.petitions.stale() == ()
     await book.clock.advance(REMEMBERED_S)
     book.write(*book.petitions.stale())
@@ -89,7 +89,7 @@ async def test_another_length_is_the_same_question_and_another_robot_is_not() ->
     book = Book()
     book.asks("p1")
     with pytest.raises(TooManyRequests, match="I have asked that for you already") as refused:
-        book.petitions.ask("p1", Want(robot="omni", skill="wave", lasts_s=60.0))
+        book.petitions.ask("p1", Want(robot="omni", skill="wave", lasts_s=60.0), b"")
     assert refused.value.retry_after_s == WAITS_S
     book.asks("p1", Want(robot="kuka1", skill="wave", lasts_s=60.0))
     book.asks("p2")
@@ -100,13 +100,13 @@ async def test_there_is_a_bound_on_everybody_together() -> None:
     for number in range(MOST_OF_ALL):
         book.asks(f"p{number}")
     with pytest.raises(TooManyRequests, match="Too many people ask"):
-        book.petitions.ask("another", WAVE)
+        book.petitions.ask("another", WAVE, b"")
 
 
 @pytest.mark.parametrize("lasts_s", [0.0, -5.0, 29.0, LONGEST_S + 1, float("inf"), float("nan")])
 def test_nothing_is_asked_for_no_time_or_for_ever(lasts_s: float) -> None:
     with pytest.raises(OutOfBounds):
-        Book().petitions.ask("p1", Want(robot="omni", skill="wave", lasts_s=lasts_s))
+        Book().petitions.ask("p1", Want(robot="omni", skill="wave", lasts_s=lasts_s), b"")
 
 
 def test_what_cannot_be_read_gives_nobody_anything() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
 import msgspec
@@ -14,6 +15,7 @@ from rosic.core.language import Vocabulary, clean
 from rosic.core.language.cleaning import fold_word
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.robot import RobotId
+from rosic.core.roles import chains
 from rosic.core.words import spoken
 from rosic.errors import NotUnderstood
 from rosic.organiser.petitions import Want
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from rosic.core.skill import Skill
 
 LASTS_S: Final = 3600.0
+DIGEST_BYTES: Final = 16
 LONGEST_LINE: Final = 200
 _FOR: Final = "for"
 
@@ -92,6 +95,17 @@ class Places(msgspec.Struct, frozen=True, kw_only=True):
             for skill in _moving(rights, robot)
             if role in rights.roles_giving(robot, skill)
         ]
+
+    def digest(self, rights: Rights, given: Given) -> bytes:
+        """Return what stands for all that would be given: over which robots, with which limits."""
+        roles = rights.rulebook.roles
+        met = {name for role in given.roles for chain in chains(roles, role) for name in chain.via}
+        held = [(name, roles[name]) for name in sorted(met)]
+        where = given.robots or tuple(scope.partition(":")[0] for scope in given.scopes)
+        fleet = rights.fleet
+        robots = [(r, sorted(fleet.skills[r])) for name in where for r in fleet.robots(name)]
+        said = repr((given, held, robots)).encode("utf-8", "replace")
+        return blake2b(said, digest_size=DIGEST_BYTES).digest()
 
     def skill(self, robots: Sequence[RobotId], said: str) -> str | None:
         """Return the skill that all of these robots have under what was said."""

@@ -78,9 +78,11 @@ class Petitioning:
             return Reply(words.how_to_ask())
         principal = asked.caller.principal
         want = want_of(asked, self._registry.rights(), self._places)
-        self._check_lacking(principal, self._places.given(want))
+        given = self._places.given(want)
+        self._check_lacking(principal, given)
+        digest = self._places.digest(self._registry.rights(), given)
         async with self._registry.changes.turn() as turn:
-            petition, records = self._petitions.ask(principal, want)
+            petition, records = self._petitions.ask(principal, want, digest)
             others = self._answerers(petition)
             if not others:
                 raise NotPermitted(words.nobody_gives())
@@ -124,6 +126,7 @@ class Petitioning:
         given = self._places.given(petition.want)
         async with self._registry.changes.turn() as turn:
             self._check(by, petition)
+            self._check_same(petition)
             until_ns = self._powers.gives_until_ns(by, given, wanted_ns)
             grant, records = self._granting.granted(petition.principal, given, until_ns, by)
             await turn.write((*self._petitions.allow(petition, by), *records))
@@ -187,6 +190,20 @@ class Petitioning:
         if not self._powers.acts(petition.principal):
             raise NotPermitted(words.no_access(self._registry.name(petition.principal)))
 
+    def _is_same(self, petition: Petition) -> bool:
+        """Whether what was asked for still is what it was (I16)."""
+        given, rights = self._places.given(petition.want), self._registry.rights()
+        return petition.digest == self._places.digest(rights, given)
+
+    def _check_same(self, petition: Petition) -> None:
+        """See that what somebody allows is what they were asked about.
+
+        Raises:
+            Expired: It would give something else by now.
+        """
+        if not self._is_same(petition):
+            raise Expired(words.is_something_else(self._registry.name(petition.principal)))
+
     def _meant(self, by: PrincipalId, said: str) -> Answer | None:
         first, _, how = said.strip().partition(" ")
         known = self._petitions.get(first)
@@ -226,13 +243,19 @@ class Petitioning:
         """
         async with self._registry.changes.turn() as turn:
             late = self._petitions.late()
-            await turn.write((*map(self._petitions.lapse, late), *self._petitions.stale()))
+            void = tuple(p for p in self._petitions.open() if not self._is_same(p))
+            settled = map(self._petitions.lapse, (*late, *void))
+            await turn.write((*settled, *self._petitions.stale()))
         for petition in late:
             others, what = self._answerers(petition), self._asked_for(petition)
             names = self._names(others)
             asker = petition.principal
             self._registry.reach.tell((asker,), words.nobody_answered(what, names))
             self._registry.reach.tell(others, words.lapsed(self._registry.name(asker), what))
+        for petition in void:
+            self._registry.reach.tell(
+                (petition.principal,), words.ask_anew(self._asked_for(petition))
+            )
 
     # ---- lists ----
 

@@ -99,6 +99,24 @@ def allow_today_label(name: str = "") -> str:
     return said("Allow {name} today", name=name) if name else said("Allow today")
 
 
+def is_something_else(name: str) -> str:
+    """Return that what somebody was asked about is not what it was."""
+    return said(
+        "The roles or robots that {name} asked about have changed since, so that was not given. "
+        "{name} can ask again.",
+        name=name,
+    )
+
+
+def ask_anew(what: str) -> str:
+    """Return the same to whoever asked."""
+    return said(
+        "What you asked for is void: {what}. The roles or robots, or ROSIC itself, have changed "
+        "since. Ask again if you still want it.",
+        what=what,
+    )
+
+
 def no_label(name: str = "") -> str:
     """Return the label of the third button."""
     return said("Not {name}", name=name) if name else said("No")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.authoriser.invitation import Given
 from rosic.organiser.petitions import MOST_AN_HOUR, MOST_OPEN
@@ -346,3 +347,42 @@ async def test_a_gap_in_listening_voids_what_moves_but_not_an_answer_to_a_questi
         assert (await place.press(ADA, "Allow 1 h")).startswith("Vi may now")
         told = await place.press(EVE, "No")
         assert told == "Ada allowed that already. Nothing was done."
+
+
+async def test_what_is_allowed_is_what_was_asked_about() -> None:
+    """A role that has grown since, a robot that has come into a group: it has to be asked anew."""
+    async with house() as place:
+        await place.line(VI, "/ask kuka1 for 30 min")
+        [petition] = place.gateway.access.petitions.open()
+        role = petition.want.role
+        rolebook = place.gateway.authority.rolebook
+        roles = rolebook.rulebook.roles
+        wider = {**roles, role: replace(roles[role], scopes=(*roles[role].scopes, "*:*"))}
+        rolebook.rulebook = replace(rolebook.rulebook, roles=wider)
+        place.gateway.authority.draw_up()
+        place.gateway.authority.moved()
+        assert await place.press(ADA, "Allow 30 min") == (
+            "The roles or robots that Vi asked about have changed since, so that was not given. "
+            "Vi can ask again."
+        )
+        assert not place.gateway.authority.roster.grants_of(petition.principal)[1:]
+        await place.gateway.furnishing.petitioning.lapse()
+        await place.quiet()
+        assert place.newest(VI).text.startswith("What you asked for is void: ")
+        assert not place.gateway.access.petitions.open()
+
+
+async def test_what_an_older_version_wrote_is_void_and_that_is_said() -> None:
+    async with house() as place:
+        await place.line(VI, "/ask omni wave")
+        petitions = place.gateway.access.petitions
+        [petition] = petitions.open()
+        petitions._known[petition.id] = replace(petition, digest=b"")
+        assert "Vi can ask again." in await place.press(ADA, "Allow 1 h")
+        await place.gateway.furnishing.petitioning.lapse()
+        await place.quiet()
+        assert place.newest(VI).text == (
+            "What you asked for is void: wave on omni, for 1 h. The roles or robots, or ROSIC "
+            "itself, have changed since. Ask again if you still want it."
+        )
+        assert (await place.line(VI, "/ask omni wave")).startswith("I have asked Ada or Eve")
