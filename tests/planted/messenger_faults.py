@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
+TWO_BOTS = "tests/rooms/pipeline/test_two_bots.py"
 STEPS = "tests/rooms/pipeline/test_steps.py"
 
 MESSENGER_FAULTS = (
@@ -41,6 +42,38 @@ MESSENGER_FAULTS = (
         guard="            self._admitted.append((one.update_id, one.inbound))\n",
         without="            self._queue(one.update_id, one.inbound)\n",
         caught_by=(f"{STEPS}::test_a_stop_is_found_before_anything_that_came_with_it_is_followed",),
+    ),
+    Fault(
+        name="I1 a message is known without the bot that received it",
+        file="pipeline/requesting.py",
+        guard="    if inbound.account:\n",
+        without="    if False:\n",
+        caught_by=(f"{TWO_BOTS}::test_messages_of_the_same_number_to_two_bots_are_two_commands",),
+    ),
+    Fault(
+        name="I1 after an upgrade nothing is known of what was done before",
+        file="messengers/telegram/mapping.py",
+        guard="    earlier = message.date * SECOND_NS < received.account_since_ns\n",
+        without="    earlier = False\n",
+        caught_by=(
+            f"{TWO_BOTS}::test_what_an_earlier_version_did_is_not_done_again_after_the_upgrade",
+        ),
+    ),
+    Fault(
+        name="I1 since when the bot counts is not kept",
+        file="app/placing/intake.py",
+        guard='await store.write(Fact(kind=KIND, key=KEY, body=b"%d" % since_ns))',
+        without="pass",
+        caught_by=(f"{TWO_BOTS}::test_what_is_brought_once_more_over_a_restart_is_done_once",),
+    ),
+    Fault(
+        name="I1 a supergroup's message is done once for each bot that hears it",
+        file="messengers/telegram/mapping.py",
+        guard='shared = message.chat.type in {"supergroup", "channel"}',
+        without="shared = False",
+        caught_by=(
+            f"{TWO_BOTS}::test_a_small_group_counts_for_each_bot_and_a_supergroup_for_both",
+        ),
     ),
     Fault(
         name="a chat that we were put out of is written to all the same",

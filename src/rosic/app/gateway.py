@@ -21,6 +21,7 @@ from rosic.app.placing.furnishing import Furnishing
 from rosic.app.placing.gates import board_of, robots_of
 from rosic.app.placing.gathering import gathering_of
 from rosic.app.placing.holding import Holding
+from rosic.app.placing.intake import take_in
 from rosic.app.placing.minding import Minder
 from rosic.app.placing.newcomers import newcomers_of
 from rosic.app.placing.owing import owe_over_crashes
@@ -33,7 +34,6 @@ from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.container.words_container import SETTINGS_DAMAGED
-from rosic.contracts.messenger import know_with, settle_with
 from rosic.core.language import Vocabulary, inert_text
 from rosic.core.message import Outbound
 from rosic.errors import ConfigurationError
@@ -205,9 +205,8 @@ class Gateway:
         self.among = fellowship_of(self, parts, self._teller, memory)
         ways = Ways(self._opened.append, self._robot_says)
         self.enlisting = Enlisting(self, self._settings, parts, memory, ways)
-        for messenger in self._messengers:
-            settle_with(messenger, self.pipeline.arrears.settled)
-            know_with(messenger, self.rooms.authoriser.knows)
+        settled, now_ns = self.pipeline.arrears.settled, time.wall_ns()
+        await take_in(self._messengers, memory, parts.store, authoriser, settled, now_ns)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)

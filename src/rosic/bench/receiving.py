@@ -80,8 +80,8 @@ class Handed(Line):
         given_ns: When the last update was given out.
     """
 
-    def __init__(self) -> None:
-        super().__init__(read_settings("bench", {"token": TOKEN}))
+    def __init__(self, token: str = TOKEN) -> None:
+        super().__init__(read_settings("bench", {"token": token}))
         self.given_ns = 0
         self._next: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
 

@@ -161,7 +161,9 @@ class Archive:
         )  # fmt: skip
         return (*gaps, *self._add(key, known, entry, said))
 
-    def say(self, message: str, outbound: Outbound, reader: Author) -> tuple[Fact, ...]:
+    def say(
+        self, message: str, outbound: Outbound, reader: Author, account: str = ""
+    ) -> tuple[Fact, ...]:
         """Take in a message as it was sent, or as it looks after an edit.
 
         Args:
@@ -169,14 +171,15 @@ class Archive:
             outbound: How it looks.
             reader: Whom it speaks to, where that is known otherwise; else it is whoever is
                 answered.
+            account: Which of our own accounts said it, where there can be several.
         """
         key = archived.chat_key(outbound.chat)
         known = self._chats.get(key)
         if known is None or not known.switch.on:
             return ()
-        identity = archived.digest("out", outbound.chat, message)
+        identity = archived.sent_digest(outbound.chat, message, account)
         n = known.found.get(identity)
-        who = reader.principal or self._answered(known, outbound)
+        who = reader.principal or self._answered(known, outbound, account)
         at_ns = self._clock.wall_ns()
         if n is not None:
             at_ns, who = known.entries[n].at_ns, known.entries[n].who
@@ -187,9 +190,12 @@ class Archive:
         return self._add(key, known, entry, content, n)
 
     @staticmethod
-    def _answered(known: Keeping, outbound: Outbound) -> PrincipalId:
-        n = known.found.get(archived.digest("in", outbound.chat, outbound.reply_to, ""))
-        return "" if n is None else known.entries[n].who
+    def _answered(known: Keeping, outbound: Outbound, account: str) -> PrincipalId:
+        for own in (account, ""):
+            identity = archived.received_digest(outbound.chat, outbound.reply_to, own)
+            if (n := known.found.get(identity)) is not None:
+                return known.entries[n].who
+        return ""
 
     def unwritten(self, facts: Iterable[Fact]) -> None:
         """Note that entries did not reach the disk: the next one says that some are missing."""

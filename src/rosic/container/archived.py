@@ -181,7 +181,17 @@ def identity_of(inbound: Inbound) -> bytes:
     if inbound.nonce is not None:
         return digest("tap", inbound.chat, inbound.tap or inbound.nonce)
     edited = inbound.text if inbound.standing.value == "edited" else ""
-    return digest("in", inbound.chat, inbound.message, edited)
+    return received_digest(inbound.chat, inbound.message, inbound.account, edited)
+
+
+def received_digest(chat: Chat, message: str, account: str, edited: str = "") -> bytes:
+    """Return the identity of what was received; the account counts where `Inbound` has one."""
+    return digest("in", chat, message, edited, *((account,) if account else ()))
+
+
+def sent_digest(chat: Chat, message: str, account: str) -> bytes:
+    """Return the identity of what was sent: each account counts what it sends by itself."""
+    return digest("out", chat, message, *((account,) if account else ()))
 
 
 def digest(*parts: str | Chat) -> bytes:

@@ -148,6 +148,22 @@ def settle_with(messenger: Messenger, settle: Settle) -> bool:
     return True
 
 
+def account_of(messenger: Messenger) -> str:
+    """Return our own account there, by the platform's immutable id; empty: there is one only."""
+    return str(getattr(messenger, "account", ""))
+
+
+def account_since(messenger: Messenger, since_ns: int) -> None:
+    """Have a messenger name its account in what was sent since, by the platform's clock.
+
+    A message's identity is for ever. One that was followed when identities did not hold the account
+    may be brought once more: then it must be known again.
+    """
+    take: Callable[[int], None] | None = getattr(messenger, "account_since", None)
+    if take is not None:
+        take(since_ns)
+
+
 def know_with(messenger: Messenger, known: Knows) -> None:
     """Have a messenger that receives much at once read first what people known here sent.
 

@@ -107,6 +107,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         addressed: In a group: it names us, or replies to what we said.
         enclosed: A file that came with it; the text is then what was written beneath.
         place: A place that was sent instead of words.
+        account: Which of our own accounts there received it, where its number is that account's
+            own count; empty where the whole chat shares the number, or there is one account only.
     """
 
     sender: Address
@@ -126,6 +128,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     addressed: bool = False
     enclosed: Enclosure | None = None
     place: Spot | None = None
+    account: str = ""
 
     @property
     def brings(self) -> bool:

@@ -77,5 +77,17 @@ def line_id(inbound: Inbound, number: int) -> CommandId:
     """Return the identity of one line of a message, or of what a tap says."""
     if inbound.nonce is not None:
         return command_id("tap", inbound.nonce, str(number))
+    return command_id(*message_parts(inbound), str(number))
+
+
+def message_parts(inbound: Inbound) -> tuple[str, ...]:
+    """Return what a message is known by, for ever: the same message gives the same parts.
+
+    Two bots of one gateway count the messages of the same person alike, so the number of one of
+    these says nothing without the bot. Where all who are in a chat share its numbers, a message
+    that both bots hear is one.
+    """
     sender, chat = inbound.sender, inbound.chat
-    return command_id(sender.platform, sender.account, chat.id, inbound.message, str(number))
+    if inbound.account:
+        return (sender.platform, "to", inbound.account, chat.id, inbound.message)
+    return (sender.platform, sender.account, chat.id, inbound.message)

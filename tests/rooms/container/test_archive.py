@@ -132,6 +132,14 @@ async def test_what_was_sent_and_changed_is_kept_as_it_looks_now() -> None:
     assert [row.text for row in rows(book.disk.values())] == ["done", "wait"]
 
 
+async def test_what_two_bots_said_under_one_number_are_two_entries() -> None:
+    book = Chronicle()
+    book.keep(book.archive.say("3", Outbound(chat=GROUP, text="first"), BO, "4242"))
+    book.keep(book.archive.say("3", Outbound(chat=GROUP, text="second"), BO, "2323"))
+    book.keep(book.archive.say("3", Outbound(chat=GROUP, text="second, done"), BO, "2323"))
+    assert [row.text for row in rows(book.disk.values())] == ["first", "second, done"]
+
+
 async def test_an_interruption_is_a_gap_before_the_message_that_shows_it() -> None:
     book = Chronicle()
     await book.hear("before", "1")

@@ -57,8 +57,8 @@ TAILS = ("", "b", " b", "\nstop", " as x", " confirmed", " priority x")
 class Batches(Handed):
     """Gives out what it is given as the Bot API does: a hundred at most, until confirmed."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, token: str = TOKEN) -> None:
+        super().__init__(token)
         self.waiting: list[dict[str, Any]] = []
         self._given = asyncio.Event()
 
@@ -117,6 +117,10 @@ class Receiving:
             if isinstance(part, dict) and "message_id" in part:
                 part["message_id"] = self._number
         return {"update_id": self._number, **parts}
+
+    def give(self, *updates: dict[str, Any]) -> None:
+        """Have the next poll bring these."""
+        self._line.give(updates)
 
     async def longest(self, *updates: dict[str, Any]) -> Step:
         """Have these received to the end; return the longest step meanwhile."""

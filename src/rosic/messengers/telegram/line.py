@@ -185,6 +185,11 @@ class Line:
         self._bot: ApiBot | None = None
         self._requests: tuple[_Request, ...] = ()
 
+    @property
+    def account(self) -> str:
+        """The bot's id, which its token begins with; it is no secret."""
+        return self._settings.token.reveal().partition(":")[0]
+
     @contextlib.asynccontextmanager
     async def held(self) -> AsyncIterator[ApiBot]:
         """Keep the connections while inside; the last one out closes them."""

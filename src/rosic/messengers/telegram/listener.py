@@ -63,6 +63,7 @@ class Listener:
             account: whether it hears everything in groups.
         reacted: Told, while it listens, what people put beside messages.
         settle: Asked before anything is confirmed.
+        account_since_ns: What was sent earlier, by Telegram's clock, goes without the bot's id.
         known: Whether somebody at an address may be known here: what they sent is read first.
         counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
             ``clock-behind``: messages that came from the future.
@@ -81,6 +82,7 @@ class Listener:
         self.reacted: Callable[[Reaction], None] = _nobody_watches
         self.settle: Settle = _settled
         self.known: Callable[[Address], bool] = _anybody
+        self.account_since_ns = 0
         self._name = name
         self._line = line
         self._chats = chats
@@ -204,7 +206,8 @@ class Listener:
         Returns:
             How many had not been given out before.
         """
-        received = mapping.Received(now.wall_ns, self._listening.stamp(now.wall_ns))
+        since_ns, account = self._listening.stamp(now.wall_ns), self._line.account
+        received = mapping.Received(now.wall_ns, since_ns, account, self.account_since_ns)
         pause = Pause()
         parsed: dict[int, wire.Update | None] = {}
         for raw in raws:

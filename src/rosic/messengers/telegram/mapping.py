@@ -42,10 +42,19 @@ _KINDS = {
 
 
 class Received(NamedTuple):
-    """When it was received, on our wall clock, and since when we listened."""
+    """How it was received.
+
+    Attributes:
+        received_ns: When, on our wall clock.
+        listening_since_ns: Since when we listened.
+        account: The bot's own id.
+        account_since_ns: By Telegram's clock: what was sent earlier goes without the bot's id.
+    """
 
     received_ns: int
     listening_since_ns: int
+    account: str = ""
+    account_since_ns: int = 0
 
 
 def read(update: wire.Update, own_name: str, received: Received) -> Inbound | None:
@@ -217,7 +226,19 @@ def _text(
         addressed=named or bool(replied),
         enclosed=enclosed,
         place=place,
+        account=_account(message, received),
     )
+
+
+def _account(message: wire.Message, received: Received) -> str:
+    """Return whose count a message's number is: in supergroups and channels all share one.
+
+    Everywhere else each bot counts for itself
+    (https://core.telegram.org/api/updates: message boxes).
+    """
+    shared = message.chat.type in {"supergroup", "channel"}
+    earlier = message.date * SECOND_NS < received.account_since_ns
+    return "" if shared or earlier else received.account
 
 
 def _placed(message: wire.Message) -> Spot | None:

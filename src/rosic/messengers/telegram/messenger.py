@@ -83,6 +83,15 @@ class TelegramMessenger:
         return self._listener.own_name
 
     @property
+    def account(self) -> str:
+        """The bot's id; see ``contracts.messenger``."""
+        return self._line.account
+
+    def account_since(self, since_ns: int) -> None:
+        """Name the account in what was sent since; see ``contracts.messenger``."""
+        self._listener.account_since_ns = since_ns
+
+    @property
     def counts(self) -> Counter[str]:
         """What became of updates; see `Listener`."""
         return self._listener.counts

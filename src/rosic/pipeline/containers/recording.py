@@ -11,6 +11,8 @@ import msgspec
 from rosic.authoriser.codes import codes_in
 from rosic.container.archive import NOBODY, Author
 from rosic.contracts.messenger import (
+    account_of,
+    account_since,
     catching_up,
     know_with,
     menus_of,
@@ -86,6 +88,7 @@ class Recorded:
         self.retract = retract_of(messenger)
         self.put_picture = pictures_of(messenger)
         self.settles = False
+        self.account = account_of(messenger)
         self._messenger = messenger
         self._archive = archive
         self._store = store
@@ -105,6 +108,10 @@ class Recorded:
     def settle_with(self, settle: Settle) -> None:
         """Have it ask before it confirms; see ``contracts.messenger``."""
         self.settles = settle_with(self._messenger, settle)
+
+    def account_since(self, since_ns: int) -> None:
+        """Name its account in what was sent since; see ``contracts.messenger``."""
+        account_since(self._messenger, since_ns)
 
     def know_with(self, known: Knows) -> None:
         """Read first what people known here sent; see ``contracts.messenger``."""
@@ -176,7 +183,7 @@ class Recorded:
         if _AUTHENTICATOR in outbound.text:
             outbound = msgspec.structs.replace(outbound, text=NOT_KEPT)
         kept = self._without_codes(outbound)
-        facts = self._archive.say(message, kept, self._reader(kept.chat))
+        facts = self._archive.say(message, kept, self._reader(kept.chat), self.account)
         if facts:
             self._store.note(*facts)
 

@@ -29,6 +29,7 @@ from rosic.errors import (
     TooManyRequests,
 )
 from rosic.pipeline.desk import Reply, rows
+from rosic.pipeline.requesting import message_parts
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -263,6 +264,4 @@ class _Arrival:
 
 def _file_id(inbound: Inbound) -> str:
     """Return the id of a message's file: the same message, the same file."""
-    sender, chat = inbound.sender, inbound.chat
-    said = (sender.platform, sender.account, chat.id, inbound.message, "file")
-    return command_id(*said).hex()[:32]
+    return command_id(*message_parts(inbound), "file").hex()[:32]

@@ -1,0 +1,163 @@
+"""Two bots of one gateway: each counts its messages by itself (I1). And what was known before."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rosic.app.gateway import Gateway, Settings
+from rosic.app.placing.intake import CLOCKS_APART_NS, KIND
+from rosic.app.placing.people import Seed
+from rosic.bench.parts import CLOCK, parts_of
+from rosic.core.identity import Address
+from rosic.core.record import Fact
+from rosic.core.robot import Busy
+from rosic.errors import StoreFault
+from rosic.messengers.telegram.messenger import TelegramMessenger
+from rosic.messengers.telegram.settings import read_settings
+from rosic.robots.memory import MemoryRobot
+from rosic.stores.memory import MemoryStore
+from tests.rooms.pipeline.place import profile
+from tests.rooms.pipeline.received import ADA, Batches, Receiving
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from rosic.contracts.robot import Tell
+    from rosic.core.order import Order, Outcome
+    from rosic.core.record import Record
+
+FIRST, SECOND = "4242:first", "2323:second"
+WITHIN_S = 60.0
+
+
+class Counted(MemoryRobot):
+    """Counts what it was told, over all runs."""
+
+    told: ClassVar[list[str]] = []
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        Counted.told.append(order.skill.id)
+        return await super().execute(order, tell)
+
+
+class NoRoom(MemoryStore):
+    """Has no room for what is to be kept of identities."""
+
+    async def write(self, *records: Record) -> None:
+        if any(isinstance(r, Fact) and r.kind == KIND for r in records):
+            raise StoreFault("the disk is full")
+        await super().write(*records)
+
+
+class Bots:
+    """A gateway with two bots, and what comes in by each."""
+
+    def __init__(self, gateway: Gateway, bots: list[Receiving]) -> None:
+        self.gateway = gateway
+        self.first, self.second = bots
+
+    async def settled(self) -> None:
+        for bot in (self.first, self.second):
+            await bot.drained()
+        async with asyncio.timeout(WITHIN_S):
+            while not self.gateway.quiet:  # noqa: ASYNC110 - nobody is told when that begins
+                await asyncio.sleep(0.01)
+
+
+@asynccontextmanager
+async def bots(store: MemoryStore, *tokens: str) -> AsyncIterator[Bots]:
+    """Let a gateway run that keeps its record in a store."""
+    lines = [Batches(token) for token in tokens or (FIRST, SECOND)]
+    messengers = [
+        TelegramMessenger(f"bot{n}", read_settings("lab", {"token": token}), CLOCK, line=line)
+        for n, (line, token) in enumerate(zip(lines, tokens or (FIRST, SECOND), strict=True))
+    ]
+    people = (Seed("Ada", (Address("telegram", str(ADA)),), ("admin",)),)
+    omni = profile("omni", busy=Busy.QUEUE)
+    gateway = Gateway(
+        Settings(profiles=(omni,), people=people, lease_idle_s=0.0),
+        parts_of(store, *messengers, robot=Counted),
+    )
+    await gateway.open()
+    running = asyncio.create_task(gateway.run())
+    try:
+        async with asyncio.timeout(WITHIN_S):
+            while any(m.catching_up() for m in messengers):  # noqa: ASYNC110 - nobody is told
+                await asyncio.sleep(0.01)
+        found = [
+            Receiving(gateway, line, m._listener) for line, m in zip(lines, messengers, strict=True)
+        ]
+        yield Bots(gateway, found)
+    finally:
+        running.cancel()
+        await asyncio.wait([running])
+        await gateway.close()
+
+
+def in_group(kind: str) -> dict[str, Any]:
+    return {"chat": {"id": -1_005, "type": kind, "title": "Lab"}}
+
+
+async def test_messages_of_the_same_number_to_two_bots_are_two_commands() -> None:
+    Counted.told.clear()
+    async with bots(MemoryStore()) as place:
+        for bot in (place.first, place.second):
+            bot.give(bot.message(ADA, "omni look"), bot.message(ADA, "omni wave"))
+        await place.settled()
+    assert sorted(Counted.told) == ["look", "look", "wave", "wave"]
+
+
+async def test_a_small_group_counts_for_each_bot_and_a_supergroup_for_both() -> None:
+    for kind, times in (("group", 2), ("supergroup", 1)):
+        Counted.told.clear()
+        async with bots(MemoryStore()) as place:
+            for bot in (place.first, place.second):
+                bot.give(bot.message(ADA, "omni wave", **in_group(kind)))
+            await place.settled()
+        assert Counted.told == ["wave"] * times, kind
+
+
+async def test_what_is_brought_once_more_over_a_restart_is_done_once() -> None:
+    Counted.told.clear()
+    store = MemoryStore()
+    message: dict[str, Any] = {}
+    for _ in range(3):
+        async with bots(store) as place:
+            message = message or place.first.message(ADA, "omni look")
+            place.first.give(message)
+            await place.settled()
+    assert Counted.told == ["look"]
+
+
+async def test_what_an_earlier_version_did_is_not_done_again_after_the_upgrade() -> None:
+    """Its record knows messages without the bot, and Telegram may bring one of them once more."""
+    Counted.told.clear()
+    store = MemoryStore()
+    async with bots(store) as place:
+        for bot in (place.first, place.second):
+            bot.listener.account_since_ns = 2**62  # as the earlier version had it
+        message = place.first.message(ADA, "omni look")
+        place.first.give(message)
+        await place.settled()
+    del store._facts[KIND, "account"]
+    for _ in range(2):
+        async with bots(store) as place:
+            assert place.first.listener.account_since_ns > CLOCKS_APART_NS
+            place.first.give(message)
+            await place.settled()
+    assert Counted.told == ["look"]
+
+
+async def test_what_cannot_be_written_down_does_not_hold() -> None:
+    """Else the next run would know none of the messages of this one."""
+    Counted.told.clear()
+    store = NoRoom()
+    message: dict[str, Any] = {}
+    for _ in range(2):
+        async with bots(store) as place:
+            message = message or place.first.message(ADA, "omni look")
+            place.first.give(message)
+            await place.settled()
+    assert Counted.told == ["look"]
