@@ -43,7 +43,8 @@ MODULES = (
         f"{PIPELINE}/test_between.py", f"{PIPELINE}/test_replacing.py",
     )),
     Module("mailbox", "linker/mailbox.py", (
-        "tests/rooms/test_mailbox.py", f"{PIPELINE}/test_waited.py",
+        "tests/rooms/test_mailbox.py", "tests/rooms/test_linker.py",
+        f"{PIPELINE}/test_waited.py",
         f"{PIPELINE}/test_replacing.py",
     )),
     Module("latch", "stores/latch.py", (
@@ -69,7 +70,8 @@ MODULES = (
         f"{PIPELINE}/test_agreed_acts.py", f"{PIPELINE}/test_second_person.py",
     )),
     Module("buttons", "authoriser/buttons.py", (
-        f"{PIPELINE}/test_buttons.py", "tests/rooms/test_authoriser.py",
+        "tests/rooms/authoriser/test_buttons.py", f"{PIPELINE}/test_buttons.py",
+        "tests/rooms/test_authoriser.py",
         f"{PIPELINE}/test_retracting.py",
     )),
     Module("enrolment", "authoriser/enrolment.py", ("tests/rooms/authoriser",)),

@@ -15,7 +15,7 @@ from rosic.core.robot import Busy, Link, Profile
 from rosic.core.skill import Skill
 from rosic.core.stopboard import StopBoard
 from rosic.core.view import Sight
-from rosic.errors import NothingToSee, RobotOffline, RobotUnreachable, StoreFault
+from rosic.errors import NothingToSee, OrderVoid, RobotOffline, RobotUnreachable, StoreFault
 from rosic.linker.linker import Linker, PolicyMoved
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.latch import FileLatch, MemoryLatch
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from rosic.contracts.store import Latch
     from rosic.core.order import Order, Report
-    from rosic.errors import OrderVoid
 
 PROFILE = Profile(id="omni", link=Link(kind="memory"), skills={"move": Skill(id="move")})
 
@@ -288,6 +287,50 @@ async def test_a_right_that_ends_at_this_moment_relays_nothing() -> None:
             with pytest.raises(PolicyMoved):
                 await two.linker.dispatch(doing, ignore)
     assert list(two.robots["omni"].acted) == [order.n]
+
+
+@pytest.mark.parametrize(
+    ("left_ns", "left_wall_ns", "relayed"), [(0, 0, True), (-1, 0, False), (0, -1, False)]
+)
+async def test_what_has_expired_by_either_clock_is_not_relayed(
+    left_ns: int, left_wall_ns: int, *, relayed: bool
+) -> None:
+    two = Two()
+    doing = replace(
+        two.doing["omni"].order,
+        deadline_ns=two.clock.monotonic_ns() + left_ns,
+        expires_ns=two.clock.wall_ns() + left_wall_ns,
+        permit=replace(two.doing["omni"].order.permit, epoch=two.linker.epoch),
+    )
+    robot = two.robots["omni"]
+    robot.gate = Lenient("omni")
+    try:
+        await two.linker.dispatch(doing, ignore)
+    except OrderVoid as void:
+        assert "too late" in str(void)  # noqa: PT017 - one of the cases is not void
+    assert bool(robot.acted) is relayed
+
+
+class Lenient(Gate):
+    """Asks for no time: what comes here was relayed."""
+
+    def pass_order(self, order: Order, *_when: int, together: bool = False) -> None:
+        """Let everything through."""
+
+
+class HalfBroken(MemoryLatch):
+    """Keeps the stops of one robot only."""
+
+    async def write(self, robot: str, generation: int, *, latched: bool) -> None:
+        if robot == "omni":
+            raise StoreFault("no disk at all")
+        await super().write(robot, generation, latched=latched)
+
+
+async def test_a_stop_is_said_to_be_kept_only_if_it_is_for_every_robot() -> None:
+    two = Two(HalfBroken())
+    assert not await two.linker.stop(["omni", "kuka1"], "p1").latched
+    assert await two.linker.stop(["kuka1"], "p1").latched
 
 
 async def test_a_file_goes_to_the_robot_and_one_whose_link_takes_none_says_so() -> None:

@@ -154,6 +154,18 @@ def test_what_actuates_needs_the_robot_and_what_is_unknown_does_not() -> None:
     assert not snapshot.covers((Scope("kuka1", "look"),), "kuka1", "grasp")
 
 
+def test_the_plainest_of_several_rights_counts_wherever_it_stands() -> None:
+    junior = Role(includes=("operator",), limits=("force <= 20 N",))
+    both = (Grant(role="junior"), FOR_GOOD)
+    snapshot = rights({"p": both, "q": both[::-1], "j": both[:1]}, {"junior": junior})
+    found = {who: snapshot.may(who, "kuka1", "grasp") for who in "pqj"}
+    assert {who: right is not None and right.plain for who, right in found.items()} == {
+        "p": True,
+        "q": True,
+        "j": False,
+    }
+
+
 def test_drawn_up_anew_it_says_the_same() -> None:
     snapshot = rights({"a": (Grant(role="admin"),), "p": (FOR_GOOD, ENDS_NOW)})
     anew = Rights.draw_up(7, snapshot.rulebook, snapshot.fleet, snapshot.people(), CONVERT)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.roles import Care, Grant, Role
+from rosic.pipeline.consent import ASKED_AT_MOST
 from tests.rooms.pipeline.place import BO, VI
 from tests.rooms.pipeline.test_rights import JUNIOR, lab, rules, who
 
@@ -153,3 +154,40 @@ async def regrant(place: Place, name: str, *grants: Grant) -> None:
     async with access.changes.turn() as turn:
         await turn.write(roster.take(who(place, name), ""))
         await turn.write(roster.give(who(place, name), grants, ""))
+
+
+async def test_what_somebody_said_no_to_nobody_agrees_to_any_more() -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
+        await place.say("omni wave", account=BO, chat=BO)
+        agree, _ = place.button("I agree")
+        command = place.gateway.rooms.authoriser.buttons._bound[agree.nonce].command
+        await place.tap(*place.button("No"))
+        told = await place.say(command)
+        assert "settled" in told
+        assert "Nothing was done." in told
+        assert place.acted() == 0
+
+
+async def test_an_agreement_counts_once_though_its_button_came_back() -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
+        await place.say("omni wave", account=BO, chat=BO)
+        await place.tap(*place.button("I agree"))
+        button, under = place.button("Do it")
+        bound = place.gateway.rooms.authoriser.buttons._bound
+        again = bound[button.nonce]
+        await place.tap(button, under, account=BO)
+        bound[button.nonce] = again
+        told = await place.tap(button, under, account=BO)
+        assert "That question is settled already. Nothing was done." in told
+        assert place.acted() == 1
+
+
+async def test_what_waits_for_a_second_person_is_bounded_and_the_oldest_goes_first() -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
+        await place.say("omni wave", account=BO, chat=BO)
+        requests = place.gateway.furnishing.consent._requests
+        (first, request), *_ = requests.items()
+        requests.update({f"s{number}": request for number in range(ASKED_AT_MOST - 1)})
+        await place.say("omni wave", account=BO, chat=BO)
+        assert len(requests) == ASKED_AT_MOST
+        assert first not in requests
