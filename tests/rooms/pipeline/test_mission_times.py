@@ -11,6 +11,7 @@ from rosic.core.fleet.mission import Late, Mission, Part
 from rosic.core.fleet.task import State
 from rosic.core.order import Ending
 from rosic.stores.memory import MemoryStore
+from tests.rooms.pipeline.place import VI
 from tests.rooms.pipeline.test_tasks import heard, tasks, warehouse, worker
 
 if TYPE_CHECKING:
@@ -192,3 +193,18 @@ async def test_two_times_at_the_same_moment_are_two() -> None:
         told = await heard(here, 200)
         assert told.count("fetch is begun") == 2
         assert len(tasks(here)) == 4
+
+
+async def test_what_is_to_begin_later_is_planned_though_it_could_not_begin_now() -> None:
+    """What would hinder it now is a remark: until then a right may be given, a robot be back."""
+    async with lab().open() as here:
+        told = await here.say("/mission start timed every mon 8:00")
+        assert "begins by itself, next" in told
+        assert "Now it could not" not in told
+        told = await here.say("/mission start timed every mon 8:00", account=VI, chat=VI)
+        assert told.startswith("2: timed begins by itself, next")
+        assert "\nNow it could not begin: " in told
+        assert told.endswith(" At its time that is asked again.")
+        assert len(here.gateway.furnishing.fleet._timetable.plans) == 2
+        refused = await here.say("/mission start timed", account=VI, chat=VI)
+        assert refused in told, "said as the start itself would say it"

@@ -18,7 +18,7 @@ from rosic.core.language.when import read_when
 from rosic.core.reach import FLEET
 from rosic.core.record import Decided, Fact
 from rosic.core.saying import joined
-from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
+from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, Refusal, TooManyRequests
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_missions as words
 from rosic.pipeline.fleet.clerks import ANY, ASSIGN, check_room
@@ -341,7 +341,20 @@ class MissionClerk:
         timetable.look()
         moment = self._rooms.organiser.moment("", at_ns)  # as it is kept
         text = words.planned(key, mission.name, moment, again=bool(when.rrule))
-        return Reply(text, words.off_button(key))
+        meant = Meant(mission, values.given, where)
+        remark = self._hindrance(who, meant, asked.cid)
+        return Reply(joined("\n", filter(None, (text, remark))), words.off_button(key))
+
+    def _hindrance(self, who: PrincipalId, meant: Meant, cid: CommandId) -> str:
+        """Return what would keep a mission from beginning now; empty if nothing would.
+
+        It is planned all the same: until its time comes, a robot may be back, or a right given.
+        """
+        try:
+            self._made(who, meant, cid)
+        except Refusal as why:
+            return words.could_not_begin_now(why.sentence)
+        return ""
 
     async def _off(self, asked: Asked, key: str) -> Reply:
         """Take a time back.

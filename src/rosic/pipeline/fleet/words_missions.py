@@ -110,6 +110,11 @@ def planned(key: str, name: str, moment: str, *, again: bool) -> str:
                 time=moment)  # fmt: skip
 
 
+def could_not_begin_now(why: str) -> str:
+    """Return what would keep it from beginning at this moment."""
+    return said("Now it could not begin: {why} At its time that is asked again.", why=why)
+
+
 def off_button(key: str) -> tuple[tuple[Button, ...], ...]:
     """Return what takes a time back."""
     return ((Button(said("Take that back"), f"/mission off {key}"),),)
