@@ -151,3 +151,22 @@ def test_a_shell_completes_commands_and_their_options(tmp_path: Path) -> None:
     assert bash(script, "rosic", "robot", "check", "") == [], "names of files are the shell's own"
     assert bash(script, "rosic", "completion", "b") == ["bash"]
     assert "compinit" in rosic("completion", "zsh").out
+
+
+@pytest.mark.usefixtures("_running")
+def test_history_says_what_the_operator_did_and_asks_for_known_names(config: Path) -> None:
+    rosic("stop", "omni", "-c", config)
+    assert rosic("resume", "omni", "-c", config).status == 0
+    [*_, last] = json.loads(rosic("history", "--json", "--robot", "omni", "-c", config).out)
+    assert (last["name"], last["asked"], last["told"]) == (
+        "the operator", "resume omni", "ready again"
+    )  # fmt: skip
+    assert "resume omni" in rosic("history", "--since", "1h", "-c", config).out
+    assert rosic("history", "--robot", "omin", "-c", config).status == 1
+    assert rosic("history", "--person", "Zed", "-c", config).status == 1
+    assert rosic("history", "--since", "never", "-c", config).status == 1
+
+
+def test_history_works_without_a_gateway(place: Place) -> None:
+    assert "Nothing was asked for yet" in place.good("history")
+    assert json.loads(place.good("history", "--json")) == []

@@ -52,6 +52,7 @@ COMMANDS: dict[str, Command] = {
     "key rotate": Command("rosic.cli.key_rotate", "a new key in place of somebody's old one"),
     "key revoke": Command("rosic.cli.key_revoke", "take one key back, or all of a person's"),
     "explain": Command("rosic.cli.explain", "what somebody may, and every rule that made it so"),
+    "history": Command("rosic.cli.history", "who asked for what, when, and what came of it"),
     "security report": Command(
         "rosic.cli.security_report", "who was turned away, who is locked, what ends soon"
     ),

@@ -53,6 +53,11 @@ class Wording(msgspec.Struct, frozen=True):
     look: str
 
 
+def ended_as(ending: str) -> str:
+    """Return how an end reads, from its name on the record."""
+    return _ENDED[Ending(ending)]
+
+
 @lru_cache(maxsize=32)
 def wording_in(catalogue: Catalogue | None) -> Wording:
     """Return the words in a language; None for English."""

@@ -45,6 +45,7 @@ _SAID: Final = {
     "chart": said("A value over time"),
     "trajectory": said("The way it has gone"),
     "card": said("A message that always shows how robots are"),
+    "history": said("What you asked for, and what came of it"),
     "slots": said("Which times are whose"),
     "wait": said("Get a robot when it is free"),
     "cancel": said("Give a time or a wish back"),
@@ -114,7 +115,7 @@ class HelpMenu:
             yield joined("", ("  resume · ", _SAID["resume"]))
 
     def _see(self, _: PrincipalId, visible: frozenset[RobotId]) -> Lines:
-        yield from _commands("robots", "status", "card")
+        yield from _commands("robots", "status", "card", "history")
         shown = [self._profiles[robot] for robot in sorted(visible)]
         for verb, offered in (
             ("picture", lambda p: p.offers(Sight.PICTURE)),

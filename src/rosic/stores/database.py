@@ -11,7 +11,7 @@ from sqlalchemy import select
 from rosic.core.record import APART, Fact, KeyRevoked, Letter, Resumed, Stopped
 from rosic.core.saying import said
 from rosic.errors import StoreFault
-from rosic.stores import reading, sqlite, tables
+from rosic.stores import history, reading, sqlite, tables
 from rosic.stores.folder import Folder
 from rosic.stores.lane import Lane
 from rosic.stores.scribe import CARD, CLAIM, PLACED, WORDS
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.contracts.clock import Clock
+    from rosic.core.history import HistoryEntry, HistoryQuery
     from rosic.core.record import Decided, Memory, Record
 
 R = TypeVar("R")
@@ -118,6 +119,14 @@ class Shelves(reading.Reader):
         container, content = letter
         sealed = None if content is None else Letter(container, content)
         return Fact(kind=kind, key=key, body=body, letter=sealed)
+
+    def history(self, query: HistoryQuery, before: int, limit: int) -> list[HistoryEntry]:
+        """Return commands of one step, newest first."""
+        return history.page(self._connection, self._letter, query, before, limit)
+
+    def newest(self) -> int:
+        """Return the number behind the newest command."""
+        return history.newest(self._connection)
 
 
 class ReadingWriter(Writer):
@@ -286,6 +295,22 @@ class DatabaseStore:
             StoreFault: They cannot be read now.
         """
         return await self._look(lambda shelves: shelves.belongings(container))
+
+    async def history(self, query: HistoryQuery) -> tuple[HistoryEntry, ...]:
+        """Return commands, the newest first, at most as many as are asked for.
+
+        Goes in small steps, so that writes pass between them.
+
+        Raises:
+            StoreFault: They cannot be read now.
+        """
+        found: list[HistoryEntry] = []
+        before = await self._look(Shelves.newest)
+        while before > 0 and (left := query.limit - len(found)) > 0:
+            step = partial(Shelves.history, query=query, before=before, limit=left)
+            found += await self._look(step)
+            before -= history.AT_ONCE
+        return tuple(found)
 
     async def containers(self) -> tuple[str, ...]:
         """Return whose containers have a key.

@@ -33,6 +33,7 @@ from rosic.core.record import (
 from rosic.core.saying import said
 from rosic.errors import Repeated, StoreFault
 from rosic.stores.facts import by_kind
+from rosic.stores.memory_history import MemoryHistory
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -47,7 +48,7 @@ SETTLING = frozenset((Claimed, Refused, Resumed))
 DECISIONS_MAX = 10_000
 
 
-class MemoryStore:
+class MemoryStore(MemoryHistory):
     """The same rules as the record on disk. Opening again gives what was written before.
 
     Writing never suspends, so a caller in a hot loop loses no turn.
@@ -66,6 +67,7 @@ class MemoryStore:
         lives_max: int = LIVES_MAX,
         decisions_max: int = DECISIONS_MAX,
     ) -> None:
+        super().__init__()
         self._ids_max = ids_max
         self._lives_max = lives_max
         self._open = False
@@ -241,6 +243,7 @@ class MemoryStore:
             for principal, record in self._enrolled.items()
             if record.letter.container != container
         }
+        self._forget_words(container)
         without_letters(self._lives, container)
         without_letters(self._endings, container)
         without_letters(self._facts, container)
@@ -270,6 +273,7 @@ class MemoryStore:
         self._ids.add(cid)
 
     def _claimed(self, record: Claimed) -> None:
+        self._keep_past(record)
         cid = record.cid
         self._remember(cid)
         self._lives[cid] = record
@@ -283,11 +287,13 @@ class MemoryStore:
             self._generations[robot] = record.stop_generation
 
     def _refused(self, record: Refused) -> None:
+        self._keep_past(record)
         self._remember(record.cid)
         if record.letter is not None:
             self._lives[record.cid] = record
 
     def _concluded(self, record: Concluded) -> None:
+        self._keep_past(record)
         cid = record.cid
         if record.letter is None:
             self._finish(record)
@@ -308,6 +314,7 @@ class MemoryStore:
         self._raise_generation(record.robot, record.generation)
 
     def _resumed(self, record: Resumed) -> None:
+        self._keep_past(record)
         self._remember(record.cid)
         self._raise_generation(record.robot, record.generation)
 

@@ -36,6 +36,7 @@ class Verb(enum.Enum):
     LIMIT = "limit-container"
     ERASE = "erase-container"
     ADD_ROBOT = "add-robot"
+    HISTORY = "history"
 
 
 class Form(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -11,6 +11,7 @@ import msgspec
 
 from rosic.app.desk.asked import Verb
 from rosic.app.desk.explaining import Explaining
+from rosic.app.desk.history import HistoryAsk, history_of
 from rosic.app.desk.naming import people_lines, people_listed
 from rosic.app.desk.operating_access import InviteAsk, OperatingAccess, RotateAsk
 from rosic.app.desk.operating_containers import LimitAsk, OperatingContainers
@@ -71,6 +72,7 @@ class OperatorDesk:
             Verb.CONTENT: self._containers.content,
             Verb.LIMIT: self._limit,
             Verb.ERASE: self._containers.erase,
+            Verb.HISTORY: self._history,
         }
 
     async def do(self, ask: Ask) -> Iterable[str]:
@@ -131,6 +133,9 @@ class OperatorDesk:
 
     async def _book(self, ask: Ask) -> Iterable[str]:
         return (await self._planning.book(body_of(ask, BookAsk)),)
+
+    async def _history(self, ask: Ask) -> Iterable[str]:
+        return await history_of(self._books, body_of(ask, HistoryAsk))
 
     async def _limit(self, ask: Ask) -> Iterable[str]:
         return await self._containers.limit(ask, body_of(ask, LimitAsk))

@@ -17,7 +17,7 @@ from rosic.container.shelf import Shelf
 from rosic.core.identity import Address, Principal
 from rosic.core.language import skills_of
 from rosic.core.limits import unit_converter
-from rosic.core.reach import FLEET
+from rosic.core.reach import FLEET, GRANT
 from rosic.errors import Refusal
 from rosic.pipeline.containers.clerks import employ_clerks, take_over
 from rosic.pipeline.containers.erasing import Erasing, Sides
@@ -337,10 +337,17 @@ def holdings_of(
         choices=organiser.visible,
         zone_of=calendar.zone,
         may_archive=lambda who: organiser.rights.holds(who, FLEET, "archive", clock.wall_ns()),
+        may_oversee=partial(_may_oversee, organiser),
         robots=profiles.keys(),
         find=partial(_called, around.authoriser),
         tell=around.tell,
     )
+
+
+def _may_oversee(organiser: Organiser, who: PrincipalId, robot: RobotId) -> bool:
+    """Whether somebody looks after people here, or gives rights on a robot."""
+    now_ns, rights = organiser.wall_ns(), organiser.rights
+    return rights.holds(who, FLEET, "people", now_ns) or rights.holds(who, robot, GRANT, now_ns)
 
 
 def _called(authoriser: Authoriser, name: str) -> tuple[PrincipalId, ...]:

@@ -10,7 +10,7 @@ ERRANDS = frozenset(
     {
         "again", "alerts", "approve", "archive", "ask", "assist", "authenticator", "benchmark",
         "book", "broadcast", "cancel", "card", "channel", "chart", "clip", "code", "data",
-        "decline", "end", "files", "fleet", "forget", "grant", "handover", "information",
+        "decline", "end", "files", "fleet", "forget", "grant", "handover", "history", "information",
         "invite", "language", "lock", "map", "me", "mission", "missions", "mute", "mydata",
         "path", "people", "picture", "plan", "quiet", "revoke", "robot", "role", "security",
         "seen", "settings", "share", "shared", "shelf", "slots", "strategy", "take", "task",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.container import archived, drawer, habits, lending, preferences, shelf
 from rosic.pipeline.containers import erasing as erasing_of
 from rosic.pipeline.containers.archiving import Archiving
+from rosic.pipeline.containers.history import History
 from rosic.pipeline.containers.keeping import Keeping
 from rosic.pipeline.containers.mine import Mine
 from rosic.pipeline.containers.settings import Settings
@@ -23,12 +24,13 @@ if TYPE_CHECKING:
 
 
 def employ_clerks(office: Office, holdings: Holdings, erasing: Erasing) -> Filing:
-    """Let settings, language, mydata, forget, archive, data, share, shelf and files be done."""
+    """Let what people ask about what is kept be done: settings, mydata, history, files, ..."""
     settings, mine = Settings(holdings), Mine(holdings, erasing)
     office.employ("settings", settings.settings)
     office.employ("language", settings.language)
     office.employ("mydata", mine.my_data)
     office.employ("forget", mine.forget)
+    office.employ("history", History(holdings).history)
     office.employ("archive", Archiving(holdings).archive)
     office.employ("data", Keeping(holdings).data)
     sharing = Sharing(holdings)

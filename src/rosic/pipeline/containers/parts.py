@@ -20,6 +20,7 @@ from rosic.organiser.zones import Zone
 from rosic.pipeline.changes import Changes
 
 if TYPE_CHECKING:
+    from rosic.core.history import HistoryEntry, HistoryQuery
     from rosic.core.record import Fact
 
 PAGE = 500
@@ -38,6 +39,10 @@ class Vault(Protocol):
 
     async def belongings(self, container: str) -> tuple[Fact, ...]:
         """Return everything in a container, unsealed."""
+        ...
+
+    async def history(self, query: HistoryQuery) -> tuple[HistoryEntry, ...]:
+        """Return commands, the newest first."""
         ...
 
     async def containers(self) -> tuple[str, ...]:
@@ -67,6 +72,7 @@ class Holdings(msgspec.Struct, frozen=True, kw_only=True):
         choices: What may be meant when none is named: their robots and groups.
         zone_of: Where somebody reads times.
         may_archive: Whether somebody decides about archives.
+        may_oversee: Whether somebody may read what others asked of a robot.
         robots: Every robot's id.
         find: Returns who is called so, or has that id.
         tell: Tells people something they have not just asked for.
@@ -86,6 +92,7 @@ class Holdings(msgspec.Struct, frozen=True, kw_only=True):
     choices: Callable[[PrincipalId], frozenset[str]]
     zone_of: Callable[[PrincipalId], Zone]
     may_archive: Callable[[PrincipalId], bool]
+    may_oversee: Callable[[PrincipalId, RobotId], bool]
     robots: AbstractSet[RobotId]
     find: Callable[[str], tuple[PrincipalId, ...]] = _nobody
     tell: Callable[[tuple[PrincipalId, ...], str], object] = _silence

@@ -195,7 +195,12 @@ async def test_no_code_of_an_invitation_is_kept() -> None:
     async with Place().open() as place:
         await place.say("/archive on", chat=ADA)
         await place.say("/invite viewer for 2h", chat=ADA)
-        found = CODE.search("\n".join(told.outbound.text for told in place.chat.told))
+        found = None
+        for _ in range(30_000):  # a thread draws the picture of its link
+            found = CODE.search("\n".join(told.outbound.text for told in place.chat.told))
+            if found is not None:
+                break
+            await asyncio.sleep(0.001)
         assert found is not None
         await place.say(f"wave-left {found[0]} to-right", chat=ADA)
         await place.say("/archive export", chat=ADA)

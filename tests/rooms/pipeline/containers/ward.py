@@ -121,6 +121,7 @@ class Ward(Place):
             shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
             visible=organiser.visible, choices=organiser.visible,
             zone_of=lambda who: zone_named(self.book.of(who).zone or "UTC"),
+            may_oversee=lambda who, _robot: who == ADA,
             may_archive=lambda who: authority.rights.holds(who, FLEET, "archive", clock.wall_ns()),
             robots=frozenset(rooms.profiles),
             find=lambda name: tuple(person.id for person in directory.named(name)),

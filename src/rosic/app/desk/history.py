@@ -1,0 +1,96 @@
+"""What was asked for, for the operator: of everybody, a robot or a person."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.app.desk.naming import the_one, utc
+from rosic.core.history import HistoryQuery
+from rosic.core.language import clean
+from rosic.core.saying import plain
+from rosic.errors import NotUnderstood
+from rosic.pipeline.containers.history import NOTHING_YET, Read, read_entry
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.app.desk.books import Books
+    from rosic.core.history import HistoryEntry
+
+AT_MOST = 10_000
+LINES_AT_ONCE = 200
+NO_RECORD = "This record cannot be looked into."
+
+_encode = msgspec.json.Encoder(enc_hook=plain).encode
+
+
+class HistoryAsk(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Whose history, and how much of it.
+
+    Attributes:
+        since_s: Not older than so many seconds; None: the newest ones, however old.
+        json: For programs, the newest last, as lists.
+    """
+
+    robot: str = ""
+    person: str = ""
+    since_s: float | None = None
+    limit: int = 100
+    json: bool = False
+
+
+async def history_of(books: Books, asked: HistoryAsk) -> Iterator[str]:
+    """Return what was asked for, the newest last, many commands at a time.
+
+    Raises:
+        NotUnderstood: There is no such robot or person.
+        StoreFault: It cannot be read now.
+    """
+    if books.holdings is None:
+        raise NotUnderstood(NO_RECORD)
+    robot = books.vocabulary.robot(asked.robot) if asked.robot else None
+    if asked.robot and robot is None:
+        known = ", ".join(books.profiles)
+        raise NotUnderstood(f"There is no robot called {clean(asked.robot)}. There are: {known}.")
+    person = the_one(books.authoriser.directory, asked.person).id if asked.person else ""
+    now_ns = books.clock.wall_ns()
+    query = HistoryQuery(
+        principal=person,
+        robot="" if robot is None else robot.id,
+        since_ns=0 if asked.since_s is None else now_ns - int(asked.since_s * 1e9),
+        limit=max(1, min(asked.limit, AT_MOST)),
+    )
+    found = await books.holdings.vault.history(query)
+    if not found and not asked.json:
+        return iter((str(NOTHING_YET),))
+    return _written(books, found[::-1], json=asked.json)
+
+
+def _written(books: Books, found: tuple[HistoryEntry, ...], *, json: bool) -> Iterator[str]:
+    for at in range(0, max(1, len(found)), LINES_AT_ONCE):
+        read = [read_entry(entry) for entry in found[at : at + LINES_AT_ONCE]]
+        if json:
+            yield _encode([_listed(books, one) for one in read]).decode()
+        else:
+            yield "\n".join(_line(books, one) for one in read)
+
+
+def _line(books: Books, read: Read) -> str:
+    parts = (books.moment(read.at_ns), books.name(read.who), read.asked, read.came)
+    return "  ".join(filter(None, map(str, parts)))
+
+
+def _listed(books: Books, read: Read) -> dict[str, object]:
+    return {
+        "at": utc(read.at_ns),
+        "person": read.who,
+        "name": books.name(read.who),
+        "robot": read.robot or None,
+        "skill": read.skill or None,
+        "asked": read.asked or None,
+        "outcome": read.outcome or None,
+        "told": read.came,
+        "ended": utc(read.ended_ns),
+    }

@@ -1,0 +1,70 @@
+"""Commands as they are read back, the newest first, in steps that hold up no write."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sqlalchemy import Select, func, select
+
+from rosic.core.history import HistoryEntry, HistoryQuery
+from rosic.stores import tables
+from rosic.stores.scribe import CLAIM, WORDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from sqlalchemy import Connection, Row
+
+    from rosic.core.identity import CommandId
+
+    Letter = Callable[[str | None, bytes, CommandId, bytes | None], bytes | None]
+
+AT_ONCE = 2_000
+"""Commands that one step looks at: some milliseconds."""
+
+
+def newest(connection: Connection) -> int:
+    """Return the number behind the newest command."""
+    found = connection.scalar(select(func.max(tables.commands.c.seq)))
+    return 0 if found is None else int(found) + 1
+
+
+def page(
+    connection: Connection, letter: Letter, query: HistoryQuery, before: int, limit: int
+) -> list[HistoryEntry]:
+    """Return what is asked about of the ``AT_ONCE`` commands before one of them, newest first."""
+    rows = connection.execute(_selected(query, before).limit(limit)).all()
+    return [_entry(row, letter) for row in rows]
+
+
+def _selected(query: HistoryQuery, before: int) -> Select[tuple[object, ...]]:
+    commands, endings = tables.commands.c, tables.endings.c
+    chosen = select(
+        tables.commands,
+        endings.ending,
+        endings.at_ns.label("ended_ns"),
+        endings.container.label("words_container"),
+        endings.sealed.label("words_sealed"),
+    ).where(
+        commands.seq < before, commands.seq >= before - AT_ONCE, commands.at_ns >= query.since_ns
+    )
+    if query.principal:
+        chosen = chosen.where(commands.principal == query.principal)
+    if query.robot:
+        chosen = chosen.where(commands.robot == query.robot)
+    joined = chosen.outerjoin_from(tables.commands, tables.endings, endings.seq == commands.seq)
+    return joined.order_by(commands.seq.desc())
+
+
+def _entry(row: Row[tuple[object, ...]], letter: Letter) -> HistoryEntry:
+    return HistoryEntry(
+        principal=row.principal,
+        kind=row.kind,
+        at_ns=row.at_ns,
+        robot=row.robot or "",
+        skill=row.skill or "",
+        outcome=row.ending or row.code or "",
+        ended_ns=row.ended_ns,
+        letter=letter(row.container, CLAIM, row.cid, row.sealed),
+        words=letter(row.words_container, WORDS, row.cid, row.words_sealed),
+    )
