@@ -160,14 +160,11 @@ class Enrolment:
     def _not_now(self, address: Address) -> TurnedAway | None:
         """Return why an address may hand in no code at all, whatever the code."""
         now_ns = self._time.monotonic_ns()
-        everybody_s = self._guessing.pause_for_all_s(now_ns)
         own_s = self._guessing.pause_s(address, now_ns)
         known = self._directory.at(address)
         waiting = self.applicants.at(address)
         if known is not None and self._locks.locked(known[0].id):
             return self._counted("code-locked", LOCKED)
-        if everybody_s > 0:
-            return self._counted("code-paused-for-all", words.pause_for_all(everybody_s))
         if own_s > 0:
             return self._counted("code-paused", words.pause_for_you(own_s))
         if waiting is not None and not self._too_late(waiting.pending):
@@ -206,8 +203,7 @@ class Enrolment:
         alarm = None
         if opened:
             self._tally.count("code-breaker")
-            within_s, pause_s = limits.breaker_within_s, limits.breaker_pause_s
-            alarm = Alarm("code-breaker", words.guessing(limits.breaker_tries, within_s, pause_s))
+            alarm = Alarm("code-breaker", words.guessing(limits))
         return msgspec.structs.replace(self._counted(kind, words.NOT_GOOD), alarm=alarm)
 
     def _counted(self, kind: str, sentence: str) -> TurnedAway:

@@ -9,6 +9,8 @@ from rosic.core.saying import joined, said, said_n
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rosic.authoriser.guessing import GuessLimits
+
 MINUTE_S = 60
 HOUR_S = 3600
 DAY_S = 86_400
@@ -180,23 +182,16 @@ def pause_for_you(seconds: float) -> str:
     )
 
 
-def pause_for_all(seconds: float) -> str:
-    """Return what everybody with a code reads while the breaker is open."""
-    return said(
-        "Nobody can join for {lasting}, because too many wrong codes came in. Your code "
-        "was not used. Ask the admin.",
-        lasting=lasting(seconds),
-    )
-
-
-def guessing(wrong: int, within_s: float, seconds: float) -> str:
+def guessing(limits: GuessLimits) -> str:
     """Return what the admins read, once, when the breaker opens."""
     return said(
-        "{wrong} wrong codes came in within {lasting}. Nobody can join for {lasting2}, "
-        "unless an admin opens joining again.",
-        wrong=wrong,
-        lasting=lasting(within_s),
-        lasting2=lasting(seconds),
+        "{wrong} wrong codes came in within {lasting}: somebody may be guessing. Whoever has a "
+        "good code can still join. For {lasting2} each account has {tries} tries, then it waits "
+        "as long; an admin can end that.",
+        wrong=limits.breaker_tries,
+        lasting=lasting(limits.breaker_within_s),
+        lasting2=lasting(limits.breaker_pause_s),
+        tries=min(limits.tries, limits.breaker_each),
     )
 
 

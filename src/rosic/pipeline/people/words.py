@@ -25,7 +25,7 @@ NOT_ME: Final = said("Not me")
 BACK: Final = "back"
 REOPEN: Final = "reopen"
 TAKE_BACK_S: Final = DAY_S
-REOPEN_ROW: Final = (Button(said("Open joining again"), f"/invite {REOPEN}"),)
+REOPEN_ROW: Final = (Button(said("All tries again"), f"/invite {REOPEN}"),)
 ANSWERED: Final = said("This was answered before. Nothing was done.")
 INVITATION_OVER: Final = said(
     "The time of this invitation is over. Nothing was done. Ask whoever invited you for a new one."
@@ -173,7 +173,7 @@ def can_do(helpers: Sequence[str]) -> str:
 # ---- inviting ----
 
 TAKEN_BACK: Final = said("Taken back: that code lets nobody in any more.")
-REOPENED: Final = said("Joining is open again.")
+REOPENED: Final = said("Everybody has all their tries again.")
 UNWRITTEN: Final = said(
     "I could not write this down: it holds until ROSIC is restarted. The operator has to look."
 )

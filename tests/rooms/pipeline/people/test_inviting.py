@@ -324,4 +324,4 @@ async def test_taking_back_acts_with_the_disk_full() -> None:
 
 async def test_joining_is_opened_again_by_who_may() -> None:
     async with a_hall() as hall:
-        assert await hall.say(ADA, "/invite reopen") == "Joining is open again."
+        assert await hall.say(ADA, "/invite reopen") == "Everybody has all their tries again."
