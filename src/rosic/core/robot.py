@@ -101,7 +101,9 @@ class AtRest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
     ``field`` is a dotted path; several, separated by commas, must all hold. ``stop_only`` names
     those of them that count for a stop alone, and not for whether it is ready for an order: the
-    height of a drone, which ends a stop on the ground and takes orders where it hovers.
+    height of a drone, which ends a stop on the ground and takes orders where it hovers. What is
+    older than ``within_s`` says nothing of now: without it nothing moves, and what is driven by
+    velocities is driven no further.
     """
 
     topic: str
@@ -109,6 +111,7 @@ class AtRest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     field: str
     below: float
     stop_only: str = ""
+    within_s: float = 1.0
 
     def __post_init__(self) -> None:
         if self.stop_only and not set(self.counting_for_stops) < set(self.fields):

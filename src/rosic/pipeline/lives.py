@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import msgspec
 
+from rosic.core.deadman import BROKEN_OFF
 from rosic.core.language import inert_text
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Report
 from rosic.core.saying import capital, said
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
 AT_MOST = 20_000
 NOTE_AT_MOST = 400
 
-REFUSED = Ending.REFUSED
+REFUSED, UNKNOWN = Ending.REFUSED, Ending.UNKNOWN
+AFTER_A_BREAK = said("What came before this was broken off, so this was not done.")
 FULL = Outcome(Ending.REFUSED, said("I have too much to do. This was not done."), code="full")
 WENT_WRONG = said("Something went wrong here. Please look.")
 SHUT_DOWN = said("ROSIC was shut down")
@@ -252,6 +254,8 @@ class Lives:
         life.words = life.shown.wording(outcome, at_ns)
         life.card.ending = True
         self._container.conclude(life.order, outcome, life.words, at_ns, life.concluded)
+        if outcome.ending is UNKNOWN or outcome.code in BROKEN_OFF:
+            self._linker.void(life.order.robot, AFTER_A_BREAK)  # nothing goes on by itself (I6)
 
     def shown_in(self, where: tuple[str, str], message: str) -> tuple[RobotId, ...]:
         """Return the robots whose orders, under way or waiting, one message of a chat shows."""

@@ -144,7 +144,7 @@ class Trial:
         """Hold what was measured against what the profile says."""
         stated_s = self._profile.watchdog_s or 0.0
         late = rest.seconds > stated_s + BRAKING_S
-        what = "at rest" if rest.confirmed else "still moving"
+        what = "at rest" if rest.confirmed else "not seen at rest"
         text = (
             f"watchdog: {what} {rest.seconds:.2f} s after the last message; "
             f"the profile says {stated_s:g} s"

@@ -203,6 +203,7 @@ BOUNDS: Final[dict[Field, Bounds]] = {
     (ReceiptSource, "within_s"): Bounds(0.1, 600),
     (Benchmark, "late"): Bounds(1.01, 1000),
     (AtRest, "below"): Bounds(1e-6, 10),
+    (AtRest, "within_s"): Bounds(0.1, 60),
     (Skill, "lifetime_s"): Bounds(0.1, 3600),
     (Skill, "cost"): Bounds(1, COST_MAX),
     (TopicBinding, "stream_hz"): Bounds(0, 100),

@@ -31,6 +31,8 @@ class End(enum.Enum):
     SENT = "sent"
     """It was sent, and this robot never says what came of it."""
     SHUT_DOWN = "shut down"
+    INTERRUPTED = "interrupted"
+    """ROSIC stood still meanwhile, so the motion was ended: no robot goes on with it by itself."""
 
 
 # ---- what happened ----

@@ -31,6 +31,7 @@ _LEAVES = {
     e.End.FAILED: Why.FAILED,
     e.End.UNKNOWN: Why.LOST,
     e.End.STOPPED: Why.STOPPED,
+    e.End.INTERRUPTED: Why.INTERRUPTED,
 }
 # Nothing moves, or whoever has the robot now has seen it at rest.
 _LEFT = {
@@ -41,6 +42,7 @@ _LEFT = {
 _RESTS_AS = {
     Why.PAUSED: State.PAUSED,
     Why.STOPPED: State.PAUSED,
+    Why.INTERRUPTED: State.PAUSED,
     Why.RESTARTED: State.PAUSED,
     Why.CANCELLED: State.CANCELLED,
 }

@@ -57,6 +57,8 @@ class Why(enum.Enum):
     """Its robot is not to be used any more."""
     EXPIRED = "expired"
     RESTARTED = "restarted"
+    INTERRUPTED = "interrupted"
+    """ROSIC stood still while its robot moved: what was meant then need not be meant now."""
 
 
 HELD: Final = frozenset({State.ASSIGNED, State.RUNNING})

@@ -10,6 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.container.letters import ReplyTo
+from rosic.core.deadman import INTERRUPTED, STOOD_STILL
 from rosic.core.fleet.events import End
 from rosic.core.identity import command_id
 from rosic.core.life import ENGLISH, Life, wording_in
@@ -228,8 +229,11 @@ def end_after(outcome: Outcome, *, stopped: bool) -> End:
     ending = outcome.ending
     if stopped and ending not in {Ending.DONE, Ending.SENT}:
         return End.STOPPED
+    if outcome.code == STOOD_STILL:
+        return End.INTERRUPTED
     if ending is Ending.CANCELLED:
-        return End.TAKEN
+        # Nobody took it who has seen it at rest: it was ended by its own side.
+        return End.FAILED if outcome.code == INTERRUPTED else End.TAKEN
     if ending is Ending.REFUSED:
         never = {refusal.code for refusal in NEVER} | {Unrecognised.code}
         return End.REFUSED if outcome.code in never else End.BUSY

@@ -44,6 +44,7 @@ _LEFT: Final = {
     Why.CANCELLED: said("it was cancelled"),
     Why.WITHDRAWN: said("{robot} is not to be used now"),
     Why.RESTARTED: said("ROSIC was restarted"),
+    Why.INTERRUPTED: said("ROSIC itself stood still"),
     Why.EXPIRED: said("it was not begun in time"),
 }
 _REASONS: Final = {

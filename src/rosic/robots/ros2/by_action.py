@@ -3,38 +3,33 @@
 from __future__ import annotations
 
 import asyncio
-import logging
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.core.common_start import begins_ns
+from rosic.core.deadman import INTERRUPTED
 from rosic.core.order import Ending, Outcome
-from rosic.core.saying import said
-from rosic.errors import RobotUnreachable, RosicError
-from rosic.robots.ros2.errand import DECLINED, Answer, note
+from rosic.core.saying import joined, said
+from rosic.errors import RobotUnreachable
+from rosic.robots.ros2.errand import DECLINED, Answer
 from rosic.robots.ros2.faults import NoAnswer, NotSent
 from rosic.robots.ros2.goal_fields import Fields
+from rosic.robots.ros2.goal_watch import GoalWatch, call_off, until_start_s
+from rosic.robots.ros2.interrupting import in_doubt, over
 from rosic.robots.ros2.messages import to_message
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.reasons import Reasons
 from rosic.robots.ros2.two_clocks import ahead_ns
 
 if TYPE_CHECKING:
-    from rosic.core.order import Order
+    from rosic.core.deadman import Break
     from rosic.core.skill import ActionBinding
     from rosic.robots.ros2.actions import ActionLink, Goal, GoalEnd
     from rosic.robots.ros2.errand import Errand
-    from rosic.robots.ros2.goal_fields import Fraction, Maker
+    from rosic.robots.ros2.goal_fields import Maker
     from rosic.robots.ros2.ros import RosObject
     from rosic.robots.ros2.runtime import RosRuntime
 
-_log = logging.getLogger(__name__)
-
 ACCEPT_WITHIN_S = 5.0
-CANCEL_WITHIN_S = 2.0
-LOOK_EVERY_S = 0.5
-# What a stopped robot still has to say is worth this much waiting.
-LAST_WORD_S = 1.0
 _NS = 1_000_000_000
 
 
@@ -90,7 +85,7 @@ class ByAction:
         to_message(self._cls.Goal, values)
         sent_ns = errand.side.clock.wall_ns()
         errand.leave(together=together)
-        watch = _Watch(errand, made.fraction)
+        watch = GoalWatch(errand, made.fraction)
         try:
             goal = await link.send(
                 values, timeout_s=ACCEPT_WITHIN_S, goal_id=order.cid, on_feedback=watch.feedback
@@ -110,8 +105,12 @@ class ByAction:
             return Outcome(Ending.REFUSED, _declined(errand, reason), code=DECLINED)
         errand.received()
         if not errand.allowed():
-            await _call_off(goal)
-        return self._outcome(errand, await self._end(goal, errand, watch))
+            await call_off(goal)
+        end = await self._end(goal, errand, watch)
+        done = end is not None and end.status == "succeeded"
+        if watch.broken is not None and errand.allowed() and not done:
+            return await self._broken_off(errand, watch.broken, end)
+        return self._outcome(errand, end)
 
     def _started(self, values: dict[str, object], errand: Errand) -> dict[str, object]:
         """Add the common start, if there is one and the action takes it."""
@@ -123,30 +122,20 @@ class ByAction:
             values[f"{self._binding.start}.nanosec"] = at_ns % _NS
         return values
 
-    async def _end(self, goal: Goal, errand: Errand, watch: _Watch) -> GoalEnd | None:
-        """Wait for the end; None when a stop brought the robot to rest and no more was said.
+    async def _end(self, goal: Goal, errand: Errand, watch: GoalWatch) -> GoalEnd | None:
+        """Wait for the end; None when a stop, or a break, brought no more words.
 
         Raises:
             RobotUnreachable: It fell silent, took too long (and was called off), or did not
                 confirm a stop.
         """
-        limit_s = self._binding.timeout_s + _until_start_s(errand.order, watch.now_ns())
-        deadline_ns = watch.now_ns() + int(limit_s * _NS)
+        limit_s = self._binding.timeout_s + until_start_s(errand.order, watch.now_ns())
         end = asyncio.ensure_future(goal.end())
         halted = asyncio.ensure_future(errand.halted.wait())
         try:
-            while True:
-                await asyncio.wait(
-                    {end, halted}, timeout=LOOK_EVERY_S, return_when=asyncio.FIRST_COMPLETED
-                )
-                if not end.done() and halted.done():
-                    await asyncio.wait({end}, timeout=LAST_WORD_S)
-                if end.done():
-                    return end.result()
-                if halted.done():
-                    _confirmed(errand)
-                    return None
-                await _give_up(goal, errand, watch, limit_s if watch.now_ns() > deadline_ns else 0)
+            await watch.end(goal, end, halted, limit_s)
+            if end.done():
+                return end.result()
         except NoAnswer as fault:
             raise RobotUnreachable(
                 said("{shown} cannot be reached any more.", shown=errand.side.shown)
@@ -156,6 +145,27 @@ class ByAction:
                 goal.forget()
             end.cancel()
             halted.cancel()
+        if errand.halted.is_set():
+            _confirmed(errand)
+        return None
+
+    async def _broken_off(self, errand: Errand, broken: Break, end: GoalEnd | None) -> Outcome:
+        """Say what is known of a goal that did not get to its end; nobody begins it again."""
+        side, result = errand.side, None if end is None else end.result
+        words = "" if result is None else self._answer.words(result)
+        what = joined("; ", filter(None, (words, over(broken))))
+        if side.measured.measures_rest:
+            since_ns = side.clock.monotonic_ns()
+            resting = await side.brakes.measure(since_ns, side.rest_timeout_s)
+            if not resting.confirmed:
+                resting = await side.brakes.apply()
+            if not resting.confirmed:
+                errand.unsettled = True
+                raise in_doubt(side.shown, what, resting)
+        elif end is None:
+            raise RobotUnreachable(joined(": ", (side.shown, what)))
+        facts = {} if result is None else self._answer.facts(result)
+        return Outcome(Ending.FAILED, what, facts, code=broken.code)
 
     def _outcome(self, errand: Errand, end: GoalEnd | None) -> Outcome:
         if end is None:
@@ -168,45 +178,11 @@ class ByAction:
             )
         if end.status == "succeeded" and self._answer.succeeded(result):
             return Outcome(Ending.DONE, words, facts)
-        if end.status == "cancelled" or not errand.allowed():
+        if not errand.allowed():
             return Outcome(Ending.CANCELLED, words, facts)
+        if end.status == "cancelled":  # by its own side, or by somebody beside us
+            return Outcome(Ending.CANCELLED, words, facts, code=INTERRUPTED)
         return Outcome(Ending.FAILED, words, facts)
-
-
-class _Watch:
-    """Takes in feedback, and knows for how long nothing was heard."""
-
-    def __init__(self, errand: Errand, fraction: Fraction) -> None:
-        self._errand = errand
-        self._heard_ns = self.now_ns()
-        self._fraction = fraction
-        binding = errand.order.skill.action
-        self._stage = binding.stage if binding is not None else ""
-
-    def now_ns(self) -> int:
-        """Return the monotonic clock."""
-        return self._errand.side.clock.monotonic_ns()
-
-    def feedback(self, message: RosObject) -> None:
-        """Pass on how far the robot says it is."""
-        self._heard_ns = self.now_ns()
-        stage = _field(message, self._stage)
-        words = note(stage) if isinstance(stage, str) else ""
-        self._errand.running(self._fraction(message), words)
-
-    def silent_s(self) -> float:
-        """Return for how long neither feedback nor telemetry came; 0 without any telemetry."""
-        age_s = self._errand.side.measured.age_s()
-        if age_s is None:
-            return 0.0
-        return min(age_s, (self.now_ns() - self._heard_ns) / _NS)
-
-
-def _field(message: RosObject, path: str) -> object:
-    try:
-        return compile_path(type(message), path)(message) if path else None
-    except RosicError:
-        return None
 
 
 def _confirmed(errand: Errand) -> None:
@@ -217,40 +193,6 @@ def _confirmed(errand: Errand) -> None:
     """
     if errand.rest is None or not errand.rest.confirmed:
         raise RobotUnreachable(said("{shown} has not confirmed the stop.", shown=errand.side.shown))
-
-
-async def _give_up(goal: Goal, errand: Errand, watch: _Watch, passed_s: float) -> None:
-    """Call a goal off that takes too long, or whose robot has fallen silent; else do nothing.
-
-    Raises:
-        RobotUnreachable: It was called off.
-    """
-    shown, silent_s = errand.side.shown, watch.silent_s()
-    if silent_s > errand.side.measured.silence_s:
-        await _call_off(goal)
-        raise RobotUnreachable(
-            said("{shown} has not answered for {silent_s:.1f} s.", shown=shown, silent_s=silent_s)
-        )
-    if passed_s:
-        await _call_off(goal)
-        raise RobotUnreachable(
-            said(
-                "{shown} was not done within {passed_s:g} s and was told to stop.",
-                shown=shown,
-                passed_s=passed_s,
-            )
-        )
-
-
-async def _call_off(goal: Goal) -> None:
-    """Cancel a goal; whether anybody hears it is not known."""
-    with suppress(RosicError):
-        answer = await goal.cancel(timeout_s=CANCEL_WITHIN_S)
-        _log.debug("a goal of %s was called off: %s", goal.name, answer)
-
-
-def _until_start_s(order: Order, now_ns: int) -> float:
-    return 0.0 if order.start_ns is None else max(0.0, (order.start_ns - now_ns) / _NS)
 
 
 def _declined(errand: Errand, reason: str) -> str:

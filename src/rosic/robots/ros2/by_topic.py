@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.measures import measured
 from rosic.core.order import Ending, Outcome
-from rosic.core.saying import said
-from rosic.errors import RobotUnreachable
+from rosic.core.saying import joined, said
 from rosic.robots.ros2.errand import check_fields, filled
 from rosic.robots.ros2.faults import NotSent
-from rosic.robots.ros2.messages import to_message
+from rosic.robots.ros2.interrupting import in_doubt, over
+from rosic.robots.ros2.velocity_stream import Pace, VelocityStream
 
 if TYPE_CHECKING:
+    from rosic.core.deadman import Break
     from rosic.core.skill import TopicBinding
     from rosic.robots.ros2.errand import Errand
     from rosic.robots.ros2.rest import Resting
@@ -22,7 +24,6 @@ if TYPE_CHECKING:
 DURATION = "duration"
 # A zero that is lost on the way is followed by others; the robot's watchdog is behind them.
 ZEROS = 3
-_NS = 1_000_000_000
 
 
 class ByTopic:
@@ -52,26 +53,24 @@ class ByTopic:
 
     async def carry(self, errand: Errand) -> Outcome:
         """Publish once, or stream."""
-        publisher = await self._listened_to(errand)
-        values = filled(self._binding.message, errand.order)
-        to_message(self._cls, values)
         if self._binding.stream_hz > 0:
-            return await self._drive(errand, publisher, values)
+            return await self._drive(errand, await self._stream(errand))
+        publisher = await self._listened_to(errand)
+        message = publisher.made(filled(self._binding.message, errand.order))
         errand.leave()
         try:
-            publisher.publish(values)
+            publisher.send(message)
         except NotSent as fault:
             raise errand.offline() from fault
         return Outcome(Ending.SENT)
 
     async def fall_silent(self, errand: Errand) -> Resting:
         """Stream, cease without a zero, and wait for measured rest; for measuring a watchdog."""
-        publisher = await self._listened_to(errand)
-        values = filled(self._binding.message, errand.order)
-        to_message(self._cls, values)
-        await self._stream(errand, publisher, values)
+        stream = await self._stream(errand)
+        if await stream.run() is not None:
+            return await errand.side.brakes.apply()
         side = errand.side
-        return await side.brakes.measure(side.clock.monotonic_ns(), errand.side.rest_timeout_s)
+        return await side.brakes.measure(side.clock.monotonic_ns(), side.rest_timeout_s)
 
     async def _listened_to(self, errand: Errand) -> Publisher:
         # A stream shares its publisher with the zeros that end it: two publishers of one topic may
@@ -82,20 +81,26 @@ class ByTopic:
         await errand.there(lambda: publisher.listeners > 0, publisher.topic)
         return publisher
 
-    async def _drive(
-        self, errand: Errand, publisher: Publisher, values: dict[str, object]
-    ) -> Outcome:
-        moved = await self._stream(errand, publisher, values)
+    async def _stream(self, errand: Errand) -> VelocityStream:
+        publisher = await self._listened_to(errand)
+        message = publisher.made(filled(self._binding.message, errand.order))
+        pace = Pace(1.0 / self._binding.stream_hz, _duration_s(errand))
+        return VelocityStream(errand, publisher, message, pace)
+
+    async def _drive(self, errand: Errand, stream: VelocityStream) -> Outcome:
+        broken = await stream.run()
         if not errand.allowed():
             return Outcome(Ending.CANCELLED)
+        if broken is not None:
+            return await self._broken_off(errand, stream, broken)
         side = errand.side
         ended_ns = side.clock.monotonic_ns()
         period_s = 1.0 / self._binding.stream_hz
         for _ in range(ZEROS):
             side.brakes.zero()
             await side.clock.sleep(period_s)
-        resting = await side.brakes.measure(ended_ns, errand.side.rest_timeout_s)
-        if not side.measured.measures_rest or (resting.confirmed and not moved):
+        resting = await side.brakes.measure(ended_ns, side.rest_timeout_s)
+        if not side.measured.measures_rest or (resting.confirmed and not stream.moved):
             return Outcome(Ending.SENT)
         if resting.confirmed:
             return Outcome(
@@ -103,43 +108,40 @@ class ByTopic:
             )
         return await self._does_not_obey(errand)
 
+    async def _broken_off(self, errand: Errand, stream: VelocityStream, broken: Break) -> Outcome:
+        """Bring it to rest, and say what was measured."""
+        errand.interrupted(broken)
+        resting = await errand.side.brakes.apply()
+        stream.way.look()
+        what = joined("; ", (_driven(stream), over(broken)))
+        if not errand.allowed():  # a stop came meanwhile, and says more about rest
+            return Outcome(Ending.CANCELLED, what)
+        if not resting.confirmed:
+            raise in_doubt(errand.side.shown, what, resting)
+        facts = {"driven_s": stream.seconds}
+        if stream.way.metres is not None:
+            facts["distance_m"] = stream.way.metres
+        return Outcome(Ending.FAILED, what, facts, code=broken.code)
+
     async def _does_not_obey(self, errand: Errand) -> Outcome:
-        """Zero did not bring it to rest: apply everything else."""
-        shown = errand.side.shown
-        if not (await errand.side.brakes.apply()).confirmed:
-            raise RobotUnreachable(
-                said("{shown} was sent zero and told to stop, and still moves.", shown=shown)
-            )
+        """Zero did not bring it to rest, or that was not seen: apply everything else."""
+        resting = await errand.side.brakes.apply()
+        if not resting.confirmed:
+            errand.unsettled = True
+            raise in_doubt(errand.side.shown, "", resting)
         return Outcome(Ending.FAILED, said("it came to rest only when its own stop was called"))
 
-    async def _stream(
-        self, errand: Errand, publisher: Publisher, values: dict[str, object]
-    ) -> bool:
-        """Publish for the order's duration; return whether the robot was measured to move.
 
-        Returns early, and publishes nothing more, when a stop comes.
-        """
-        side, period_s = errand.side, 1.0 / self._binding.stream_hz
-        duration_s, moved = _duration_s(errand), False
-        errand.leave()
-        begun_ns = side.clock.monotonic_ns()
-        while (past_s := (side.clock.monotonic_ns() - begun_ns) / _NS) < duration_s:
-            if not errand.allowed():
-                return moved
-            try:
-                publisher.publish(values)
-            except NotSent as fault:
-                if past_s == 0.0:
-                    raise errand.offline() from fault
-                raise RobotUnreachable(
-                    said("{shown} cannot be reached any more.", shown=side.shown)
-                ) from fault
-            await side.clock.sleep(min(period_s, duration_s - past_s))
-            if not moved and side.measured.at_rest(begun_ns) is False:
-                moved = True
-                errand.received()
-            errand.running(min(1.0, past_s / duration_s))
-        return moved
+def _driven(stream: VelocityStream) -> str:
+    """Return for how long, and how far, as far as anybody knows."""
+    seconds, metres = stream.seconds, stream.way.metres
+    if metres is None or not stream.moved:
+        return said("sent velocities for {seconds:.1f} s", seconds=seconds)
+    return said(
+        "drove for {seconds:.1f} s, {way} by its odometry",
+        seconds=seconds,
+        way=measured(f"{metres:.2f} m", metres, "m"),
+    )
 
 
 def _duration_s(errand: Errand) -> float:

@@ -11,6 +11,7 @@ from rosic.core.order import Report, Stage
 from rosic.core.saying import said
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.faults import BadName, NotSent
+from rosic.robots.ros2.interrupting import over
 from rosic.robots.ros2.reading import Reader, compile_path
 from rosic.robots.ros2.services import wait_until
 from rosic.robots.ros2.text import clean_text
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Tell
+    from rosic.core.deadman import Break
     from rosic.core.gate import Gate
     from rosic.core.order import Order, Outcome
     from rosic.core.skill import Argument, Meaning
@@ -40,7 +42,11 @@ MESSAGES = ("message", "error_msg", "error_string")
 
 
 class Side(NamedTuple):
-    """One robot's side, as far as a binding needs it."""
+    """One robot's side, as far as a binding needs it.
+
+    Attributes:
+        watchdog_s: A gap of ours that is longer breaks off what moves.
+    """
 
     shown: str
     gate: Gate
@@ -49,6 +55,7 @@ class Side(NamedTuple):
     measured: Measurements
     namespace: str
     rest_timeout_s: float
+    watchdog_s: float
 
 
 class Carrier(Protocol):
@@ -83,6 +90,8 @@ class Errand:
         cut_off: It is being ended without a stop, as ROSIC closes: the robot is brought to rest and
             may say that its goal came to nothing before anybody has cancelled that.
         halted: Set when a stop has done what it could; ``rest`` then says what came of it.
+        unsettled: It was broken off and the robot not seen at rest since: once it is heard again
+            it is brought to rest first.
     """
 
     def __init__(self, order: Order, tell: Tell, side: Side, patience_s: float) -> None:
@@ -90,6 +99,7 @@ class Errand:
         self.side = side
         self.left = False
         self.cut_off = False
+        self.unsettled = False
         self.halted = asyncio.Event()
         self.rest: Resting | None = None
         self._tell = tell
@@ -154,6 +164,12 @@ class Errand:
     def allowed(self) -> bool:
         """Tell whether it may go on: no stop has come, and nobody is cutting it off."""
         return not self.cut_off and self.side.gate.still_allows(self.order)
+
+    def interrupted(self, broken: Break) -> None:
+        """It is broken off. That is said at once: coming to rest may take its time."""
+        self.unsettled = True
+        _log.warning("%s: order %d is broken off: %s", self.order.robot, self.order.n, broken)
+        self.running(None, over(broken))
 
     def received(self) -> None:
         """The robot's side has it."""

@@ -14,6 +14,7 @@ from rosic.robots.ros2.text import clean_text
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from rosic.contracts.clock import Clock
     from rosic.core.robot import Profile
     from rosic.robots.ros2.runtime import RosRuntime
     from rosic.robots.ros2.topics import Latest
@@ -32,9 +33,9 @@ _FACTORS: Mapping[str, float] = MappingProxyType(
         "km/h": 3.6,
     }
 )
-# A robot at work that misses so many heartbeats is not waited for until its longest motion is over.
-_MISSED = 3.0
+ODOMETRY = "nav_msgs/msg/Odometry"
 _TEXT_BYTES = 200
+_NS = 1_000_000_000
 
 
 class _Value(NamedTuple):
@@ -51,8 +52,10 @@ class Measurements:
         sources: The subscriptions, by topic and type.
     """
 
-    def __init__(self, profile: Profile) -> None:
+    def __init__(self, profile: Profile, clock: Clock) -> None:
         self._profile = profile
+        self._clock = clock
+        self._places: list[tuple[Latest, Reader, Reader]] = []
         self.sources: dict[tuple[str, str], Latest] = {}
         self._values: list[_Value] = []
         self._rest: Latest | None = None
@@ -92,11 +95,16 @@ class Measurements:
         for source in self.sources.values():
             await source.close()
         self.sources.clear()
+        self._places.clear()
 
     async def _source(self, runtime: RosRuntime, topic: str, type_name: str) -> Latest:
         key = topic, type_name
         if key not in self.sources:
-            self.sources[key] = await runtime.latest(topic, type_name)
+            self.sources[key] = source = await runtime.latest(topic, type_name)
+            if type_name == ODOMETRY:
+                cls = runtime.types.message(type_name)
+                x_m, y_m = (compile_path(cls, f"pose.pose.position.{axis}") for axis in "xy")
+                self._places.append((source, x_m, y_m))
         return self.sources[key]
 
     # ---- what is known ----
@@ -107,9 +115,45 @@ class Measurements:
         return self._rest is not None
 
     @property
+    def within_s(self) -> float:
+        """The deadline of what shows rest; where nothing does, of any word of the robot."""
+        at_rest = self._profile.at_rest
+        return self._profile.link.heartbeat_s if at_rest is None else at_rest.within_s
+
+    @property
     def silence_s(self) -> float:
-        """After how many seconds without a word a robot at work counts as out of reach."""
-        return _MISSED * self._profile.link.heartbeat_s
+        """After how many seconds without a word a robot counts as not there."""
+        return self._profile.link.heartbeat_s
+
+    def judged_age_s(self) -> float | None:
+        """Return for how long that was not heard which `within_s` is about; None: it never was."""
+        return self.age_s() if self._rest is None else self._rest.age_s
+
+    def stale_ns(self) -> int:
+        """Return when something was measured that is too old to speak of now."""
+        return self._clock.monotonic_ns() - int(self.within_s * _NS)
+
+    def fresh(self) -> bool:
+        """Tell whether rest, or the lack of it, is measured now; else, whether it is heard at all.
+
+        True, too, for a robot of which nothing can be heard.
+        """
+        if self._rest is not None:
+            return self.at_rest(self.stale_ns()) is not None
+        age_s = self.age_s()
+        return not self.sources or (age_s is not None and age_s <= self.within_s)
+
+    def place(self) -> tuple[float, float] | None:
+        """Return where the robot last was by its odometry; None where it has none."""
+        for source, x_m, y_m in self._places:
+            try:
+                message = source.message()
+            except BadValue:
+                continue
+            if message is not None:
+                [x], [y] = _numbers(x_m(message)), _numbers(y_m(message))
+                return (x, y) if isfinite(x) and isfinite(y) else None
+        return None
 
     def age_s(self) -> float | None:
         """Return for how many seconds nothing was heard; None when nothing ever was."""

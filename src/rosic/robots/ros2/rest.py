@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.errors import RosicError
 from rosic.robots.ros2.faults import NotSent
+from rosic.robots.ros2.topics import Quality
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,10 +32,15 @@ _NS = 1_000_000_000
 
 
 class Resting(NamedTuple):
-    """How it went: whether rest was measured, and after how many seconds, or giving up."""
+    """How it went: whether rest was measured, and after how many seconds, or giving up.
+
+    Attributes:
+        moves: It was measured to move at the end; False when nothing was measured, too.
+    """
 
     confirmed: bool
     seconds: float
+    moves: bool = False
 
 
 class Brakes:
@@ -70,7 +76,8 @@ class Brakes:
             BadName: A name or a type is wrong.
         """
         for topic, type_name in _zeros(self._profile).items():
-            self.zeros[topic] = await runtime.publisher(topic, type_name)
+            # Of velocities only the newest counts: none from before a break is sent again after it.
+            self.zeros[topic] = await runtime.publisher(topic, type_name, Quality(depth=1))
         stop = self._profile.stop
         if stop is not None and stop.service:
             self.calls.append(await runtime.service(stop.service, stop.type))
@@ -155,7 +162,8 @@ class _Attempt:
                 if not measured.measures_rest:
                     return Resting(confirmed=False, seconds=past_s)
             if past_s >= limit_s:
-                return Resting(confirmed=False, seconds=past_s)
+                moves = measured.at_rest(max(begun_ns, measured.stale_ns())) is False
+                return Resting(confirmed=False, seconds=past_s, moves=moves)
             await self._wait()
 
     def end(self) -> None:

@@ -26,6 +26,7 @@ from rosic.robots.ros2.measuring import Measurements
 from rosic.robots.ros2.meeting import Meetings
 from rosic.robots.ros2.names import check_graph_name
 from rosic.robots.ros2.rest import Brakes, Resting
+from rosic.robots.ros2.settling import Settling
 from rosic.robots.ros2.sights import Sights
 from rosic.robots.ros2.station import others_under, station_of
 
@@ -77,7 +78,7 @@ class Ros2Robot:
         space = profile.link.namespace
         # What stands at the root shares it with everybody: it is told by its topics alone.
         self._namespace = "" if space in {"", ROOT} else check_graph_name(space)
-        self._measured = Measurements(profile)
+        self._measured = Measurements(profile, clock)
         self._brakes = Brakes(profile, self._measured, clock)
         self._heartbeat = Heartbeat(self._namespace, clock)
         self._sights = Sights(profile, clock)
@@ -91,6 +92,7 @@ class Ros2Robot:
         self._was_online = False
         self._seen: bool | None = None
         self._errand: Errand | None = None
+        self._settling = Settling(profile, self._measured, clock, self._online, self._to_rest)
 
     def _text_link(self) -> Dialogue | None:
         if not self.profile.link.dialogue:
@@ -157,6 +159,7 @@ class Ros2Robot:
             if self._errand.left:
                 self._halted(await self._to_rest(limit_s=CLOSING_REST_S))
         self._opened_ns = None
+        self._settling.close()
         closing = [*(part.close() for part in self._parts()), self._station.leave(self._look)]
         for step in closing:
             try:
@@ -196,7 +199,10 @@ class Ros2Robot:
         """Carry out one order."""
         errand = self._errand = Errand(order, tell, self._side(), self._patience_s(order))
         try:
-            return await self._carriers[order.skill.id].carry(errand)
+            carrier = self._carriers[order.skill.id]
+            if order.skill.actuates and carrier is not self._dialogue:
+                await self._settling.check(errand)
+            return await carrier.carry(errand)
         except BadValue as fault:
             _log.warning("an order for %s was not sent: %s", self.profile.id, fault)
             sentence = said(
@@ -209,6 +215,8 @@ class Ros2Robot:
             raise
         finally:
             self._errand = None
+            if errand.unsettled:
+                self._settling.begin()
 
     async def fall_silent(self, order: Order, tell: Tell) -> Rest:
         """Stream as `execute` does, then cease without a zero, and wait for measured rest.
@@ -243,6 +251,8 @@ class Ros2Robot:
             return Rest(stop.robot, confirmed=False, seconds=0.0)
         resting = await self._to_rest(lambda: self._errand is None)
         self._halted(resting)
+        if not resting.confirmed and self._online() is False:
+            self._settling.begin()
         return Rest(stop.robot, resting.confirmed, resting.seconds)
 
     async def _to_rest(
@@ -275,8 +285,8 @@ class Ros2Robot:
             online=online,
             age_s=self._age_s(),
             doing=errand.order.skill.id if errand is not None else "",
-            at_rest=self._measured.at_rest(self._stale_ns()),
-            holds=self._measured.holds(self._stale_ns()),
+            at_rest=self._measured.at_rest(self._measured.stale_ns()),
+            holds=self._measured.holds(self._measured.stale_ns()),
             values=self._measured.values(),
             pose=self._sights.pose() if online is not False else None,
         )
@@ -305,10 +315,6 @@ class Ros2Robot:
         if self._dialogue is not None:
             return self._dialogue.answered
         return None if self._early() and not self._seen else self._seen
-
-    def _stale_ns(self) -> int:
-        """Return when something was measured that is too old to speak of now."""
-        return self._clock.monotonic_ns() - int(self.profile.link.heartbeat_s * _NS)
 
     def _look(self, seen: Snapshot) -> None:
         """Take in what is on the graph."""
@@ -348,6 +354,7 @@ class Ros2Robot:
             self._measured,
             self._namespace,
             self.profile.rest_timeout_s,
+            self.profile.watchdog_s or self.profile.link.heartbeat_s,
         )
 
 

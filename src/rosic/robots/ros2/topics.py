@@ -80,7 +80,23 @@ class Publisher:
             BadValue: A value does not fit; nothing was sent.
             NotSent: The link is closed, or ROS did not take it (its queue is full).
         """
+        self.send(to_message(self._cls, values))
+
+    def made(self, values: Values) -> bytes:
+        """Check, convert and serialise, so that nothing is left to do when it is sent.
+
+        Raises:
+            BadValue: A value does not fit.
+        """
         message = to_message(self._cls, values)
+        return bytes(self._runtime.ros.serialization.serialize_message(message))
+
+    def send(self, message: RosObject | bytes) -> None:
+        """Send a message, or what was made of it, at once and on the calling thread.
+
+        Raises:
+            NotSent: As `publish` does.
+        """
         if not self._runtime.alive:
             raise NotSent("The link to ROS 2 is closed; nothing was sent.")
         try:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+from math import inf
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
 from rosic.core.common_start import begins_ns
+from rosic.core.deadman import INTERRUPTED, STOOD_STILL, DeadMan
 from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
 from rosic.core.robot import Presence, Profile
-from rosic.core.saying import said
+from rosic.core.saying import joined, said
 from rosic.core.view import Pose, Sight, View
 from rosic.errors import ConfigurationError, NothingToSee
 from rosic.robots.simulated.fellow import answer
@@ -20,7 +22,7 @@ from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.scenery.plan import plan_of, pose_of
 from rosic.robots.simulated.scenery.scene import robot_scene
-from rosic.robots.simulated.theatre import theatre_of
+from rosic.robots.simulated.theatre import LINK_LOST_S, theatre_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Mapping
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
+    from rosic.core.deadman import Break
     from rosic.core.gate import Gate
     from rosic.core.view import Content
 
@@ -130,14 +133,20 @@ class SimulatedRobot:
         )
         tell(Report(Stage.RECEIVED))
         self._theatre.wake()
+        looked_ns, late = self._clock.monotonic_ns(), False
         while activity.running:
             if start_s is not None or activity.stage != WAITING:
                 tell(Report(Stage.RUNNING, activity.fraction, activity.stage))
             await self._clock.sleep(REST_EVERY_S)
-        return self._outcome(activity)
+            now_ns = self._clock.monotonic_ns()
+            late, looked_ns = late or now_ns - looked_ns > LINK_LOST_S * 1e9, now_ns
+        return self._outcome(order, activity, late=late)
 
-    def _outcome(self, activity: Activity) -> Outcome:
-        return Outcome(ENDING[activity.state], activity.detail, dict(activity.facts))
+    def _outcome(self, order: Order, activity: Activity, *, late: bool) -> Outcome:
+        code = ""
+        if activity.state is State.CANCELLED and self.gate.still_allows(order):
+            code = STOOD_STILL if late else INTERRUPTED  # by itself: nobody here ended it
+        return Outcome(ENDING[activity.state], activity.detail, dict(activity.facts), code)
 
     async def _drive(self, order: Order, tell: Tell) -> Outcome:
         """Send a bounded stream of velocities that ends in zero."""
@@ -161,17 +170,34 @@ class SimulatedRobot:
         """Go on with a drive that has begun."""
         x, y, turn = velocity
         duration_s = float(order.arguments.get("duration", 0.0))
-        begun_s = self._theatre.now_s()
-        while (past_s := self._theatre.now_s() - begun_s) < duration_s:
-            if not self.gate.still_allows(order):
-                return Outcome(Ending.CANCELLED)
-            machine.set_velocity(x, y, turn, self._theatre.now_s())
+        watchdog_s = self.profile.watchdog_s or machine.watchdog_s
+        begun_ns = self._clock.monotonic_ns()
+        dead_man = DeadMan(begun_ns, watchdog_s=watchdog_s, heard_within_s=inf)
+        while self.gate.still_allows(order):
+            now_ns = self._clock.monotonic_ns()
+            broken, past_s = dead_man.look(now_ns, 0.0), (now_ns - begun_ns) / 1e9
+            if broken is not None:
+                return await self._broken_off(broken, (dead_man.last_ns - begun_ns) / 1e9)
+            if past_s >= duration_s:
+                await self._rest()
+                return Outcome(
+                    Ending.DONE, said("drove for {duration_s:g} s", duration_s=duration_s)
+                )
+            machine.set_velocity(x, y, turn, now_ns / 1e9)
             tell(Report(Stage.RUNNING, past_s / duration_s))
             await self._clock.sleep(min(SETPOINT_EVERY_S, duration_s - past_s))
-        if not self.gate.still_allows(order):
-            return Outcome(Ending.CANCELLED)
+        return Outcome(Ending.CANCELLED)
+
+    async def _broken_off(self, broken: Break, driven_s: float) -> Outcome:
+        """Bring it to rest, and say so: nobody begins it again."""
         await self._rest()
-        return Outcome(Ending.DONE, said("drove for {duration_s:g} s", duration_s=duration_s))
+        what = (
+            said("drove for {seconds:.1f} s", seconds=driven_s),
+            said(
+                "then ROSIC itself stood still for {seconds:.1f} s: ended", seconds=broken.seconds
+            ),
+        )
+        return Outcome(Ending.FAILED, joined("; ", what), {"driven_s": driven_s}, code=broken.code)
 
     async def stop(self, stop: Stop) -> Rest:
         """Latch, halt, and wait until rest is measured."""

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
 
 STEP_S = 0.02
+LINK_LOST_S = 1.0
 
 
 class Theatre:
@@ -24,6 +25,7 @@ class Theatre:
     """
 
     def __init__(self, clock: Clock) -> None:
+        self._stepped_s: float | None = None
         self.world: World = build_world()
         self._clock: Clock = proxy(clock)  # a value that holds its key is never let go
         self._watchers: list[Callable[[], None]] = []
@@ -48,16 +50,33 @@ class Theatre:
     def wake(self) -> None:
         """Step from now on, until everything rests."""
         if self._task is None or self._task.done():
+            self._stepped_s = None
             self._task = asyncio.create_task(self._run())
 
     async def _run(self) -> None:
         while True:
-            self.world.step(self.now_s())
+            now_s = self.now_s()
+            self._lose_links(now_s)
+            self.world.step(now_s)
+            self._stepped_s = now_s
             for watcher in tuple(self._watchers):
                 watcher()
             if not self.world.moving:
                 return
             await self._clock.sleep(STEP_S)
+
+    def _lose_links(self, now_s: float) -> None:
+        """Let what moved hold or land by itself, if nobody could have stopped it meanwhile (I6).
+
+        The machines are in this process: when it stands still, so does whoever gives stops.
+        """
+        if self._stepped_s is None or now_s - self._stepped_s <= LINK_LOST_S:
+            return
+        lost_s = self._stepped_s + LINK_LOST_S
+        self.world.step(lost_s)
+        for machine in self.world.machines.values():
+            if machine.moving:
+                machine.link_lost(lost_s)
 
 
 _theatres: WeakKeyDictionary[Clock, Theatre] = WeakKeyDictionary()

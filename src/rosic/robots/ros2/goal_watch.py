@@ -1,0 +1,136 @@
+"""Following a goal that a robot carries out: is it heard, is it in time, and are we?"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Final
+
+from rosic.core.deadman import Break, Cause
+from rosic.core.saying import said
+from rosic.errors import RobotUnreachable, RosicError
+from rosic.robots.ros2.errand import note
+from rosic.robots.ros2.reading import compile_path
+
+if TYPE_CHECKING:
+    from rosic.core.order import Order
+    from rosic.robots.ros2.actions import Goal
+    from rosic.robots.ros2.errand import Errand
+    from rosic.robots.ros2.goal_fields import Fraction
+    from rosic.robots.ros2.ros import RosObject
+
+_log = logging.getLogger(__name__)
+
+LOOK_EVERY_S: Final = 0.5
+# What a stopped robot still has to say is worth this much waiting.
+LAST_WORD_S: Final = 1.0
+CANCEL_WITHIN_S: Final = 2.0
+# A robot that is not heard is said to be away at once; it is cancelled again when it is back.
+CANCEL_UNHEARD_WITHIN_S: Final = 0.5
+_NS = 1_000_000_000
+
+
+class GoalWatch:
+    """Takes in feedback, and knows for how long nothing was heard, and nobody looked.
+
+    Attributes:
+        broken: Why it was broken off, if it was.
+    """
+
+    def __init__(self, errand: Errand, fraction: Fraction) -> None:
+        self.broken: Break | None = None
+        self._errand = errand
+        self._heard_ns = self.now_ns()
+        self._fraction = fraction
+        binding = errand.order.skill.action
+        self._stage = binding.stage if binding is not None else ""
+
+    def now_ns(self) -> int:
+        """Return the monotonic clock."""
+        return self._errand.side.clock.monotonic_ns()
+
+    def feedback(self, message: RosObject) -> None:
+        """Pass on how far the robot says it is."""
+        self._heard_ns = self.now_ns()
+        stage = _field(message, self._stage)
+        words = note(stage) if isinstance(stage, str) else ""
+        self._errand.running(self._fraction(message), words)
+
+    def silent_s(self) -> float:
+        """Return for how long neither feedback nor telemetry came; 0 without any telemetry."""
+        age_s = self._errand.side.measured.age_s()
+        if age_s is None:
+            return 0.0
+        return min(age_s, (self.now_ns() - self._heard_ns) / _NS)
+
+    async def end(
+        self, goal: Goal, end: asyncio.Future[Any], halted: asyncio.Future[Any], limit_s: float
+    ) -> None:
+        """Return once the goal has ended, a stop has done what it could, or it was broken off.
+
+        Raises:
+            RobotUnreachable: It fell silent, or took too long; it was called off.
+        """
+        deadline_ns = self.now_ns() + int(limit_s * _NS)
+        while not end.done() and not halted.done():
+            before_ns = self.now_ns()
+            await asyncio.wait(
+                {end, halted}, timeout=LOOK_EVERY_S, return_when=asyncio.FIRST_COMPLETED
+            )
+            late_s = (self.now_ns() - before_ns) / _NS - LOOK_EVERY_S
+            if late_s > self._errand.side.watchdog_s:
+                self.broken = Break(Cause.LATE, late_s)
+                break
+            if not end.done() and not halted.done():
+                await self._give_up(goal, limit_s if self.now_ns() > deadline_ns else 0.0)
+        if self.broken is not None and not end.done():
+            self._errand.interrupted(self.broken)
+            await call_off(goal)
+            await asyncio.wait({end, halted}, timeout=self._errand.side.rest_timeout_s)
+        elif not end.done():
+            await asyncio.wait({end}, timeout=LAST_WORD_S)
+
+    async def _give_up(self, goal: Goal, passed_s: float) -> None:
+        """Call a goal off that takes too long, or whose robot is not heard; else do nothing.
+
+        Raises:
+            RobotUnreachable: It was called off.
+        """
+        errand, shown, silent_s = self._errand, self._errand.side.shown, self.silent_s()
+        if silent_s > errand.side.measured.silence_s:
+            errand.unsettled = True
+            await call_off(goal, CANCEL_UNHEARD_WITHIN_S)
+            raise RobotUnreachable(
+                said(
+                    "{shown} has not answered for {silent_s:.1f} s.", shown=shown, silent_s=silent_s
+                )
+            )
+        if passed_s:
+            await call_off(goal)
+            raise RobotUnreachable(
+                said(
+                    "{shown} was not done within {passed_s:g} s and was told to stop.",
+                    shown=shown,
+                    passed_s=passed_s,
+                )
+            )
+
+
+async def call_off(goal: Goal, within_s: float = CANCEL_WITHIN_S) -> None:
+    """Cancel a goal; whether anybody hears it is not known."""
+    with suppress(RosicError):
+        answer = await goal.cancel(timeout_s=within_s)
+        _log.debug("a goal of %s was called off: %s", goal.name, answer)
+
+
+def until_start_s(order: Order, now_ns: int) -> float:
+    """Return how long it is to the common start; 0 without one."""
+    return 0.0 if order.start_ns is None else max(0.0, (order.start_ns - now_ns) / _NS)
+
+
+def _field(message: RosObject, path: str) -> object:
+    try:
+        return compile_path(type(message), path)(message) if path else None
+    except RosicError:
+        return None

@@ -1,0 +1,101 @@
+"""After a motion was broken off and rest not seen: nothing moves before the robot has rested (I6).
+
+A robot that was frozen, or out of reach, may go on with what it was told before as soon as it is
+back. It is brought to rest then, before anything else is asked of it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.saying import said
+from rosic.errors import RobotOffline
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.robot import Profile
+    from rosic.robots.ros2.errand import Errand
+    from rosic.robots.ros2.measuring import Measurements
+    from rosic.robots.ros2.rest import Resting
+
+EVERY_S: Final = 0.1
+TRIES: Final = 3
+"""Whoever drives a robot that is back by its own controls is left alone after so many."""
+
+
+class Settling:
+    """One robot's.
+
+    Args:
+        profile, measured, clock: Of the robot.
+        online: What `Presence.online` says.
+        to_rest: Brings it to rest, or gives up.
+    """
+
+    def __init__(
+        self,
+        profile: Profile,
+        measured: Measurements,
+        clock: Clock,
+        online: Callable[[], bool | None],
+        to_rest: Callable[[], Awaitable[Resting]],
+    ) -> None:
+        self._profile = profile
+        self._measured = measured
+        self._clock = clock
+        self._online = online
+        self._to_rest = to_rest
+        self._task: asyncio.Task[None] | None = None
+
+    def begin(self) -> None:
+        """Bring it to rest as soon as it is heard; once is enough."""
+        if self._task is None:
+            self._task = asyncio.create_task(self._settle())
+
+    def close(self) -> None:
+        """Leave it to itself."""
+        if self._task is not None:
+            self._task.cancel()
+
+    async def _settle(self) -> None:
+        try:
+            for _ in range(TRIES):
+                while self._online() is False:
+                    await self._clock.sleep(EVERY_S)
+                if (await self._to_rest()).confirmed or not self._measured.measures_rest:
+                    return
+        finally:
+            self._task = None
+
+    async def check(self, errand: Errand) -> None:
+        """See that the robot is there, that its rest can be measured, and that it has rested.
+
+        Raises:
+            OrderVoid, RobotOffline: Not so; the robot has not moved because of the order.
+        """
+        shown = self._profile.shown
+        try:
+            await errand.there(self._measured.fresh, self._profile.id)
+        except RobotOffline:
+            if self._online() is not True:
+                raise
+            raise RobotOffline(
+                said(
+                    "{shown} is there, but whether it rests cannot be measured now. "
+                    "Nothing was sent. Whoever looks after {shown} can help.",
+                    shown=shown,
+                )
+            ) from None
+        if self._task is not None:
+            await asyncio.wait((self._task,), timeout=self._profile.rest_timeout_s)
+        if self._task is not None:
+            raise RobotOffline(
+                said(
+                    "{shown} was not seen at rest since its last motion was broken off. "
+                    "Nothing was sent; please look.",
+                    shown=shown,
+                )
+            )

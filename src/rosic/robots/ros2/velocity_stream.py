@@ -1,0 +1,129 @@
+"""Velocities sent again and again for a time, and the law that ends them (I6)."""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.core.deadman import Break, Cause, DeadMan
+from rosic.robots.ros2.faults import NotSent
+
+if TYPE_CHECKING:
+    from rosic.robots.ros2.errand import Errand
+    from rosic.robots.ros2.measuring import Measurements
+    from rosic.robots.ros2.topics import Publisher
+
+_NS = 1_000_000_000
+
+
+class Pace(NamedTuple):
+    """How often velocities are sent, and for how long in all."""
+
+    period_s: float
+    duration_s: float
+
+
+class Way:
+    """How far a robot has gone by its own odometry, added up from look to look.
+
+    Attributes:
+        metres: None while the robot has not said where it is.
+    """
+
+    def __init__(self, measured: Measurements) -> None:
+        self._measured = measured
+        self._at = measured.place()
+        self.metres = None if self._at is None else 0.0
+
+    def look(self) -> None:
+        """Take in where it is now."""
+        now, before = self._measured.place(), self._at
+        if now is None:
+            return
+        past_m = 0.0 if before is None else hypot(now[0] - before[0], now[1] - before[1])
+        self.metres = (self.metres or 0.0) + past_m
+        self._at = now
+
+
+class VelocityStream:
+    """One drive.
+
+    Attributes:
+        moved: The robot was measured to move.
+        seconds: For how long it was driven, as far as is known: to the last message that was sent
+            in time and, where the robot's side fell silent, to its last word.
+        way: How far it went.
+    """
+
+    def __init__(self, errand: Errand, publisher: Publisher, message: bytes, pace: Pace) -> None:
+        self.moved = False
+        self.seconds = 0.0
+        self.way = Way(errand.side.measured)
+        self._errand = errand
+        self._publisher = publisher
+        self._message = message
+        self._pace = pace
+        self._begun_ns = 0
+
+    async def run(self) -> Break | None:
+        """Pass the gate and send, until the time is over, a stop comes, or it is broken off.
+
+        Returns:
+            What broke it off; None otherwise. Nothing is sent any more, no zero either.
+
+        Raises:
+            OrderVoid, RobotOffline: The robot has not moved.
+        """
+        errand, clock = self._errand, self._errand.side.clock
+        errand.leave()
+        self._begun_ns = clock.monotonic_ns()
+        side = errand.side
+        dead_man = DeadMan(
+            self._begun_ns, watchdog_s=side.watchdog_s, heard_within_s=side.measured.within_s
+        )
+        sent = False
+        while True:
+            now_ns = clock.monotonic_ns()
+            broken, past_s = self._look(dead_man, now_ns), (now_ns - self._begun_ns) / _NS
+            if broken is not None or past_s >= self._pace.duration_s or not errand.allowed():
+                self._ended(broken, dead_man.last_ns)
+                return broken
+            # A process that was frozen goes on from wherever it was: the look takes its time, so
+            # the clock is asked once more, and nothing stands between its answer and the sending.
+            if dead_man.late(clock.monotonic_ns()):
+                continue
+            try:
+                self._publisher.send(self._message)
+            except NotSent as fault:
+                if not sent:
+                    raise errand.offline() from fault
+                self._ended(None, now_ns)
+                return Break(Cause.GONE, 0.0)
+            sent = True
+            await clock.sleep(min(self._pace.period_s, self._pace.duration_s - past_s))
+            self._tell(past_s / self._pace.duration_s)
+
+    def _look(self, dead_man: DeadMan, now_ns: int) -> Break | None:
+        measured = self._errand.side.measured
+        age_s = measured.age_s()
+        return dead_man.look(
+            now_ns,
+            measured.judged_age_s(),
+            heard=age_s is not None and age_s <= measured.within_s,
+            there=self._publisher.listeners > 0,
+            rests=self.moved and measured.at_rest(self._begun_ns) is True,
+        )
+
+    def _tell(self, share: float) -> None:
+        """Say that it moves, once that is measured, and how much of its time is over."""
+        self.way.look()
+        errand = self._errand
+        if not self.moved and errand.side.measured.at_rest(self._begun_ns) is False:
+            self.moved = True
+            errand.received()
+        errand.running(min(1.0, share))
+
+    def _ended(self, broken: Break | None, last_ns: int) -> None:
+        unknown = {Cause.SILENT, Cause.UNMEASURED}
+        silent_s = broken.seconds if broken is not None and broken.cause in unknown else 0.0
+        self.seconds = max(0.0, (last_ns - self._begun_ns) / _NS - silent_s)

@@ -1,0 +1,69 @@
+"""Guards of what ends motion at a break, for good."""
+
+from __future__ import annotations
+
+from tests.planted.faults import Fault
+
+STILL = "tests/robots/test_standing_still.py"
+AFTER = "tests/rooms/pipeline/test_after_a_break.py"
+DEAD_MAN = "tests/core/test_deadman.py"
+
+OF_BREAKS = (
+    Fault(
+        name="I6 a gap of our own sending is not noticed",
+        file="core/deadman.py",
+        guard="if gap_s > self._watchdog_s:",
+        without="if gap_s < 0.0:",
+        caught_by=(
+            f"{DEAD_MAN}::test_a_break_is_final",
+            f"{STILL}::test_a_drive_ends_for_good_and_says_for_how_long_it_drove",
+        ),
+    ),
+    Fault(
+        name="I6 a robot that is not heard is driven on",
+        file="core/deadman.py",
+        guard="if age_s is not None and age_s > self._heard_within_s:",
+        without="if age_s is None:",
+        caught_by=(f"{DEAD_MAN}::test_a_break_is_final",),
+    ),
+    Fault(
+        name="I6 a break is forgotten once both sides are well",
+        file="core/deadman.py",
+        guard="        if self._broken is None:\n            self._broken = self._look(",
+        without="        if True:\n            self._broken = self._look(",
+        caught_by=(f"{DEAD_MAN}::test_a_break_is_final",),
+    ),
+    Fault(
+        name="I6 simulated machines go on while this process stands still",
+        file="robots/simulated/theatre.py",
+        guard="            self._lose_links(now_s)\n",
+        without="",
+        caught_by=(
+            f"{STILL}::test_what_a_machine_does_by_itself_ends_as_without_a_link",
+            f"{STILL}::test_a_drone_that_follows_does_not_follow_on",
+        ),
+    ),
+    Fault(
+        name="I6 what waits behind a broken motion begins",
+        file="pipeline/lives.py",
+        guard="            self._linker.void(life.order.robot, AFTER_A_BREAK)",
+        without="            pass",
+        caught_by=(f"{AFTER}::test_what_waits_behind_a_motion_that_was_broken_off_is_not_done",),
+    ),
+    Fault(
+        name="I6 a task is begun again after ROSIC stood still",
+        file="pipeline/fleet/attempting.py",
+        guard="    if outcome.code == STOOD_STILL:\n        return End.INTERRUPTED\n",
+        without="",
+        caught_by=(f"{AFTER}::test_a_task_waits_for_a_person_when_rosic_stood_still",),
+    ),
+    Fault(
+        name="I6 a task comes back to the robot that ended it by itself",
+        file="pipeline/fleet/attempting.py",
+        guard="return End.FAILED if outcome.code == INTERRUPTED else End.TAKEN",
+        without="return End.TAKEN",
+        caught_by=(
+            f"{AFTER}::test_a_task_that_the_robots_own_side_ended_does_not_come_back_to_it",
+        ),
+    ),
+)

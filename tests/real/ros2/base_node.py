@@ -1,0 +1,99 @@
+"""A wheeled base for tests: plain rclpy, driven by velocities, with a watchdog of half a second.
+
+Usage: base_node.py FILE. Every velocity that is not zero is appended to FILE as two times of the
+wall clock in ns: when it was sent, and when it was taken here; a stop service is there, too. Lines
+on standard input: ``odometry off`` and ``odometry on``, ``stuck`` (zero does not stop it any more).
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TypeAlias
+
+RosObject: TypeAlias = Any
+
+rclpy: Any = import_module("rclpy")
+Twist: Any = import_module("geometry_msgs.msg").Twist
+Odometry: Any = import_module("nav_msgs.msg").Odometry
+BatteryState: Any = import_module("sensor_msgs.msg").BatteryState
+Trigger: Any = import_module("std_srvs.srv").Trigger
+
+STEP_S = 0.05
+WATCHDOG_S = 0.5
+
+
+class Base:
+    """Under /base: cmd_vel, odom, battery, stop."""
+
+    def __init__(self, node: RosObject, velocities: Path) -> None:
+        self.tells = True
+        self.stuck = False
+        self._node = node
+        self._file = velocities.open("a", buffering=1)
+        self._x_m = self._speed_m_s = 0.0
+        self._told_s = float("-inf")
+        self._odometry = node.create_publisher(Odometry, "odom", 10)
+        self._battery = node.create_publisher(BatteryState, "battery", 10)
+        node.create_subscription(Twist, "cmd_vel", self._take, 10)
+        node.create_service(Trigger, "stop", self._stop)
+        node.create_timer(STEP_S, self._step)
+
+    def _take(self, twist: RosObject, about: RosObject) -> None:
+        self._told_s = time.monotonic()
+        if twist.linear.x or not self.stuck:
+            self._speed_m_s = twist.linear.x
+        if twist.linear.x:
+            self._file.write(f"{about['source_timestamp']} {time.time_ns()}\n")
+
+    def _stop(self, _request: RosObject, response: RosObject) -> RosObject:
+        self._speed_m_s = self._speed_m_s if self.stuck else 0.0
+        response.success = True
+        return response
+
+    def _step(self) -> None:
+        if time.monotonic() - self._told_s > WATCHDOG_S and not self.stuck:
+            self._speed_m_s = 0.0
+        self._x_m += self._speed_m_s * STEP_S
+        if self.tells:
+            odometry = Odometry()
+            odometry.pose.pose.position.x = self._x_m
+            odometry.twist.twist.linear.x = self._speed_m_s
+            self._odometry.publish(odometry)
+        self._battery.publish(BatteryState(percentage=0.8))
+
+
+def main() -> None:
+    signals: Any = import_module("rclpy.signals")
+    rclpy.init(signal_handler_options=signals.SignalHandlerOptions.NO)
+    node = rclpy.create_node("base", namespace="/base")
+    base = Base(node, Path(sys.argv[1]))
+
+    def spin() -> None:
+        executors: Any = import_module("rclpy.executors")
+        executor = executors.SingleThreadedExecutor()
+        executor.add_node(node)
+        while not over.is_set():
+            executor.spin_once(timeout_sec=0.1)
+
+    over = threading.Event()
+    spinning = threading.Thread(target=spin)
+    spinning.start()
+    sys.stdout.write("ready\n")
+    sys.stdout.flush()
+    for line in sys.stdin:
+        base.tells = base.tells if line.strip() == "stuck" else line.strip() != "odometry off"
+        base.stuck = base.stuck or line.strip() == "stuck"
+        sys.stdout.write(f"ok {line}")
+        sys.stdout.flush()
+    over.set()
+    spinning.join()
+    node.destroy_node()
+    rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+"""A gateway's side in a process of its own, to be frozen: drives /base by velocities.
+
+Lines on standard input: ``drive SECONDS``, ``stop``, ``resume``, ``presence``. Says ``there``,
+``driving`` once the robot is measured to move, ``ended ENDING NOTE``, ``rest CONFIRMED``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from typing import TYPE_CHECKING
+
+from rosic.core.order import Stage, Stop
+from rosic.errors import RosicError
+from rosic.system import SystemClock
+from tests.real.ros2.base_profile import base_profile
+from tests.real.ros2.simulated import opened, until
+
+if TYPE_CHECKING:
+    from rosic.core.order import Report
+    from tests.real.ros2.simulated import TriedRobot
+
+
+def say(line: str) -> None:
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
+def tell(report: Report) -> None:
+    if report.stage is Stage.RECEIVED:
+        say("driving")
+    if report.note:
+        say(f"note {report.note}")
+
+
+async def drive(robot: TriedRobot, seconds: float) -> None:
+    try:
+        outcome = await robot.execute(
+            robot.order("drive", {"linear": 0.2, "duration": seconds}), tell
+        )
+    except RosicError as error:
+        say(f"ended {error.code} {error}")
+    else:
+        say(f"ended {outcome.ending.value} {outcome.note}")
+
+
+async def stop(robot: TriedRobot) -> None:
+    rest = await robot.stop(Stop("base", robot.gate.generation + 1))
+    say(f"rest {rest.confirmed}")
+
+
+async def obey() -> None:
+    loop, reader = asyncio.get_running_loop(), asyncio.StreamReader()
+    await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
+    async with opened(base_profile(), SystemClock()) as robot, asyncio.TaskGroup() as tasks:
+        await until(lambda: robot.presence().at_rest is not None)
+        say("ready")
+        while line := (await reader.readline()).decode().split():
+            if line[0] == "drive":
+                tasks.create_task(drive(robot, float(line[1])))
+            elif line[0] == "stop":
+                tasks.create_task(stop(robot))
+            elif line[0] == "resume":
+                await robot.resume(robot.gate.generation)
+            else:
+                say(f"online {robot.presence().online} at_rest {robot.presence().at_rest}")
+
+
+if __name__ == "__main__":
+    asyncio.run(obey())

@@ -1,0 +1,238 @@
+"""No continuous motion outlives a break (I6): real processes are frozen, killed, and come back."""
+
+from __future__ import annotations
+
+import random
+import signal
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import pytest
+
+from rosic.testing.ros2.graph import RosGraph, RosProcess
+from tests.pace import patience
+from tests.real.ros2.base_profile import WATCHDOG_S
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+HERE = Path(__file__).parent
+FREEZE, GO_ON = signal.SIGSTOP, signal.SIGCONT
+ENDED_WITHIN_S = 30.0
+SETTLED_S = 0.5
+_NS = 1_000_000_000
+
+
+class Velocity(NamedTuple):
+    """One that was not zero: when it was sent, and when the robot took it; wall clock."""
+
+    sent_ns: int
+    taken_ns: int
+
+
+class Site:
+    """A base and the gateway's side, each a process of its own."""
+
+    def __init__(self, graph: RosGraph, folder: Path) -> None:
+        self._graph = graph
+        self._file = folder / "velocities"
+        self._seen = 0
+        self.base = self.begin_base()
+        self.gateway = graph.start("-m", "tests.real.ros2.stream_driver")
+
+    def begin_base(self) -> RosProcess:
+        """Start the robot's side, anew."""
+        self.base = self._graph.start(HERE / "base_node.py", self._file)
+        return self.base
+
+    def velocities(self, since_ns: int = 0) -> list[Velocity]:
+        """Return those that the robot has taken since a time."""
+        lines = self._file.read_text().splitlines() if self._file.exists() else []
+        found = [Velocity(*map(int, line.split())) for line in lines if len(line.split()) == 2]
+        return [velocity for velocity in found if velocity.taken_ns >= since_ns]
+
+    def drive(self, seconds: float, before_s: float) -> None:
+        """Drive, and return so many seconds after it was measured to move."""
+        self.tell(f"drive {seconds}")
+        self.told("driving")
+        time.sleep(before_s)
+
+    def tell(self, line: str) -> None:
+        """Tell the gateway; what it says from now on is the answer."""
+        self._seen = len(self.gateway.lines)
+        self.gateway.say(line)
+
+    def told(self, beginning: str) -> str:
+        """Return what the gateway said, or says soon, that begins so; in whatever order."""
+        end_s = time.monotonic() + ENDED_WITHIN_S
+        while time.monotonic() < end_s:
+            for line in list(self.gateway.lines)[self._seen :]:
+                if line.startswith(beginning):
+                    return line.removeprefix(beginning).strip()
+            time.sleep(0.01)
+        raise AssertionError(f"nothing began with {beginning!r}: {list(self.gateway.lines)[-9:]}")
+
+    def ended(self) -> str:
+        """Return how the drive ended."""
+        return self.told("ended")
+
+    def measure_again(self) -> None:
+        """Let the robot tell where it is, and return once the gateway has heard it."""
+        self.base.say("odometry on")
+        self.told_after("presence", "online True at_rest True")
+
+    def told_after(self, line: str, wanted: str) -> None:
+        """Ask again and again until the gateway says so."""
+        end_s = time.monotonic() + ENDED_WITHIN_S
+        self.tell(line)
+        while not any(seen == wanted for seen in list(self.gateway.lines)[self._seen :]):
+            assert time.monotonic() < end_s, list(self.gateway.lines)[-9:]
+            time.sleep(0.1)
+            self.gateway.say(line)
+
+    def frozen(self, process: RosProcess, seconds: float) -> int:
+        """Freeze a process for a while. Return when it goes on."""
+        process.process.send_signal(FREEZE)
+        time.sleep(seconds)
+        now_ns = time.time_ns()
+        process.process.send_signal(GO_ON)
+        return now_ns
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    folder = tmp_path_factory.mktemp("streams")
+    with RosGraph(folder) as graph:
+        yield Site(graph, folder)
+
+
+def test_a_gateway_that_was_frozen_drives_no_further(site: Site) -> None:
+    site.drive(20.0, 1.0)
+    back_ns = site.frozen(site.gateway, 3.0)
+    told = site.ended()
+    time.sleep(SETTLED_S)
+    assert site.velocities(back_ns) == []
+    assert told.startswith("failed drove for 1."), told
+    assert "by its odometry; then ROSIC itself stood still for 3." in told
+
+
+def test_a_stop_that_waited_for_a_frozen_gateway_finds_no_motion(site: Site) -> None:
+    site.drive(20.0, 0.5)
+    site.gateway.process.send_signal(FREEZE)
+    site.gateway.say("stop")
+    time.sleep(2.0)
+    back_ns = time.time_ns()
+    site.gateway.process.send_signal(GO_ON)
+    rest, ended = site.told("rest"), site.ended()
+    site.tell("resume")
+    time.sleep(SETTLED_S)
+    assert rest == "True"
+    assert ended.split()[0] in {"cancelled", "failed"}
+    assert site.velocities(back_ns) == []
+
+
+def test_a_gap_shorter_than_the_watchdog_breaks_nothing(site: Site) -> None:
+    site.drive(2.0, 0.5)
+    back_ns = site.frozen(site.gateway, WATCHDOG_S / 5)
+    told = site.ended()
+    if told.startswith("done"):  # a crowded machine may have added to the gap
+        assert site.velocities(back_ns)
+        assert told == "done drove for 2 s"
+    else:
+        assert "stood still" in told
+
+
+def test_a_robot_that_was_frozen_is_driven_no_further(site: Site) -> None:
+    site.drive(20.0, 0.5)
+    frozen_ns = time.time_ns()
+    back_ns = site.frozen(site.base, 2.5)
+    told = site.ended()
+    time.sleep(SETTLED_S)
+    late = frozen_ns + int(1.5 * patience() * _NS)
+    assert [v for v in site.velocities(back_ns) if v.sent_ns > late] == []
+    assert told.startswith("failed drove for 0."), told
+    assert "then it was not heard for 1." in told
+
+
+def test_a_robot_that_was_killed_and_is_back_is_driven_no_further(site: Site) -> None:
+    site.drive(28.0, 0.5)
+    site.base.kill()
+    killed_s = time.monotonic()
+    note = site.told("note")
+    assert time.monotonic() - killed_s < 3.0 * patience(), "said within 2 s of its deadline"
+    assert note.startswith("then it was not heard for 1.")
+    time.sleep(1.0)
+    back_ns = time.time_ns()
+    site.begin_base()
+    told = site.ended()
+    time.sleep(3.0)
+    assert site.velocities(back_ns) == []
+    assert "still moves" not in told
+    site.drive(0.5, 0.0)
+    assert site.ended().startswith("done"), "a new order moves it again"
+
+
+@pytest.fixture
+def unmeasured(site: Site) -> Iterator[Site]:
+    """A base whose odometry has gone, and whose battery is heard on."""
+    site.base.say("odometry off")
+    site.base.expect("ok odometry off")
+    time.sleep(1.5)
+    yield site
+    site.measure_again()
+
+
+def test_without_a_fresh_measurement_of_rest_nothing_moves(unmeasured: Site) -> None:
+    unmeasured.tell("presence")
+    assert unmeasured.told("online") == "True at_rest None", "its battery is still heard"
+    begun_ns = time.time_ns()
+    unmeasured.tell("drive 2")
+    assert unmeasured.ended() == (
+        "robot-offline Base is there, but whether it rests cannot be measured now. "
+        "Nothing was sent. Whoever looks after Base can help."
+    )
+    assert unmeasured.velocities(begun_ns) == []
+
+
+def test_what_was_not_measured_is_not_said_to_move(site: Site) -> None:
+    site.drive(20.0, 0.5)
+    site.base.say("odometry off")
+    try:
+        told = site.ended()
+    finally:
+        site.measure_again()
+    assert told.startswith("robot-unreachable Base: drove for 0."), told
+    assert "then its motion was not measured for 1." in told
+    assert told.endswith(
+        "Base was sent zero and told to stop; whether it rests could not be measured."
+    )
+
+
+@pytest.mark.parametrize(
+    "rounds", [6, pytest.param(200, marks=[pytest.mark.campaign, pytest.mark.limit(7200)])]
+)
+def test_no_velocity_after_any_break(site: Site, rounds: int) -> None:
+    """Robot and gateway in turn, at random moments, for random times."""
+    chance = random.Random(rounds)  # noqa: S311 - the same breaks every time
+    after: list[tuple[str, float]] = []
+    for turn in range(rounds):
+        whose = site.gateway if turn % 2 else site.base
+        site.drive(20.0, chance.uniform(0.0, 1.5))
+        frozen_ns = time.time_ns()
+        seconds = chance.uniform(1.0, 2.5) if whose is site.gateway else chance.uniform(1.8, 3.0)
+        back_ns = site.frozen(whose, seconds)
+        told = site.ended()
+        time.sleep(SETTLED_S)
+        broken_ns = back_ns if whose is site.gateway else frozen_ns + int(1.3 * _NS)
+        late = [v for v in site.velocities(back_ns) if v.sent_ns > broken_ns]
+        if late or not told.startswith(("failed", "robot-unreachable")):
+            after.append((told, len(late)))
+    assert after == []
+
+
+def test_what_is_measured_to_move_on_is_said_to(site: Site) -> None:
+    """The last here: nothing but its end stops this base any more."""
+    site.base.say("stuck")
+    site.drive(1.0, 0.0)
+    assert "Base was sent zero and told to stop, and still moves." in site.ended()
