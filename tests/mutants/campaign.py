@@ -106,7 +106,7 @@ def tried(module: Module, wanted: Wanted, source: Path = SOURCE, root: Path = RO
     earlier = sorted(wanted.folder.glob(f"{name}.*.jsonl")) if wanted.keep_kills else []
     found = _read(module, chosen, results, earlier)
     left = tuple(name for name in chosen if name not in found.results)
-    if left:
+    if left and wanted.until_s > time.time():
         seconds = max(0.0, wanted.until_s - time.time())
         order = Order(
             source=str(file), ids=left, results=str(results), seconds=wanted.each_s,

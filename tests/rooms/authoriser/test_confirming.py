@@ -101,12 +101,20 @@ async def test_whoever_is_declined_is_out_and_the_code_is_gone(office: Office) -
     pending = answer.applicant.pending
     declined = office.enrolment.decline(pending.id, "bo", may_admit=True)
     assert (declined.address, declined.newcomer) == (CY, True)
+    assert office.tally["declined"] == 1
     await office.write(declined.records)
     with pytest.raises(Expired):
         await office.confirm(pending.id, "ada")
     again = await office.redeem(code, DI)
     assert isinstance(again, TurnedAway)
     assert again.kind == "code-used"
+
+
+async def test_the_first_admin_is_still_to_come_until_somebody_is_one(office: Office) -> None:
+    admins = [p for p in office.directory.people() if "admin" in p.roles]
+    assert office.enrolment.nobody_is_admin() is (not admins)
+    await office.knows("zoe", "Zoe", DI, roles=("admin",))
+    assert office.enrolment.nobody_is_admin() is False
 
 
 async def test_an_applicant_may_go_away(office: Office) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from rosic.messengers.telegram.listening import (
     CALM_NS,
     GRACE_NS,
@@ -84,3 +86,61 @@ def test_somebody_else_receiving_freezes_until_it_has_been_calm_for_a_while() ->
     assert not listening.drained(after(2), empty=True, full=False)
     assert not listening.calm(after(calm_s - 0.1))
     assert listening.drained(after(calm_s), empty=True, full=False)
+
+
+S = SECOND_NS
+
+
+def at(seconds: float, *, wall_ahead_ns: int = 0, more_ns: int = 0) -> Moment:
+    passed_ns = int(seconds * S) + more_ns
+    return Moment(1_000 * S + passed_ns + wall_ahead_ns, passed_ns)
+
+
+def thawed_at_20() -> Listening:
+    listening = Listening()
+    listening.answered(at(20))
+    assert listening.drained(at(20), empty=True, full=False) is True
+    return listening
+
+
+@pytest.mark.parametrize(
+    ("later", "frozen"),
+    [
+        (at(25), False),
+        (at(25, more_ns=1), True),
+        (at(21, wall_ahead_ns=2 * S), False),
+        (at(21, wall_ahead_ns=2 * S + 1), True),
+        (at(21, wall_ahead_ns=-2 * S), False),
+        (at(21, wall_ahead_ns=-2 * S - 1), True),
+    ],
+)
+def test_a_gap_and_a_clock_that_was_set_begin_to_the_nanosecond(
+    later: Moment, *, frozen: bool
+) -> None:
+    listening = thawed_at_20()
+    listening.answered(later)
+    assert listening.frozen is frozen
+
+
+def test_who_listens_already_does_not_begin_anew_with_every_empty_poll() -> None:
+    listening = thawed_at_20()
+    since_ns = listening.since_ns
+    assert listening.drained(at(24), empty=True, full=False) is False
+    assert listening.since_ns == since_ns
+
+
+def drained(listening: Listening, *full: bool) -> list[bool]:
+    return [listening.drained(at(60), empty=False, full=each) for each in full]
+
+
+def test_three_polls_in_a_row_that_were_not_full_show_that_nothing_waits() -> None:
+    assert drained(Listening(), False, False, False) == [False, False, True]
+    broken = (False, False, True, False, False, False)
+    assert drained(Listening(), *broken) == [False, False, False, False, False, True]
+
+
+def test_after_a_gap_the_polls_are_counted_anew() -> None:
+    listening = Listening()
+    assert drained(listening, False, False) == [False, False]
+    listening.contested(at(30))
+    assert drained(listening, False, False, False) == [False, False, True]

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.roles import Care, Grant, Role
-from rosic.pipeline.consent import ASKED_AT_MOST
+from rosic.core.asking import Ask, Code, Denied
+from rosic.core.roles import Assurance, Care, Grant, Role
+from rosic.pipeline.consent import ASKED_AT_MOST, _why_not
 from tests.rooms.pipeline.place import BO, VI
 from tests.rooms.pipeline.test_rights import JUNIOR, lab, rules, who
 
@@ -120,6 +121,7 @@ async def test_whose_limits_shrank_meanwhile_agrees_to_nothing() -> None:
         await regrant(place, "Bo", Grant(id="g1", role="operator"))
         await place.say("omni move 2 m")
         agree, under = place.button("I agree")
+        command = place.gateway.rooms.authoriser.buttons._bound[agree.nonce].command
         await regrant(place, "Bo", Grant(id="g2", role="junior"))
         told = await place.tap(agree, under, account=BO)
         assert (
@@ -127,6 +129,9 @@ async def test_whose_limits_shrank_meanwhile_agrees_to_nothing() -> None:
             "Nothing was done, and Ada can ask again."
         ) in told
         assert "since you asked for this: omni: move, 2.00 m forward." in told, "Ada is told"
+        again = await place.say(command, account=BO, chat=BO)
+        assert "Nothing was done." in again
+        assert "have changed" not in again, "it was settled by then, and Ada is told once"
         assert place.acted() == 0
 
 
@@ -191,3 +196,11 @@ async def test_what_waits_for_a_second_person_is_bounded_and_the_oldest_goes_fir
         await place.say("omni wave", account=BO, chat=BO)
         assert len(requests) == ASKED_AT_MOST
         assert first not in requests
+
+
+def test_whoever_cannot_agree_is_told_what_is_in_the_way() -> None:
+    ask = Ask(principal="p", key="k", robot="omni", skill="wave", arguments={})
+    chat = Denied(ask=ask, code=Code.CHANNEL_TOO_WEAK, rules=(), channel=Assurance.LOCAL)
+    assert _why_not(chat, "wave on omni").startswith("You cannot agree to this in this chat: ")
+    role = Denied(ask=ask, code=Code.NOT_GRANTED, rules=())
+    assert _why_not(role, "wave") == "Only somebody who may do that can agree to it."
