@@ -31,7 +31,7 @@ _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 _BARE_VALUE = re.compile(r"[^,\]}#\n]+")
 
 
-NONE_YET = "rosic init writes one; -c names another. To try without: rosic demo"
+NONE_YET = "rosic init writes one; -c names another. rosic demo needs none."
 
 
 def read_toml(path: Path) -> Source:

@@ -25,7 +25,7 @@ KINDS = ("msg", "srv", "action")
 
 GENERATOR = Path(__file__).with_name("generate.py")
 DISPATCH = Path(__file__).with_name("dispatch.c")
-_STEP_S = 120.0
+_STEP_S = 600.0  # a few seconds each where nothing else runs; a small computer takes minutes
 _VISIBILITY = (
     ("c", "rosidl_generator_c"),
     ("fastrtps", "rosidl_typesupport_fastrtps_c"),
