@@ -101,10 +101,10 @@ FAULTS = (
     Fault(
         name="I5 a stop is queued like everything else",
         file="pipeline/way.py",
-        guard="if stop is not None:\n            await self._stop_lane",
+        guard="if urgent is not None and await self._urgent.take(messenger, inbound, urgent):",
         without=(
-            "if stop is not None:\n            await self._turns.take(inbound.chat)\n"
-            "            await self._stop_lane"
+            "if urgent is not None:\n            await self._turns.take(inbound.chat)\n"
+            "            await self._urgent.take(messenger, inbound, urgent)"
         ),
         caught_by=(f"{STOPPING}::test_a_stop_does_not_wait_for_its_chat",),
     ),
@@ -144,7 +144,7 @@ FAULTS = (
     Fault(
         name="I10 a stop waits for the record",
         file="pipeline/stopping.py",
-        guard="        halting = self.stop_robots(robots, by)\n",
+        guard="        halting = self.stop_robots(robots, by, own_of(by) if by else ())\n",
         without=(
             "        await self._store.write(Stopped(robot=robots[0], generation=0, principal=by,"
             " at_ns=0))\n        halting = self.stop_robots(robots, by)\n"
@@ -182,14 +182,14 @@ FAULTS = (
     Fault(
         name="I16 a button works twice",
         file="authoriser/buttons.py",
-        guard="        del self._bound[nonce]\n",
+        guard="        if bound.principal != ANYBODY:\n            del self._bound[nonce]\n",
         without="",
         caught_by=(f"{BUTTONS}::test_a_button_works_once",),
     ),
     Fault(
         name="I16 anybody's tap counts",
         file="authoriser/buttons.py",
-        guard="if bound.principal != principal or bound.chat != inbound.chat.id:",
+        guard="if bound.principal not in {principal, ANYBODY} or bound.chat != inbound.chat.id:",
         without="if False:",
         caught_by=(f"{BUTTONS}::test_another_persons_tap_does_nothing_and_uses_nothing_up",),
     ),
@@ -203,8 +203,8 @@ FAULTS = (
     Fault(
         name="I17 edited and forwarded messages are accepted",
         file="pipeline/way.py",
-        guard="if only_stop or inbound.standing is not FRESH:",
-        without="if only_stop:",
+        guard="if inbound.standing is not FRESH:",
+        without="if False:",
         caught_by=(f"{WAY}::test_what_is_not_fresh_changes_nothing",),
     ),
     Fault(

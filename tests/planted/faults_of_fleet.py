@@ -126,9 +126,9 @@ OF_TASKS = (
     ),
     Fault(
         name="a robot counts as at rest without being seen so",
-        file="pipeline/fleet/recalling.py",
-        guard="        while linker.presence(robot).at_rest is False:\n",
-        without="        while False:\n",
+        file="pipeline/resting.py",
+        guard="    while linker.presence(robot).at_rest is False:\n",
+        without="    while False:\n",
         caught_by=(f"{TASKS}::test_a_failure_moves_it_once_and_what_is_done_is_not_repeated",),
     ),
     Fault(

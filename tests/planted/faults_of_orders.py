@@ -53,10 +53,9 @@ OF_ORDERS = (
     Fault(
         name="I5 a stop that is old is not applied",
         file="pipeline/way.py",
-        guard="if stop is not None:\n            await self._stop_lane",
+        guard="if urgent is not None and await",
         without=(
-            "if stop is not None and inbound.sent_ns >= inbound.listening_since_ns:\n"
-            "            await self._stop_lane"
+            "if urgent is not None and inbound.sent_ns >= inbound.listening_since_ns and await"
         ),
         caught_by=(f"{STOPPING}::test_a_stop_sent_while_nobody_listened_is_applied_however_old",),
     ),

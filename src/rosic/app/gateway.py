@@ -44,6 +44,7 @@ from rosic.pipeline.containers.parts import Vault
 from rosic.pipeline.languages import Languages
 from rosic.pipeline.lives import inert_words
 from rosic.pipeline.recovery import Recovery
+from rosic.pipeline.resuming import Resuming
 from rosic.pipeline.rooms import Rooms
 from rosic.pipeline.seeing.oncard import CardCamera
 from rosic.pipeline.stopping import StopLane
@@ -181,13 +182,15 @@ class Gateway:
         authoriser, time = self.rooms.authoriser, self.access.time
         self.languages = languages = Languages(catalogue, LANGUAGES)
         languages.at = partial(whose, authoriser)
-        self.stop_lane = StopLane(self.rooms, parts.store, parts.clock, languages)
+        self._teller = Teller(self.rooms.container, parts.clock, languages)
+        self.stop_lane = StopLane(
+            self.rooms, parts.store, parts.clock, self._teller, Resuming(self.rooms)
+        )
         authority.attach(self.rooms, self.stop_lane)
         self.holding = Holding(
             self.rooms, self.access, authority, parts.clock, languages, self._settings.room
         )
         self._messengers = self.holding.record(parts.messengers, parts.store)
-        self._teller = Teller(self.rooms.container, parts.clock, languages)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
         self.furnishing = Furnishing(
             self.rooms, self.pipeline, self.access, self.stop_lane, self._teller
@@ -320,7 +323,7 @@ class Gateway:
         """Whether no order is under way, no stop is being measured and nothing is left to say."""
         told = self._teller is None or self._teller.quiet
         seen = not hasattr(self, "seeing") or self.seeing.studio.quiet
-        told = told and seen and self.pipeline.arrears.quiet
+        told = told and seen and self.pipeline.arrears.quiet and self.pipeline.cancels.quiet
         return told and self.stop_lane.quiet and not len(self.pipeline.lives)
 
     def _robot_says(self, profile: Profile, text: str) -> None:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from base64 import urlsafe_b64encode
 from collections import OrderedDict
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 import msgspec
 
 from rosic.contracts.clock import Reading, passed_ns, reading
 from rosic.core.identity import PrincipalId
+from rosic.core.language.cancelling import hears_cancel
 from rosic.core.saying import said
 from rosic.errors import Expired, NotPermitted
 
@@ -21,11 +22,13 @@ if TYPE_CHECKING:
 
 Count: TypeAlias = Callable[[str], None]
 
+ANYBODY: Final[PrincipalId] = ""
 NONCE_BYTES = 16
 LIFETIME_NS = 60_000_000_000
 # A stop must work from any button that was ever shown, so its button carries the word itself:
 # whoever taps it has typed it.
 STOP_PREFIX = "stop "
+CANCEL_PREFIX = "cancel "
 # A menu moves nothing, so whoever reads before they tap may be late.
 MENU = ("?", "use ", "/use ", "robots", "undo ", "help ")
 MENU_LIFETIME_NS = 600_000_000_000
@@ -83,7 +86,8 @@ class Buttons:
 
         Args:
             button: What it says.
-            principal: Who alone may tap it.
+            principal: Who alone may tap it; `ANYBODY` in that chat, as often as they like: only
+                for what is checked anew with each tap, and has its effect once.
             chat: Where.
             lifetime_ns: Only a button that moves nothing may live longer than a minute: an
                 admin's answer to whoever wants to come in. What the button says itself counts
@@ -103,6 +107,17 @@ class Buttons:
             self._bound.popitem(last=False)
         return msgspec.structs.replace(button, nonce=nonce, good_for_ns=lifetime_ns)
 
+    def void(self, principal: PrincipalId, begins: str) -> int:
+        """Let somebody's buttons be no good any more whose command begins so; return how many."""
+        gone = [
+            nonce
+            for nonce, bound in self._bound.items()
+            if bound.principal == principal and bound.command.startswith(begins)
+        ]
+        for nonce in gone:
+            self._bound.pop(nonce)
+        return len(gone)
+
     def redeem(self, nonce: str, principal: PrincipalId, inbound: Inbound) -> Redeemed:
         """Return what the tap says and agrees to, and void the button.
 
@@ -116,10 +131,11 @@ class Buttons:
         if bound is None:
             self._count("button-used")
             raise Expired(said("This button is no longer good. Nothing was done."))
-        if bound.principal != principal or bound.chat != inbound.chat.id:
+        if bound.principal not in {principal, ANYBODY} or bound.chat != inbound.chat.id:
             self._count("button-other")
             raise NotPermitted(said("This question was asked of somebody else."))
-        del self._bound[nonce]
+        if bound.principal != ANYBODY:
+            del self._bound[nonce]
         age_ns = passed_ns(self._clock, bound.issued)
         missed = bound.issued.wall_ns < inbound.listening_since_ns and not bound.still
         if age_ns > bound.lifetime_ns or missed:
@@ -143,5 +159,8 @@ def lifetime_of(button: Button) -> int:
 
 
 def is_stop(button: Button) -> bool:
-    """Whether it stops, and so is good for ever and for everybody."""
-    return button.command == "stop" or button.command.startswith(STOP_PREFIX)
+    """Whether it stops, and so is good for ever and for everybody; or ends what the tapper does."""
+    command = button.command
+    if command.startswith(CANCEL_PREFIX):
+        return hears_cancel(command) is not None  # and not that of a booking
+    return command == "stop" or command.startswith(STOP_PREFIX)

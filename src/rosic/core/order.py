@@ -67,6 +67,8 @@ class Permit(msgspec.Struct, frozen=True, gc=False):
         epoch: Number of the policy under which it was admitted.
         until_ns: Wall clock; from then on it has to be decided anew: a slot, a grant or a key
             ends, or somebody's slot begins.
+        cancels: How often the principal had ended what they had under way with the robot; once
+            they do so again, an order admitted before does not begin.
     """
 
     principal: PrincipalId
@@ -78,6 +80,7 @@ class Permit(msgspec.Struct, frozen=True, gc=False):
     stop_generation: int
     epoch: int
     until_ns: int = FOREVER_NS
+    cancels: int = 0
 
 
 class Order(msgspec.Struct, frozen=True):

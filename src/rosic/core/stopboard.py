@@ -22,15 +22,18 @@ class Stopped:
     Attributes:
         generation: Of its last stop; never decreases (I13).
         by, since_ns: Whose that was and when, as people are told; wall clock, kept over a restart.
+        own: Who stopped an order of their own by it, and nothing that was stopped before; empty: it
+            was no such stop.
         at_ns: When this run stopped it, wall clock: what was received before is older. 0: not yet.
     """
 
-    __slots__ = ("at_ns", "by", "generation", "latched", "since_ns")
+    __slots__ = ("at_ns", "by", "generation", "latched", "own", "since_ns")
 
     def __init__(self, generation: int, *, latched: bool) -> None:
         self.generation = generation
         self.latched = latched
         self.by: PrincipalId = ""
+        self.own: PrincipalId = ""
         self.at_ns = self.since_ns = 0
 
 
@@ -40,10 +43,13 @@ class StopBoard(dict["RobotId", Stopped]):
     Attributes:
         barred: Returns why a robot must stay stopped, whoever asks; None if it need not. Asked
             before anybody is told to resume it.
+        cancels: How often somebody has ended what they had under way: of one robot, or with no
+            robot ("") of all. Empty as long as nobody has.
     """
 
     def __init__(self, robots: Iterable[RobotId], found: dict[RobotId, tuple[int, bool]]) -> None:
         self.barred: Callable[[RobotId], Refusal | None] = _not_barred
+        self.cancels: dict[tuple[PrincipalId, RobotId], int] = {}
         for robot in robots:
             self.enlist(robot, found.get(robot, (0, False)))
 
@@ -57,9 +63,19 @@ class StopBoard(dict["RobotId", Stopped]):
         entry = self[robot]
         entry.generation += 1
         entry.latched = True
-        entry.by = by
+        entry.by, entry.own = by, ""
         entry.at_ns = entry.since_ns = at_ns
         return entry.generation
+
+    def cancel(self, principal: PrincipalId, robots: Iterable[RobotId]) -> None:
+        """Let nothing of somebody begin any more that was admitted before; none means all."""
+        for robot in tuple(robots) or ("",):
+            self.cancels[principal, robot] = self.cancels.get((principal, robot), 0) + 1
+
+    def cancelled(self, principal: PrincipalId, robot: RobotId) -> int:
+        """Return how often somebody has ended what they had under way with a robot."""
+        of_all = self.cancels.get((principal, ""), 0)
+        return of_all + self.cancels.get((principal, robot), 0)
 
     def resume(self, robot: RobotId, generation: int) -> None:
         """Unlatch, if no later stop has come meanwhile."""

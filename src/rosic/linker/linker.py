@@ -57,6 +57,7 @@ class Linker:
 
     Attributes:
         epoch: Number of the present policy; an order admitted under another one is not relayed.
+        cancels: Empty as long as nobody has ended what they had under way.
         wall_ns: By which slots, grants and keys end. Asking it may move the policy on, when the
             machine's clock was set back.
     """
@@ -65,6 +66,7 @@ class Linker:
         self, robots: Mapping[RobotId, Robot], stops: StopBoard, latch: Latch, clock: Clock
     ) -> None:
         self.epoch = 0
+        self.cancels = stops.cancels
         self.wall_ns = clock.wall_ns
         self._robots = dict(robots)
         self._mailboxes = {robot_id: Mailbox(robot, clock) for robot_id, robot in robots.items()}
@@ -101,6 +103,15 @@ class Linker:
     def withdraw(self, robot_id: RobotId, cid: CommandId, sentence: str) -> None:
         """Void one order if it waits for a robot, with a reason."""
         self._mailboxes[robot_id].withdraw(cid, sentence)
+
+    def take_out(self, robot_id: RobotId, principal: PrincipalId) -> list[Waiting]:
+        """Take somebody's orders out that wait for a robot; whoever asked for it voids them."""
+        return self._mailboxes[robot_id].take_out(principal)
+
+    def outdated(self, order: Order) -> bool:
+        """Whether whoever gave an order has ended what they had under way since it was admitted."""
+        permit = order.permit
+        return permit.cancels < self._stops.cancelled(permit.principal, order.robot)
 
     def dispatch(self, order: Order, tell: Tell) -> Coroutine[Any, Any, Outcome]:
         """Relay an order whose turn it is; awaited, this returns what the robot really did.

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot
-    from rosic.core.identity import CommandId
+    from rosic.core.identity import CommandId, PrincipalId
 
 QUEUED = Report(Stage.QUEUED)
 QUEUE, REFUSE, REPLACE = Busy.QUEUE, Busy.REFUSE, Busy.REPLACE
@@ -129,6 +129,15 @@ class Mailbox:
         """Void everything that waits, with a reason."""
         while self._waiting:
             self._waiting.popleft().void(OrderVoid(sentence))
+
+    def take_out(self, principal: PrincipalId) -> list[Waiting]:
+        """Take somebody's orders out that wait; whoever asked for it voids them."""
+        taken = [entry for entry in self._waiting if entry.order.permit.principal == principal]
+        if taken:
+            self._waiting = deque(
+                entry for entry in self._waiting if entry.order.permit.principal != principal
+            )
+        return taken
 
     def withdraw(self, cid: CommandId, sentence: str) -> None:
         """Void one order that waits, with a reason."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from msgspec.structs import replace
 
 from rosic.core.identity import Address
-from rosic.core.language import hears_stop
+from rosic.core.language import is_urgent
 from rosic.core.message import (
     Button,
     Chat,
@@ -148,7 +148,7 @@ class MemoryMessenger:
         chat = self._shown[under].chat if under else Chat(self.platform, "1")
         inbound = self._inbound(account, chat, None, None)
         tapped = replace(inbound, nonce=button.nonce, tap=f"tap-{inbound.message}", under=under)
-        stop = any(hears_stop(said) is not None for said in (button.command, button.nonce))
+        stop = any(map(is_urgent, (button.command, button.nonce)))
         return self._queue(tapped, stop=stop)
 
     def deliver(self, inbound: Inbound) -> Inbound:
@@ -157,7 +157,7 @@ class MemoryMessenger:
         Raises:
             OverflowError: Nobody receives, and as many wait as are remembered.
         """
-        return self._queue(inbound, stop=hears_stop(inbound.text) is not None)
+        return self._queue(inbound, stop=is_urgent(inbound.text))
 
     def delete(self, message: str) -> None:
         """Delete a message, as people do; it cannot be edited any more."""

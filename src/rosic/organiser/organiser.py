@@ -74,10 +74,9 @@ class Organiser:
     ) -> None:
         self.rights, self.calendar = rights, Calendar(clock)
         self.locked: Collection[PrincipalId] = frozenset()
-        self.in_doubt = False
         self.locked_out: Callable[[PrincipalId], object] = _nothing
         self.released: Callable[[RobotId], object] = _nothing
-        self.lease_idle_s, self.wall_ns = lease_idle_s, clock.wall_ns
+        self.lease_idle_s, self.wall_ns, self.in_doubt = lease_idle_s, clock.wall_ns, False
         self.name_of: NameOf = str
         self.moment: Moment = lambda _who, _at_ns: said("some time ago")
         self.key_of: KeyOf = _nothing
@@ -161,6 +160,7 @@ class Organiser:
                     principal, caller.key, robot, request.skill.id,
                     0 if lease is None else lease.fence, grew,
                     self._stops[robot].generation, rights.epoch, until_ns,
+                    self._stops.cancelled(principal, robot) if self._stops.cancels else 0,
                 )
             )  # fmt: skip
         return tuple(permits)

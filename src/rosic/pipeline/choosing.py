@@ -15,8 +15,9 @@ from rosic.core.language.stepping import beginning, stepped
 from rosic.core.message import Button
 from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood, Refusal
-from rosic.pipeline.desk import Reply, rows
+from rosic.pipeline.desk import Reply
 from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, DO_IT, LEAVE, LEAVE_IT, PREVIOUS, TRAIL
+from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -19,6 +19,7 @@ from rosic.core.saying import joined, said
 from rosic.errors import Expired, FirstNeeded, NotPermitted
 from rosic.organiser.grounds import Grounds
 from rosic.organiser.refusing import ANY_CHANNEL, bound_of
+from rosic.pipeline import words_cancel as words
 from rosic.pipeline.agreement import Act
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
@@ -184,6 +185,13 @@ class Consent:
             and all(may_agree(rights, who, ask, now_ns) for ask in asks)
         ]
         return tuple(able[:PEOPLE_ASKED])
+
+    async def withdraw(self, principal: PrincipalId, _robots: object = ()) -> str:
+        """Ask nobody any more about what somebody wanted: they have cancelled it."""
+        theirs = [n for n, one in self._requests.items() if one.caller.principal == principal]
+        for number in theirs:
+            del self._requests[number]
+        return words.withdrawn(len(theirs)) if theirs else ""
 
     def is_one(self, number: str) -> bool:
         """Whether an answer is about a request here."""

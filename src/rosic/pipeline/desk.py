@@ -16,6 +16,7 @@ from rosic.core.saying import joined, said
 from rosic.pipeline.earlier import Earlier
 from rosic.pipeline.help_menu import HelpMenu
 from rosic.pipeline.replies import ASK_FIRST, PREVIOUS, TRAIL
+from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -25,11 +26,9 @@ if TYPE_CHECKING:
     from rosic.pipeline.choosing import Choosing
     from rosic.pipeline.office import Asked
     from rosic.pipeline.reception import Reception
+    from rosic.pipeline.resuming import Resuming
     from rosic.pipeline.rooms import Rooms
 
-BUTTONS_A_ROW = 3
-# What a phone held upright shows of all the labels in one row; it cuts off the rest.
-LETTERS_A_ROW = 36
 # What stands between a robot and a skill in a link; Telegram allows no dot there.
 LINKED = "__"
 WHICH = said("Which robot?")
@@ -62,8 +61,11 @@ class Reply(msgspec.Struct, frozen=True):
 class Desk:
     """Answers from memory; reads only what its asker may see (I11)."""
 
-    def __init__(self, rooms: Rooms, choosing: Choosing, reception: Reception) -> None:
+    def __init__(
+        self, rooms: Rooms, choosing: Choosing, reception: Reception, resuming: Resuming
+    ) -> None:
         self._reception = reception
+        self._resuming = resuming
         self._organiser = rooms.organiser
         self._container = rooms.container
         self._linker = rooms.linker
@@ -248,7 +250,9 @@ class Desk:
         last = [Button("STOP", f"stop {profile.id}")]
         if len(visible) > 1:
             last.append(Button(said("Another robot"), "robots"))
-        return (*((button,) for button in often), *rows(buttons), *rows(seen), tuple(last))
+        stopped = [profile.id] if self._resuming.may(principal, profile.id) else []
+        resume = self._resuming.buttons(stopped)
+        return (*resume, *((button,) for button in often), *rows(buttons), *rows(seen), tuple(last))
 
     def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:
         some = sorted(visible)[: words.NAMED_AT_MOST]
@@ -263,17 +267,3 @@ def _which(visible: frozenset[RobotId]) -> str:
         some=words.NAMED_AT_MOST,
         all=len(visible),
     )
-
-
-def rows(buttons: list[Button]) -> tuple[tuple[Button, ...], ...]:
-    """Lay buttons out, as many a row as can be read."""
-    laid: list[tuple[Button, ...]] = []
-    row: tuple[Button, ...] = ()
-    for button in buttons:
-        wider = (*row, button)
-        widest = max(len(one.label) for one in wider)  # all in a row are as wide as each other
-        if row and (len(wider) > BUTTONS_A_ROW or widest * len(wider) > LETTERS_A_ROW):
-            laid.append(row)
-            wider = (button,)
-        row = wider
-    return (*laid, row) if row else tuple(laid)

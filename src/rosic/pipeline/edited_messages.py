@@ -53,8 +53,8 @@ class EditedMessages:
         backlog = inbound.listening_since_ns > inbound.received_ns
         if inbound.standing is not Standing.EDITED or backlog or where in self._answered:
             return
-        if not self._addressed(inbound) or self._reader.stop(inbound.text) is not None:
-            return  # a stop in it was obeyed
+        if not self._addressed(inbound) or self._reader.urgent(inbound.text) is not None:
+            return  # a stop or a cancel in it was obeyed
         try:
             caller = self._rooms.authoriser.identify(inbound)
             self._rooms.organiser.charge(caller)

@@ -11,6 +11,7 @@ from rosic.core.saying import joined, said
 from rosic.core.words import no_robot
 from rosic.errors import NotPermitted, NotUnderstood, RobotBusy
 from rosic.pipeline.desk import Reply
+from rosic.pipeline.resting import comes_to_rest
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from rosic.pipeline.reach import Reach
     from rosic.pipeline.rooms import Rooms
     from rosic.pipeline.stopping import StopLane
-
-LOOK_S = 0.05
 
 
 class Handover:
@@ -52,17 +51,12 @@ class Handover:
             stays stopped until somebody resumes it.
         """
         linker, organiser = self._rooms.linker, self._rooms.organiser
-        patience_s = linker.profile(robot).rest_timeout_s
         await self._lives.cut(robot, reason)
-        deadline_ns = self._clock.monotonic_ns() + int(patience_s * 1e9)
-        while linker.presence(robot).at_rest is False:
-            if self._clock.monotonic_ns() >= deadline_ns:
-                self._stop_lane.stop_robots((robot,), "")
-                organiser.release(robot)
-                return False
-            await self._clock.sleep(LOOK_S)
+        rests = await comes_to_rest(linker, self._clock, robot)
+        if not rests:
+            self._stop_lane.stop_robots((robot,), "")
         organiser.release(robot)
-        return True
+        return rests
 
     async def take(self, asked: Asked) -> Reply:
         """Take a robot over from somebody of a lower role: ``take over omni``.
@@ -162,7 +156,7 @@ class Handover:
             else said("Session ended. {shown} is at rest, and {name}'s until {until}.",
                       shown=shown, name=self._name(owner), until=until)
         )  # fmt: skip
-        return Reply(text, ((Button(said("Give that time back"), f"/cancel {slot.id}"),),))
+        return Reply(text, ((Button(said("Give that time back"), f"/cancel booking {slot.id}"),),))
 
     def _name(self, principal: PrincipalId) -> str:
         return self._rooms.organiser.name_of(principal)

@@ -48,7 +48,7 @@ _SAID: Final = {
     "history": said("What you asked for, and what came of it"),
     "slots": said("Which times are whose"),
     "wait": said("Get a robot when it is free"),
-    "cancel": said("Give a time or a wish back"),
+    "cancel booking": said("Give a time back"),
     "handover": said("Pass a robot on to somebody"),
     "mission": said("Several tasks, one after another, also every week"),
     "tasks": said("What is being worked on, and what waits"),
@@ -112,6 +112,7 @@ class HelpMenu:
             yield from _commands("again", "use", "undo")
         yield joined("", ("  stop · ", _SAID["stop"]))
         if examples:
+            yield joined("", ("  cancel · ", _SAID["cancel"]))
             yield joined("", ("  resume · ", _SAID["resume"]))
 
     def _see(self, _: PrincipalId, visible: frozenset[RobotId]) -> Lines:
@@ -131,7 +132,7 @@ class HelpMenu:
         organiser = self._organiser
         booked = (r for r in visible if self._profiles[r].slots is not Slots.NONE)
         if any(organiser.why_not_move(principal, robot) is None for robot in booked):
-            yield from _commands("slots", "book", "wish", "wait", "cancel", "handover")
+            yield from _commands("slots", "book", "wish", "wait", "cancel booking", "handover")
         yield from _commands("me", "role", "ask", "settings", "files", "mydata")
         if organiser.allows(principal, FLEET, "people"):
             yield from _commands("people", "invite", "grant", "revoke", "lock", "security")

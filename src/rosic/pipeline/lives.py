@@ -16,13 +16,14 @@ from rosic.errors import OrderVoid, Refusal, RobotUnreachable
 from rosic.linker.linker import Linker, PolicyMoved
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from rosic.container.container import Containers
     from rosic.contracts.clock import Clock
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.life import Life
     from rosic.core.robot import RobotId
+    from rosic.linker.mailbox import Waiting
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.cards import Card
     from rosic.pipeline.said import Behind
@@ -36,6 +37,7 @@ AFTER_A_BREAK = said("What came before this was broken off, so this was not done
 FULL = Outcome(Ending.REFUSED, said("I have too much to do. This was not done."), code="full")
 WENT_WRONG = said("Something went wrong here. Please look.")
 SHUT_DOWN = said("ROSIC was shut down")
+CANCELLED_BEFORE = said("You cancelled this before it could begin. Nothing was done.")
 
 log = logging.getLogger("rosic.pipeline")
 
@@ -155,6 +157,8 @@ class Lives:
             self.ended(life, FULL)
         elif self._closing:
             life.void(OrderVoid(NEVER_BEGUN))
+        elif self._linker.cancels and self._linker.outdated(order):
+            life.void(OrderVoid(CANCELLED_BEFORE))
         else:
             try:
                 if self._linker.put(life):
@@ -257,8 +261,13 @@ class Lives:
         if outcome.ending is UNKNOWN or outcome.code in BROKEN_OFF:
             self._linker.void(life.order.robot, AFTER_A_BREAK)  # nothing goes on by itself (I6)
 
-    def shown_in(self, where: tuple[str, str], message: str) -> tuple[RobotId, ...]:
-        """Return the robots whose orders, under way or waiting, one message of a chat shows."""
+    def shown_in(
+        self, where: tuple[str, str], message: str, principal: PrincipalId = ""
+    ) -> tuple[RobotId, ...]:
+        """Return the robots whose orders, under way or waiting, one message of a chat shows.
+
+        With a principal: of the orders that are theirs.
+        """
         return tuple(
             robot
             for robot in self._servers
@@ -266,7 +275,22 @@ class Lives:
             if isinstance(entry, OrderLife)
             and entry.card.message == message
             and entry.card.where == where
+            and principal in {"", entry.order.permit.principal}
         )
+
+    def of(self, principal: PrincipalId) -> list[Order]:
+        """Return somebody's orders that robots carry out now."""
+        if principal not in self._whose:
+            return []
+        under_way = map(self._linker.current, self._servers)
+        return [o for o in under_way if o is not None and o.permit.principal == principal]
+
+    def take_out(self, principal: PrincipalId, robots: Collection[RobotId]) -> list[Waiting]:
+        """Take somebody's orders out that wait for robots, or for any if none is named."""
+        if principal not in self._whose:
+            return []
+        some = [robot for robot in self._servers if not robots or robot in robots]
+        return [entry for robot in some for entry in self._linker.take_out(robot, principal)]
 
     def follow(self) -> dict[RobotId, OrderLife]:
         """Keep the order that each robot had last, from now on; return where it is found."""

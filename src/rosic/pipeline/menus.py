@@ -28,6 +28,7 @@ EVERYBODY: Final = (
     ("use", said("Choose a robot, so that its name may be left out")),
     ("undo", said("Take back the last choice of a robot")),
     ("stop", said("Stop every robot you may see")),
+    ("cancel", said("End what you have under way")),
     ("resume", said("Let a stopped robot move again")),
     ("again", said("Do the last thing once more")),
     ("task", said("Let whichever robot can do something")),
@@ -39,7 +40,7 @@ EVERYBODY: Final = (
     ("role", said("What the roles here give")),
     ("help", said("What you can say")),
 )
-IN_GROUPS: Final = ("robots", "status", "use", "stop", "resume", "help")
+IN_GROUPS: Final = ("robots", "status", "use", "stop", "cancel", "resume", "help")
 TOPIC: Final = ("topic", said("Say which robot this topic is about"))
 ADMINS: Final = (
     ("people", said("Who is known here")),

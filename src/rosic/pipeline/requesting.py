@@ -75,8 +75,9 @@ class Requesting:
 
 def line_id(inbound: Inbound, number: int) -> CommandId:
     """Return the identity of one line of a message, or of what a tap says."""
-    if inbound.nonce is not None:
-        return command_id("tap", inbound.nonce, str(number))
+    if inbound.nonce is not None:  # in a group, several may tap the same one
+        sender = inbound.sender
+        return command_id("tap", inbound.nonce, sender.platform, sender.account, str(number))
     return command_id(*message_parts(inbound), str(number))
 
 

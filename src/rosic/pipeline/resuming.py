@@ -11,13 +11,16 @@ from rosic.core.identity import (
     Address,
     Caller,
     CommandId,
+    PrincipalId,
     command_id,
     robot_command_id,
 )
+from rosic.core.message import Button
 from rosic.core.saying import joined, said
 from rosic.errors import (
     Expired,
     Fault,
+    NotPermitted,
     NotUnderstood,
     RecordUnavailable,
     RobotStopped,
@@ -25,22 +28,23 @@ from rosic.errors import (
 )
 from rosic.organiser.refusing import CLOCK_SET_BACK
 from rosic.pipeline.freshness import check_heard_in_time
+from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection
+    from collections.abc import Callable, Collection, Sequence
 
-    from rosic.container.container import Containers
     from rosic.core.language import Resume
     from rosic.core.message import Inbound
     from rosic.core.robot import RobotId
-    from rosic.core.stopboard import StopBoard
-    from rosic.linker.linker import Linker
-    from rosic.organiser.organiser import Organiser
+    from rosic.pipeline.rooms import Rooms
     from rosic.pipeline.said import Said
 
 
 OPERATING = Caller(OPERATOR, OPERATOR, Address(OPERATOR, ""), "", "")
 """Whoever runs this machine: they act under no key."""
+RESUME_ALL = said("Resume all")
+# As many as a line may name, and a page of buttons shows.
+RESUMED_AT_MOST = 8
 RESUME_LIFETIME_NS = 30_000_000_000
 SECOND_NS = 1_000_000_000
 
@@ -52,14 +56,12 @@ class Resuming:
         begins: Returns what some robots may begin by themselves once they are resumed; mostly "".
     """
 
-    def __init__(
-        self, organiser: Organiser, container: Containers, linker: Linker, board: StopBoard
-    ) -> None:
+    def __init__(self, rooms: Rooms) -> None:
         self.begins: Callable[[Collection[RobotId]], str] = _nothing
-        self._organiser = organiser
-        self._container = container
-        self._linker = linker
-        self._board = board
+        self._organiser = rooms.organiser
+        self._container = rooms.container
+        self._linker = rooms.linker
+        self._board = rooms.board
 
     async def resume(self, asked: Said, line: Resume, cid: CommandId) -> str:
         """Resume every robot of the line that is stopped. Return what to say.
@@ -75,7 +77,7 @@ class Resuming:
         caller, inbound = asked.caller, asked.inbound
         stopped = self._stopped(caller, line)
         for robot in stopped:
-            self._organiser.check_word(caller, robot, RESUME, asked.grounds())
+            self._check_may(asked, robot)
             # Before the time is looked at: said again, it would be refused again.
             self._check_not_barred(robot)
             self._check_later(inbound, robot)
@@ -84,8 +86,7 @@ class Resuming:
         for robot, generation in generations.items():
             robot_cid = robot_command_id(cid, robot)
             await self._container.resume(robot_cid, caller, robot, generation)
-            # The right may have ended meanwhile.
-            self._organiser.check_word(caller, robot, RESUME, asked.grounds())
+            self._check_may(asked, robot)  # the right may have ended meanwhile
             await self._go_on(robot, generation)
         return self._told(stopped)
 
@@ -133,6 +134,41 @@ class Resuming:
         text = words.resumed([self._linker.profile(robot).shown for robot in stopped])
         return joined("\n", filter(None, (text, self.begins(stopped))))
 
+    def _check_may(self, asked: Said, robot: RobotId) -> None:
+        """See that somebody may resume a robot: by right, or as it was their own order's stop.
+
+        Raises:
+            NotPermitted: They may not; the robot stays stopped.
+        """
+        try:
+            self._organiser.check_word(asked.caller, robot, RESUME, asked.grounds())
+        except NotPermitted:
+            if not self._stopped_own(asked.caller.principal, robot):
+                raise
+
+    def _stopped_own(self, principal: PrincipalId, robot: RobotId) -> bool:
+        """Whether a robot is stopped as somebody stopped their own order, and may move it."""
+        own = self._board[robot].own == principal
+        return own and self._organiser.why_not_move(principal, robot) is None
+
+    def may(self, principal: PrincipalId, robot: RobotId) -> bool:
+        """Whether somebody could resume a robot now, for offering it."""
+        if not self._board[robot].latched or self._board.barred(robot) is not None:
+            return False
+        by_right = self._organiser.allows(principal, robot, RESUME)
+        return by_right or self._stopped_own(principal, robot)
+
+    def buttons(self, robots: Sequence[RobotId]) -> tuple[tuple[Button, ...], ...]:
+        """Return a button for each of some stopped robots, and one for all of them."""
+        if len(robots) > RESUMED_AT_MOST:
+            return ((Button(RESUME_ALL, "resume all"),),)
+        each = [
+            Button(said("Resume {shown}", shown=self._linker.profile(r).shown), f"resume {r}")
+            for r in robots
+        ]
+        together = Button(RESUME_ALL, " ".join(("resume", *robots)))
+        return ((together,), *rows(each)) if len(each) > 1 else rows(each)
+
     def _check_not_barred(self, robot: RobotId) -> None:
         why = self._board.barred(robot)
         if why is not None:
@@ -159,7 +195,8 @@ class Resuming:
             if not offers:
                 self._check_not_barred(stopped[0])
             raise NotUnderstood(
-                said("Several robots are stopped. Say which one may go on."), offers=offers
+                said("Several robots are stopped. Say which one may go on."),
+                offers=(*offers, "resume all") if len(offers) == len(stopped) else offers,
             )
         return stopped
 

@@ -31,11 +31,13 @@ class StoppedBy(msgspec.Struct, frozen=True):
     Attributes:
         generation: Of that stop; a later one is somebody else's.
         at_ns: Wall clock.
+        own: They stopped an order of their own by it.
     """
 
     generation: int
     by: PrincipalId
     at_ns: int
+    own: bool = False
 
 
 _encode = msgspec.msgpack.Encoder().encode
@@ -45,7 +47,7 @@ _decode = msgspec.msgpack.Decoder(StoppedBy).decode
 def stopped_by(robot: RobotId, board: StopBoard) -> Fact:
     """Return what is to be noted about the last stop of a robot."""
     entry = board[robot]
-    body = _encode(StoppedBy(entry.generation, entry.by, entry.since_ns))
+    body = _encode(StoppedBy(entry.generation, entry.by, entry.since_ns, bool(entry.own)))
     return Fact(kind=KIND, key=robot, body=body)
 
 
@@ -62,3 +64,4 @@ def restore(board: StopBoard, facts: Iterable[Fact]) -> None:
             continue
         if entry.latched and last.generation == entry.generation:
             entry.by, entry.since_ns = last.by, last.at_ns
+            entry.own = last.by if last.own else ""

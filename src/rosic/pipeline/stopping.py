@@ -5,28 +5,40 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import Counter
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+from msgspec.structs import replace
+
+from rosic.authoriser.buttons import ANYBODY
 from rosic.core import words
-from rosic.core.message import Inbound, Outbound, Standing, Weight
+from rosic.core.message import ChatKind, Inbound, Outbound, Standing, Weight
 from rosic.core.order import Rest
 from rosic.core.record import Stopped
 from rosic.core.saying import in_language, joined, said
 from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
-from rosic.pipeline.languages import Languages
+from rosic.pipeline.resuming import RESUMED_AT_MOST
 from rosic.pipeline.stopped_by import stopped_by
+from rosic.pipeline.voice import Note
 
 if TYPE_CHECKING:
-    from collections.abc import Coroutine
+    from collections.abc import Callable, Collection, Coroutine
+    from typing import TypeAlias
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
+    from rosic.core.message import Button
     from rosic.core.robot import RobotId
+    from rosic.core.saying import Catalogue
     from rosic.linker.linker import Halting
     from rosic.pipeline.outbox import Outbox
+    from rosic.pipeline.resuming import Resuming
     from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.telling import Teller
+
+    OwnOf: TypeAlias = Callable[[PrincipalId], Collection[RobotId]]
 
 # In one chat at a time. Stops are obeyed whatever their number; answering a flood of them helps
 # nobody (I15).
@@ -41,13 +53,16 @@ class StopLane:
     """Stops whatever its author may see.
 
     Attributes:
+        resuming: Undoes stops; every answer to one offers that.
         outbox: Has a stop answered even if this process does not live to do it.
     """
 
     def __init__(
-        self, rooms: Rooms, store: Store, clock: Clock, languages: Languages | None = None
+        self, rooms: Rooms, store: Store, clock: Clock, teller: Teller, resuming: Resuming
     ) -> None:
-        self._languages = Languages() if languages is None else languages
+        self._languages = teller.languages
+        self._teller = teller
+        self.resuming = resuming
         self._authoriser = rooms.authoriser
         self._organiser = rooms.organiser
         self._container = rooms.container
@@ -69,7 +84,9 @@ class StopLane:
         unnamed = inbound.standing is Standing.ANONYMOUS or inbound.standing is Standing.CHANNEL
         return unnamed or self._authoriser.knows(inbound.sender)
 
-    async def stop(self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...]) -> None:
+    async def stop(
+        self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...], own_of: OwnOf
+    ) -> None:
         """Stop now; tell when rest was measured. On return every adapter has been told to stop.
 
         And the latch is on disk, or cannot be written: a messenger confirms a message when this
@@ -77,6 +94,13 @@ class StopLane:
 
         A stranger's stop changes nothing: he sees no robot. A stop without an identity (an
         anonymous admin, a channel) counts for the people recognised in that chat.
+
+        Args:
+            messenger: By which it came, and is answered.
+            inbound: The message, or the tap.
+            names: As `hears_stop` returns them.
+            own_of: Returns the robots whose order, under way or waiting, is somebody's own and was
+                meant by this stop: whoever stops their own order may let that robot go on again.
         """
         if inbound.tap:
             self._spawn(messenger.answer_tap(inbound, ""))
@@ -84,7 +108,7 @@ class StopLane:
         robots, _ = self._vocabulary.to_stop(names, visible)
         if not robots:
             return
-        halting = self.stop_robots(robots, by)
+        halting = self.stop_robots(robots, by, own_of(by) if by else ())
         where = (messenger.name, inbound.chat.id)
         if self._answering[where] < ANSWERS_AT_MOST:
             self._answering[where] += 1
@@ -93,9 +117,21 @@ class StopLane:
         await asyncio.wait((halting.latched, patience), return_when=asyncio.FIRST_COMPLETED)
         patience.cancel()
 
-    def stop_robots(self, robots: tuple[RobotId, ...], by: PrincipalId) -> Halting:
-        """Stop robots for somebody who does not ask in a chat: the operator, a revocation."""
+    def stop_robots(
+        self, robots: tuple[RobotId, ...], by: PrincipalId, own: Collection[RobotId] = ()
+    ) -> Halting:
+        """Stop robots, also for somebody who does not ask in a chat: the operator, a revocation.
+
+        Args:
+            robots: Which.
+            by: Who stops them; empty: nobody who is known.
+            own: Those among them that carry out an order of theirs by which they are stopped.
+        """
+        board = self._board
+        mine = [r for r in robots if r in own and (not board[r].latched or board[r].own == by)]
         halting = self._linker.stop(robots, by)
+        for robot in mine:
+            board[robot].own = by
         self._note(robots, by)
         return halting
 
@@ -159,13 +195,37 @@ class StopLane:
         if not await asyncio.shield(halting.latched):
             text = joined(" ", (text, NOT_WRITTEN))
         plain = in_language(text, catalogue)
-        outbound = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
+        buttons = self._buttons(inbound, tuple(halting.rests), by, catalogue)
+        outbound = Outbound(chat=inbound.chat, text=plain, buttons=buttons, weight=Weight.STOP)
         told = await self._say(messenger, outbound, message)
+        if told:
+            self._teller.on_buttons(Note(messenger, outbound), told)
         if self.outbox is not None:
             if told:
                 self.outbox.said(key)
             else:
-                self.outbox.insist(key, messenger, outbound)
+                self.outbox.insist(key, messenger, replace(outbound, buttons=()))
+
+    def _buttons(
+        self, inbound: Inbound, robots: tuple[RobotId, ...], by: PrincipalId,
+        catalogue: Catalogue | None,
+    ) -> tuple[tuple[Button, ...], ...]:  # fmt: skip
+        """Offer to resume what was stopped, to whoever may.
+
+        In a group the buttons are for everybody there: each tap is checked for whoever taps.
+        """
+        together = inbound.chat.kind is ChatKind.GROUP
+        if not together:
+            may = (robot for robot in robots if by and self.resuming.may(by, robot))
+            robots = tuple(islice(may, RESUMED_AT_MOST + 1))
+        issue, who = self._authoriser.buttons.issue, ANYBODY if together else by
+        return tuple(
+            tuple(
+                issue(replace(b, label=in_language(b.label, catalogue)), who, inbound.chat.id)
+                for b in row
+            )
+            for row in self.resuming.buttons(robots)
+        )
 
     async def _rest(self, robot: RobotId, task: asyncio.Task[Rest]) -> Rest:
         try:

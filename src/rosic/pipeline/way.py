@@ -10,28 +10,14 @@ from typing import TYPE_CHECKING
 from rosic.container.habits import Habits
 from rosic.container.letters import ReplyTo
 from rosic.core.common_start import begin_together
-from rosic.core.language import (
-    Do,
-    Errand,
-    Halt,
-    Misunderstood,
-    Reader,
-    Resume,
-    Use,
-)
+from rosic.core.language import Do, Errand, Halt, Misunderstood, Reader, Resume, Use
 from rosic.core.life import ENGLISH, wording_in
 from rosic.core.message import ChatKind, Standing
 from rosic.core.saying import in_language, said
-from rosic.errors import (
-    Expired,
-    FirstNeeded,
-    NotUnderstood,
-    Refusal,
-    Repeated,
-    Unrecognised,
-)
+from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated, Unrecognised
 from rosic.pipeline.agreement import Agreements
 from rosic.pipeline.audience import Audience
+from rosic.pipeline.cancel import CancelLane
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.choosing import Choosing
 from rosic.pipeline.desk import Desk
@@ -42,10 +28,10 @@ from rosic.pipeline.office import Asked
 from rosic.pipeline.reception import Reception, may_bring_a_code
 from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_id
 from rosic.pipeline.requesting import Requesting, line_id
-from rosic.pipeline.resuming import Resuming
 from rosic.pipeline.said import Said
 from rosic.pipeline.subjects import meant
 from rosic.pipeline.turns import Turns
+from rosic.pipeline.urgent import UrgentLane
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -80,6 +66,7 @@ class Pipeline:
         audience: Who hears what robots say of their own accord.
         reception: Who receives what is no order.
         resuming: Undoes stops.
+        cancels: Ends what people have under way themselves.
         arrears: Answers to what was sent while nobody listened.
         face: What a clock on the wall shows here.
         agreements: Binds what a tap agrees to.
@@ -92,7 +79,6 @@ class Pipeline:
         self._rooms = rooms
         self._vocabulary = rooms.vocabulary
         self._reader = Reader(rooms.vocabulary)
-        self._stop_lane = stop_lane
         self._teller = teller
         self._languages = teller.languages
         self._clock = clock
@@ -105,14 +91,19 @@ class Pipeline:
         self._replies = Replies(rooms, teller, clock, self.agreements.bind)
         self._expiring = Expiring(teller, clock)
         self._edited = EditedMessages(rooms, self._reader, self._replies, self._addressed)
-        self.resuming = Resuming(organiser, container, linker, rooms.board)
+        self.resuming = resuming = stop_lane.resuming
         self.habits = Habits()
         self._choosing = Choosing(self._reader, self.habits, self.agreements)
         self.arrears = self._replies.arrears
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience = Audience(organiser)
         self.reception = Reception()
-        self._desk = Desk(rooms, self._choosing, self.reception)
+        self.cancels = CancelLane(
+            rooms, self.lives, stop_lane, self._replies, self.reception.office, clock
+        )
+        self._stop_lane = stop_lane
+        self._urgent = UrgentLane(stop_lane, self.cancels, self.lives)
+        self._desk = Desk(rooms, self._choosing, self.reception, resuming)
         self.reception.office.employ("information", self._desk.information)
         self.reception.office.employ("again", self._again)
 
@@ -123,13 +114,11 @@ class Pipeline:
         """
         arrived_ns = self._clock.monotonic_ns()
         heard = inbound.text if inbound.nonce is None else inbound.nonce
-        stop = self._reader.stop(heard) if self._stop_lane.hears(inbound) else None
-        if stop is not None:
-            await self._stop_lane.stop(
-                messenger, inbound, stop or self._replied(messenger, inbound)
-            )
-        only_stop = stop is not None and "\n" not in heard.strip()
-        if only_stop or inbound.standing is not FRESH:
+        urgent = self._reader.urgent(heard) if self._stop_lane.hears(inbound) else None
+        if urgent is not None and await self._urgent.take(messenger, inbound, urgent):
+            self._edited.answer(messenger, inbound)
+            return
+        if inbound.standing is not FRESH:
             self._edited.answer(messenger, inbound)
             return
         try:
@@ -142,12 +131,6 @@ class Pipeline:
             await self._take(messenger, inbound, arrived_ns)
         finally:
             self._turns.give(inbound.chat)
-
-    def _replied(self, messenger: Messenger, inbound: Inbound) -> tuple[str, ...]:
-        """Return whom a bare stop means: those of the order that it replies to, else everybody."""
-        if not inbound.answers:
-            return ()
-        return self.lives.shown_in((messenger.name, inbound.chat.id), inbound.answers)
 
     async def _take(self, messenger: Messenger, inbound: Inbound, arrived_ns: int) -> None:
         """AUTHENTICATE and GENERATEKEY, then follow each line."""
@@ -243,8 +226,8 @@ class Pipeline:
         """
         if isinstance(line, Halt):
             # Obeyed before anything was understood; what only the grammar takes for a stop is one.
-            if self._reader.stop(said.inbound.text) is None:
-                await self._stop_lane.stop(said.messenger, said.inbound, line.names)
+            if self._reader.urgent(said.inbound.text) is None:
+                await self._urgent.take(said.messenger, said.inbound, line)
             return
         if isinstance(line, Misunderstood) and await self._brought_a_code(
             said.messenger, said.inbound
@@ -266,6 +249,7 @@ class Pipeline:
             text = await self.resuming.resume(said, line, cid)
             self._replies.say(said.messenger, said.inbound, text)
         elif isinstance(line, Errand):
+            self.cancels.check(said.caller, said.inbound)
             asked = Asked(said.messenger, said.inbound, said.caller, line.rest, cid, said.act)
             reply = await self.reception.office.do(line, asked)
             self._replies.hand_over(said.messenger, said.inbound, said.caller, reply)
@@ -337,6 +321,8 @@ class Pipeline:
     async def _command(self, said: Said, line: Do, cid: CommandId) -> None:
         """CHECKPERMISSIONS, PROCESSCOMMAND; RELAYCOMMAND goes on in a life of its own."""
         organiser, inbound = self._rooms.organiser, said.inbound
+        if self.cancels.last:
+            self.cancels.check(said.caller, inbound)
         now_ns = self._clock.monotonic_ns()
         requests = self._requesting.requests(said, line, cid, now_ns)
         organiser.charge(said.caller)  # not for what was sent in vain while nobody listened
@@ -391,6 +377,7 @@ class Pipeline:
         """End every life: robots come to rest, outcomes are written and told."""
         self.arrears.flush()
         await self.lives.close()
+        await self.cancels.close()
         await self._expiring.close()
         await asyncio.sleep(0)
 

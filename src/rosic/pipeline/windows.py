@@ -18,10 +18,11 @@ from rosic.core.reach import FLEET, GRANT
 from rosic.core.record import Decided
 from rosic.core.saying import joined, said
 from rosic.errors import NotPermitted, NotUnderstood, Refusal
-from rosic.pipeline.desk import Reply, rows
+from rosic.pipeline.desk import Reply
 from rosic.pipeline.livecards.livecard import key_of
 from rosic.pipeline.office import check_private
 from rosic.pipeline.reach import Notice
+from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger

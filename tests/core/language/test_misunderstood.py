@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         ("omni sing", 'omni has no "sing". Say help omni.', ("help omni",)),
         ("omin move 2 m", 'I do not know "omin". Did you mean omni?', ("omni move 2 m",)),
         ("/staus", 'I do not know "staus". Did you mean status?', ("status",)),
-        ("continue", 'I do not know "continue". Did you mean resume?', ("resume",)),
+        ("go-on", 'I do not know "go-on". Did you mean resume?', ("resume",)),
         ("abracadabra", 'I do not know "abracadabra". Say help for what can be said.', ("help",)),
         ("status omin", 'I know no robot "omin". Did you mean omni?', ("status omni",)),
         ("use fridge", 'I know no robot "fridge". Say robots for those you may use.', ("robots",)),

@@ -20,6 +20,7 @@ from rosic.core.language import (
     Use,
     Vocabulary,
     bind,
+    hears_cancel,
     hears_stop,
     show,
     understand,
@@ -27,6 +28,7 @@ from rosic.core.language import (
 from rosic.errors import Refusal
 
 PAGE = Path(__file__).parents[3] / "docs" / "language.md"
+OWN = "End everything of one's own"
 BLOCKS = re.findall(r"```chat\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
@@ -45,6 +47,10 @@ class Conversation:
             robots, _ = self.vocabulary.to_stop(names, self.visible)
             everything = frozenset(robots) == self.visible
             return "Stop everything" if everything else f"Stop {', '.join(robots)}"
+        if (names := hears_cancel(text, self.vocabulary.known)) is not None:
+            robots, unknown = self.vocabulary.to_stop(names, self.visible)
+            named = names and not unknown
+            return f"End what {', '.join(robots)} does for one" if named else OWN
         (line,) = understand(text, self.vocabulary, Context(self.selected, self.visible))
         return self.said(line)
 

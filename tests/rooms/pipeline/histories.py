@@ -13,6 +13,7 @@ from msgspec.structs import replace
 
 from rosic.app.documents.profiles import known_units
 from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.authoriser.buttons import ANYBODY
 from rosic.core.identity import command_id, robot_command_id
 from rosic.core.message import Chat, ChatKind, Inbound, Standing
 from rosic.core.rate import RateLimit
@@ -198,8 +199,11 @@ class World:
         """A tap says something if the button was bound to who tapped it, and was not used."""
         authoriser = self.gateway.rooms.authoriser
         bound = authoriser.buttons._bound.get(button.nonce)
-        if bound is not None and authoriser.directory.name(bound.principal) == who:
-            base = tuple(command_id("tap", button.nonce, str(n)) for n in range(LINES_AT_MOST))
+        if bound is None:
+            return
+        if bound.principal == ANYBODY or authoriser.directory.name(bound.principal) == who:
+            tap = ("tap", button.nonce, "memory", ACCOUNTS[who])
+            base = tuple(command_id(*tap, str(n)) for n in range(LINES_AT_MOST))
             now_ns = self.clock.wall_ns()
             said = Said(who, button.command, base, now_ns, Standing.FRESH, "", private=True)
             self.log.append(said)

@@ -142,7 +142,7 @@ def undoes(event: Event, robot: str, revoked: set[str]) -> bool:
         return False
     first, *names = event.text.split()
     return first == "resume" and (
-        not names or robot in names or ("swarm" in names and robot in SWARM)
+        not names or robot in names or ("swarm" in names and robot in SWARM) or names == ["all"]
     )
 
 

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from rosic.core.message import Button
 from rosic.core.robot import Link, Profile
 from rosic.core.skill import Parameter, Skill
-from rosic.pipeline.desk import rows
+from rosic.pipeline.rows import rows
 from tests.rooms.pipeline.place import ADA, BO, Place
 
 FIELD = Parameter(unit="m", min=-10, max=10)

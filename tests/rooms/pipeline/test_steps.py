@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from rosic.bench.steps import MeteredLoop, Step, pace_of_machine, undisturbed
-from rosic.core.language import Reader
+from rosic.core.language import Cancel, Halt, Reader
 from tests.rooms.pipeline.received import (
     ADA,
     BO,
@@ -169,9 +169,9 @@ def test_of_strangers_words_no_stop_is_looked_for() -> None:
         asked: list[str] = []
 
         class Counted(Reader):
-            def stop(self, text: str) -> tuple[str, ...] | None:
+            def urgent(self, text: str) -> Halt | Cancel | None:
                 asked.append(text)
-                return super().stop(text)
+                return super().urgent(text)
 
         place.gateway.pipeline._reader = Counted(place.gateway.rooms.vocabulary)
         await place.longest(place.message(STRANGER, "stop"), place.message(BO, "help"))

@@ -23,6 +23,7 @@ from rosic.pipeline.fleet.letters import KIND as LETTER
 from rosic.pipeline.fleet.missions import MissionClerk
 from rosic.pipeline.fleet.origins import KIND as ORIGIN
 from rosic.pipeline.fleet.overview import Overview
+from rosic.pipeline.fleet.pausing import PauseClerk
 from rosic.pipeline.fleet.recalling import Recalling
 from rosic.pipeline.fleet.robots_clerk import RobotClerk
 from rosic.pipeline.fleet.telling import Telling
@@ -100,6 +101,9 @@ class Fleeting:
         robots.employ(office)
         rooms.board.barred = robots.barred
         pipeline.resuming.begins = robots.begins
+        pausing = PauseClerk(rooms, dispatching, pipeline.lives, pipeline.resuming)
+        pausing.employ(office)
+        pipeline.cancels.also(pausing.cancel)
         HandoverClerk(rooms, dispatching, self._hands.reach, self._clock).employ(office)
         CompanyClerk(rooms, dispatching, self._hands, self._clock, pipeline.reception).employ(
             office

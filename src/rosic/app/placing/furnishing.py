@@ -134,6 +134,7 @@ class Furnishing:
         )
         self._say_times_in(zone)
         reception.consent = self.consent
+        self._pipeline.cancels.also(self.consent.withdraw)
         going = Going(rooms, self._teller.subjects)
         answer = self._pipeline.answer
         reception.placed = lambda m, sent, who: answer(m, sent, who, going.ask(m, sent, who))

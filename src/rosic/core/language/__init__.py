@@ -7,10 +7,12 @@ up in a `Vocabulary`, which is compiled from the profiles once and replaced when
 from __future__ import annotations
 
 from rosic.core.language.binding import bind
+from rosic.core.language.cancelling import hears_cancel, is_urgent
 from rosic.core.language.cleaning import clean, clean_name, inert_text
 from rosic.core.language.compiled import SAY, skills_of
 from rosic.core.language.grammar import LONGEST_TEXT, MOST_LINES, understand
 from rosic.core.language.lines import (
+    Cancel,
     Context,
     Do,
     Errand,
@@ -36,6 +38,7 @@ __all__ = [
     "MOST_LINES",
     "MOST_WORDS",
     "SAY",
+    "Cancel",
     "Context",
     "Do",
     "Errand",
@@ -55,8 +58,10 @@ __all__ = [
     "bind",
     "clean",
     "clean_name",
+    "hears_cancel",
     "hears_stop",
     "inert_text",
+    "is_urgent",
     "show",
     "skills_of",
     "understand",

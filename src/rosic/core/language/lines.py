@@ -112,6 +112,16 @@ class Halt(msgspec.Struct, frozen=True):
     names: tuple[str, ...] = ()
 
 
+class Cancel(msgspec.Struct, frozen=True):
+    """Somebody ends what they have under way themselves; nothing is latched.
+
+    Attributes:
+        names: As `hears_cancel` returns them.
+    """
+
+    names: tuple[str, ...] = ()
+
+
 class Misunderstood(msgspec.Struct, frozen=True):
     """The line says nothing that can be done.
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.language.cancelling import hears_cancel
 from rosic.core.language.grammar import understand
-from rosic.core.language.lines import Context
+from rosic.core.language.lines import Cancel, Context, Halt
 from rosic.core.language.stopping import hears_stop
 
 if TYPE_CHECKING:
@@ -22,30 +23,37 @@ LONGEST_REMEMBERED = 200
 
 
 class Reader:
-    """`hears_stop` and `understand` over one vocabulary."""
+    """`hears_stop`, `hears_cancel` and `understand` over one vocabulary."""
 
-    __slots__ = ("_lines", "_stops", "vocabulary")
+    __slots__ = ("_lines", "_urgent", "vocabulary")
 
     def __init__(self, vocabulary: Vocabulary) -> None:
         self.vocabulary = vocabulary
-        self._stops: dict[str, tuple[str, ...] | None] = {}
+        self._urgent: dict[str, Halt | Cancel | None] = {}
         self._lines: dict[tuple[str, str, frozenset[RobotId]], tuple[Line, ...]] = {}
 
-    def stop(self, text: str) -> tuple[str, ...] | None:
-        """Return what `hears_stop` does."""
-        stops = self._stops
-        if text in stops:
-            return stops[text]
-        heard = hears_stop(text, self.vocabulary.known)
+    def urgent(self, text: str) -> Halt | Cancel | None:
+        """Return what a text stops or ends before anything else is read; None for nothing."""
+        known = self._urgent
+        if text in known:
+            return known[text]
+        heard = self._heard(text)
         if len(text) <= LONGEST_REMEMBERED:
-            if len(stops) >= REMEMBERED:
-                stops.clear()
-            stops[text] = heard
+            if len(known) >= REMEMBERED:
+                known.clear()
+            known[text] = heard
         return heard
+
+    def _heard(self, text: str) -> Halt | Cancel | None:
+        names = hears_stop(text, self.vocabulary.known)
+        if names is not None:
+            return Halt(names)
+        names = hears_cancel(text, self.vocabulary.known)
+        return None if names is None else Cancel(names)
 
     def forget(self) -> None:
         """Read everything anew from now on: the vocabulary has changed."""
-        self._stops.clear()
+        self._urgent.clear()
         self._lines.clear()
 
     def lines(self, text: str, selected: str, visible: frozenset[RobotId]) -> tuple[Line, ...]:

@@ -11,7 +11,7 @@ from rosic.core.language.cleaning import normalised
 
 # As the first word of a line, any of these stops, whatever follows.
 _STRONG = """
-    stop halt freeze abort
+    stop halt freeze
     stopp anhalten stehenbleiben
     arrêt arrête arrêtez arrêter arrêtes halte
     detente detén deténgase deténganse

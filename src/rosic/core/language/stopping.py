@@ -72,14 +72,14 @@ def hears_stop(text: str, known: Container[str] = ()) -> tuple[str, ...] | None:
     head = text[:LOOKED_AT]
     if is_plain(head):
         return _heard_ascii(head.lower(), known)
-    heard = [_heard(line, known) for line in _lines(head)]
+    heard = [_heard(line, known) for line in lines_of(head)]
     stops = [names for names in heard if names is not None]
     if not stops:
         return None
     return () if () in stops else tuple(dict.fromkeys([name for names in stops for name in names]))
 
 
-def _lines(head: str) -> list[str]:
+def lines_of(head: str) -> list[str]:
     """Return the lines that are looked at, each once: empty ones and repetitions cost nothing."""
     lines = [line for line in dict.fromkeys(head.splitlines()) if line and not line.isspace()]
     if len(lines) <= FIRST_LINES + LAST_LINES:
@@ -103,7 +103,7 @@ def _heard_ascii(line: str, known: Container[str]) -> tuple[str, ...] | None:
 
 def _heard(line: str, known: Container[str]) -> tuple[str, ...] | None:
     line = line.strip()
-    words = _words(_beginning(line), known)
+    words = words_of(_beginning(line), known)
     if not words:
         return None
     folded = [fold_stop(word) for word in words]
@@ -126,7 +126,7 @@ def _beginning(line: str) -> str:
     return line[: end if end > 0 else LONGEST_SHOUT]
 
 
-def _words(line: str, known: Container[str]) -> list[str]:
+def words_of(line: str, known: Container[str]) -> list[str]:
     """Split a line into words in small letters, each sign a word of its own."""
     if "@" in line:  # /stop@lab_robots_bot, or a mention of the bot in a group
         line = _MENTION.sub(lambda m: f" {m[1]}" if m[1].lower() in known else " ", line)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.core.language.cancelling import is_cancel_word
 from rosic.core.language.cleaning import clean_name, quote
 from rosic.core.language.compiled import (
     CompiledRobot,
@@ -174,11 +175,16 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
         return (), at + 1
 
 
+def _means_else(name: str) -> bool:
+    """Whether a name says something else: a verb, a stop, or that somebody ends what they do."""
+    return name in _RESERVED or is_stop_word(name.split(maxsplit=1)[0]) or is_cancel_word(name)
+
+
 def _refuse_reserved(name: str, what: str) -> None:
     words = name.split()
     if not words:
         raise ValueError(f"{what} has an empty name")
-    if name in _RESERVED or is_stop_word(words[0]) or read_numeral(name) is not None:
+    if _means_else(name) or read_numeral(name) is not None:
         raise ValueError(f"{what} cannot be called {quote(name)}: that word means something else")
 
 
@@ -222,7 +228,7 @@ def _phrases(robot: RobotId, skills: dict[str, CompiledSkill]) -> dict[str, Comp
     for compiled in skills.values():
         skill = compiled.skill
         for phrase in (*spellings(skill.id), fold(clean_name(skill.title))):
-            if phrase and phrase not in _RESERVED and not is_stop_word(phrase.split()[0]):
+            if phrase and not _means_else(phrase):
                 phrases.setdefault(phrase, compiled)
     return phrases
 
@@ -258,8 +264,7 @@ def _add_loose_names(
         for name in dict.fromkeys((*titles, *spellings(callee.name))):
             loose.setdefault(name, []).append(callee)
     for name, meant in loose.items():
-        reserved = name in _RESERVED or name in taken or is_stop_word(name.split()[0])
-        if len(meant) == 1 and not reserved:
+        if len(meant) == 1 and name not in taken and not _means_else(name):
             callees.setdefault(name, meant[0])
 
 

@@ -8,13 +8,15 @@ VERBS = frozenset({"help", "resume", "robots", "start", "status", "use"})
 # name.
 ERRANDS = frozenset(
     {
-        "again", "alerts", "approve", "archive", "ask", "assist", "authenticator", "benchmark",
-        "book", "broadcast", "cancel", "card", "channel", "chart", "clip", "code", "data",
-        "decline", "end", "files", "fleet", "forget", "grant", "handover", "history", "information",
-        "invite", "language", "lock", "map", "me", "mission", "missions", "mute", "mydata",
-        "path", "people", "picture", "plan", "quiet", "revoke", "robot", "role", "security",
-        "seen", "settings", "share", "shared", "shelf", "slots", "strategy", "take", "task",
-        "tasks", "together", "topic", "trajectory", "undo", "unlock", "unmute", "wait", "wish",
+        "abort", "again", "alerts", "approve", "archive", "ask", "assist", "authenticator",
+        "benchmark", "book", "broadcast", "cancel", "card", "channel", "chart", "clip", "code",
+        "continue", "data", "decline", "end", "files", "fleet", "forget", "grant", "handover",
+        "history",
+        "information", "invite", "language", "lock", "map", "me", "mission", "missions", "mute",
+        "mydata", "path", "pause", "people", "picture", "plan", "quiet", "revoke", "robot",
+        "role", "security", "seen", "settings", "share", "shared", "shelf", "slots", "strategy",
+        "take", "task", "tasks", "together", "topic", "trajectory", "undo", "unlock", "unmute",
+        "wait", "wish",
     }
 )  # fmt: skip
 
@@ -25,7 +27,6 @@ HELP_PAGES = frozenset({"alarms", "fleet", "move", "see", "share"})
 HINTS: dict[str, str] = {
     "?": "help",
     "commands": "help",
-    "continue": "resume",
     "go-on": "resume",
     "list": "robots",
     "menu": "help",

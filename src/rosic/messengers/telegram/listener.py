@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import msgspec
 
-from rosic.core.language import hears_stop
+from rosic.core.language import is_urgent
 from rosic.core.message import Chat, ChatKind, Passage, Passing
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
@@ -283,7 +283,7 @@ class Listener:
 
     def _is_stop(self, inbound: Inbound) -> bool:
         said = inbound.text if inbound.nonce is None else inbound.nonce
-        return hears_stop(said) is not None or self._chats.stops(said)
+        return is_urgent(said) or self._chats.stops(said)
 
     def _check_clock(self, inbound: Inbound, update: wire.Update) -> None:
         """Say so when a message comes from the future: then lateness cannot be told either."""

@@ -15,12 +15,13 @@ if TYPE_CHECKING:
 VERBS = {
     "status": "how the robots are",
     "stop": "stop, at once; everything if no robot is named",
+    "cancel": "end what you have under way",
     "resume": "undo a stop",
     "use": "choose a robot, so that its name may be left out",
     "help": "what can be said",
     "robots": "which robots there are",
 }
-NAMING = frozenset({"status", "stop", "resume", "use", "help"})
+NAMING = frozenset({"status", "stop", "cancel", "resume", "use", "help"})
 
 
 class Completion(NamedTuple):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from msgspec.structs import replace
 
 from rosic.core.identity import Address
-from rosic.core.language.stopping import hears_stop
+from rosic.core.language.cancelling import is_urgent
 from rosic.core.message import Chat, Enclosure, Inbound, Outbound
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
@@ -110,7 +110,7 @@ class TerminalMessenger:
             if self.pace is not None:
                 await receive(inbound)
                 await self.pace()
-            elif hears_stop(inbound.text or inbound.nonce or "") is not None:
+            elif is_urgent(inbound.text or inbound.nonce or ""):
                 group.create_task(_received(receive, inbound))
             elif self._waiting.full():
                 screen.show("Too many lines at once. Wait a moment.")

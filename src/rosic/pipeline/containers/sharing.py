@@ -14,8 +14,9 @@ from rosic.core.saying import joined
 from rosic.errors import NotUnderstood
 from rosic.organiser.words_calendar import moment
 from rosic.pipeline.containers import words_lending as words
-from rosic.pipeline.desk import Reply, rows
+from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_length, check_private
+from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

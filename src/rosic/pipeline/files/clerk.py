@@ -9,10 +9,11 @@ from rosic.container import words_files as words
 from rosic.container.words_container import age
 from rosic.core.message import Button
 from rosic.errors import NotUnderstood, OutOfBounds
-from rosic.pipeline.desk import Reply, rows
+from rosic.pipeline.desk import Reply
 from rosic.pipeline.files.aside import send_file
 from rosic.pipeline.files.reading import attachment_of
 from rosic.pipeline.office import check_private
+from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable

@@ -26,11 +26,12 @@ from rosic.errors import (
     RobotTaken,
     RobotUnreachable,
 )
-from rosic.pipeline.desk import Reply, rows
+from rosic.pipeline.desk import Reply
 from rosic.pipeline.files.aside import Progress, send_file
 from rosic.pipeline.files.outboxes import Outboxes
 from rosic.pipeline.files.reading import IN_PIECES_FROM, content_of, pieces_of
 from rosic.pipeline.replies import LEAVE
+from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping

@@ -28,8 +28,9 @@ from rosic.errors import (
     Refusal,
     TooManyRequests,
 )
-from rosic.pipeline.desk import Reply, rows
+from rosic.pipeline.desk import Reply
 from rosic.pipeline.requesting import message_parts
+from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable

@@ -22,7 +22,7 @@ from rosic.pipeline.fleet.origins import Origins
 from rosic.pipeline.fleet.patience import Patience
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine, Iterable
+    from collections.abc import Callable, Collection, Coroutine, Iterable
 
     from rosic.contracts.clock import Clock
     from rosic.core.fleet.task import Task, TaskId
@@ -149,6 +149,31 @@ class Dispatching:
         for task in idle_first(task for task in self.fleet.open() if task.author == author):
             self.why.pop(task.id, None)
             await self._feed(e.Held(task.id, Why.CANCELLED))
+
+    async def hold(
+        self, author: PrincipalId, robots: Collection[RobotId], why: Why
+    ) -> tuple[Task, ...]:
+        """Pause or cancel what somebody has under way, and what of it waits for a robot.
+
+        Args:
+            author: Whose tasks.
+            robots: Those of these robots, and those that are for nobody else; none: all.
+            why: `Why.PAUSED` or `Why.CANCELLED`.
+
+        Returns:
+            The tasks that were held, as they were.
+        """
+        held: dict[TaskId, Task] = {}
+        for _ in range(2):  # once more for what was being given, and is so when it comes to that
+            for task in idle_first(t for t in self.fleet.open() if t.author == author):
+                concerns = not robots or task.robot in robots or set(task.among) <= set(robots)
+                if concerns and task.state not in RESTING and task.id not in held:
+                    held[task.id] = task
+                    self.why.pop(task.id, None)
+                    await self._feed(e.Held(task.id, why))
+            async with self._changes.turn():
+                pass
+        return tuple(held.values())
 
     async def first_time(self, cid: CommandId) -> None:
         """See that a message has its effect once, whatever crashes after this.

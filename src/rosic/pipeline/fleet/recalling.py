@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.fleet.task import Why
 from rosic.pipeline.fleet import words_fleet as words
+from rosic.pipeline.resting import comes_to_rest
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from rosic.pipeline.alerts.running import Hands
     from rosic.pipeline.rooms import Rooms
 
-LOOK_S: Final = 0.05
 CUT_OFF: Final = frozenset({Why.LOST})
 """Nobody can see whether it rests: it is stopped, and stays so until a person has looked."""
 
@@ -45,22 +45,12 @@ class Recalling:
             self._cut_off(robot, author)
             return False
         await self._hands.lives.cut_order(robot, cid, words.reason(doing.task, doing.why))
-        rested = await self._comes_to_rest(robot)
+        rested = await comes_to_rest(linker, self._clock, robot)
         if not rested:
             self._cut_off(robot, author)
         else:
             self._give_back(robot, author)
         return rested
-
-    async def _comes_to_rest(self, robot: RobotId) -> bool:
-        linker = self._rooms.linker
-        patience_ns = int(linker.profile(robot).rest_timeout_s * 1e9)
-        deadline_ns = self._clock.monotonic_ns() + patience_ns
-        while linker.presence(robot).at_rest is False:
-            if self._clock.monotonic_ns() >= deadline_ns:
-                return False
-            await self._clock.sleep(LOOK_S)
-        return True
 
     def _cut_off(self, robot: RobotId, author: PrincipalId) -> None:
         """Stop it, and take it from whoever has it: late answers and late orders are void."""

@@ -9,7 +9,8 @@ from rosic.core.message import Button
 from rosic.core.saying import joined, said
 from rosic.core.view import Curve, Way
 from rosic.errors import NothingToSee, NotUnderstood
-from rosic.pipeline.desk import Reply, rows
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.rows import rows
 from rosic.pipeline.seeing import words_seeing as words
 from rosic.pipeline.seeing.looking import ANSWERED_LATER, LOW, PICTURE_COST
 from rosic.pipeline.seeing.studio import Shot

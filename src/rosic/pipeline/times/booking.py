@@ -112,7 +112,7 @@ class Booking:
         late = self._check_right(principal, robot, found.start_ns, found.length_s)
         facts = times.calendar.book(principal, robot, found.start_ns, found.length_s, principal)
         (slot,) = await self._write(turn, principal, facts)
-        button = Button(said("Cancel it"), f"/cancel {slot.id}")
+        button = Button(said("Cancel it"), f"{words.CANCEL} {slot.id}")
         return Reply(words.booked(times.shown(robot), slot, zone, found.note, late), ((button,),))
 
     async def _series(
@@ -136,7 +136,7 @@ class Booking:
         notes = words.left_out(every - len(slots)), _moved(slots, when, zone), late
         given = words.booked_series(times.shown(robot), slots, zone, *notes)
         return Reply(
-            given, ((Button(said("Cancel all of them"), f"/cancel all {slots[0].series}"),),)
+            given, ((Button(said("Cancel all of them"), f"{words.CANCEL} all {slots[0].series}"),),)
         )
 
     async def _write(

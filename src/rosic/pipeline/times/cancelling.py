@@ -1,9 +1,11 @@
-"""``/cancel``: my times as buttons; of a time that comes again, this one or all of them."""
+"""``/cancel booking``: my times as buttons; of a time that comes again, this one or all of them."""
 
 from __future__ import annotations
 
 import re
 from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
 
 from rosic.core.language.cleaning import echo
 from rosic.core.language.compiled import fold
@@ -15,6 +17,7 @@ from rosic.pipeline.desk import Reply
 from rosic.pipeline.times import words_times as words
 from rosic.pipeline.times.deciding import decided
 from rosic.pipeline.times.naming import Naming
+from rosic.pipeline.times.words_times import CANCEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,6 +33,7 @@ MOST_LISTED = 8
 
 # Said by buttons, with an id after them.
 ONLY, ALL, FROM = "only", "all", "from"
+BOOKINGS = frozenset({"booking", "bookings", "time", "times", "slot", "slots"})
 _ID = re.compile(r"[0-9a-f]{8,}\Z")
 
 
@@ -46,6 +50,9 @@ class Cancelling:
         Raises:
             Refusal: Why not; nothing has changed.
         """
+        first, _, rest = asked.rest.strip().partition(" ")
+        if fold(first) in BOOKINGS:
+            asked = replace(asked, rest=rest)
         said = fold(asked.rest).split()
         if not said or said[0] == FROM or said in ([ALL], [ONLY]):
             return self._list(asked, _page(said))
@@ -59,7 +66,9 @@ class Cancelling:
             if robots:
                 return self._list(asked, _page(fold(rest).split()), robots, name)
             if not _ID.match(said[0]):
-                raise NotUnderstood(words.nothing_so_called(echo(typed)), offers=("cancel",))
+                raise NotUnderstood(
+                    words.nothing_so_called(echo(typed)), offers=("cancel booking",)
+                )
         return await self._ask_or_cancel(asked, said[0])
 
     def _list(
@@ -80,11 +89,11 @@ class Cancelling:
             lines.append(
                 joined("", (line, words.again(len(slots) - 1))) if len(slots) > 1 else line
             )
-            buttons.append((Button(line, f"/cancel {slots[0].id}"),))
+            buttons.append((Button(line, f"{CANCEL} {slots[0].id}"),))
         left = len(entries) - begin - len(page)
         if left > 0:
             lines.append(words.and_more(left))
-            more = " ".join(("/cancel", *name.split(), FROM, str(begin + len(page))))
+            more = " ".join((CANCEL, *name.split(), FROM, str(begin + len(page))))
             buttons.append((Button(said("More"), more),))
         return Reply(joined("\n", lines), tuple(buttons))
 
@@ -104,8 +113,8 @@ class Cancelling:
         zone, now_ns = times.sides.zone_of(principal), times.clock.wall_ns()
         shown = times.shown(slot.robot)
         row = (
-            Button(said("This one"), f"/cancel {ONLY} {slot.id}"),
-            Button(said("All of them"), f"/cancel {ALL} {slot.series}"),
+            Button(said("This one"), f"{CANCEL} {ONLY} {slot.id}"),
+            Button(said("All of them"), f"{CANCEL} {ALL} {slot.series}"),
         )
         when = words.soon(slot, now_ns, zone)
         return Reply(words.this_or_all(shown, when, len(left)), (row,))
@@ -129,12 +138,12 @@ class Cancelling:
         async with times.changes.turn() as turn:
             series = times.calendar.series(series_id)
             if series is None or not self._may_know(by, series.principal, series.robot):
-                raise NotUnderstood(no_such_time(), offers=("cancel",))
+                raise NotUnderstood(no_such_time(), offers=("cancel booking",))
             anybodys = times.sides.may_cancel_any(by, series.robot)
             facts = times.calendar.cancel_series(series_id, by, anybodys=anybodys)
             slots = self._slots(facts)
             if not slots:
-                raise NotUnderstood(no_such_time(), offers=("cancel",))
+                raise NotUnderstood(no_such_time(), offers=("cancel booking",))
             await turn.write(decided("cancel", by, times.clock.wall_ns(), facts))
         self._tell_owner(by, slots)
         zone = times.sides.zone_of(by)
@@ -148,7 +157,7 @@ class Cancelling:
     def _seen(self, by: PrincipalId, slot: Slot | None) -> Slot:
         """Return a slot that this person may know of; of others they hear nothing."""
         if slot is None or not self._may_know(by, slot.principal, slot.robot):
-            raise NotUnderstood(no_such_time(), offers=("cancel",))
+            raise NotUnderstood(no_such_time(), offers=("cancel booking",))
         return slot
 
     def _left_of(self, slot: Slot) -> list[Slot]:

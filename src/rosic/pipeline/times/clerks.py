@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.pipeline.cancel import BOOKING
 from rosic.pipeline.times.booking import Booking
 from rosic.pipeline.times.cancelling import Cancelling
 from rosic.pipeline.times.planning import Planning
@@ -18,10 +19,10 @@ if TYPE_CHECKING:
 
 
 def employ_clerks(office: Office, times: Times, keeper: Keeper) -> None:
-    """Let ``book``, ``slots``, ``cancel``, ``wait``, ``wish`` and ``plan`` be done."""
+    """Let ``book``, ``slots``, ``cancel booking``, ``wait``, ``wish`` and ``plan`` be done."""
     office.employ("book", Booking(times).book)
     office.employ("slots", Showing(times).show)
-    office.employ("cancel", Cancelling(times).cancel)
+    office.employ(BOOKING, Cancelling(times).cancel)
     office.employ("wait", Queueing(times, keeper).wait)
     office.employ("wish", Wishing(times).wish)
     office.employ("plan", Planning(times).plan)

@@ -66,7 +66,7 @@ class Showing:
         waiting = times.waiting
         for robot in sorted(waiting.waits_for(principal)):
             lines.append(words.in_queue(times.shown(robot), waiting.place(principal, robot)))
-        buttons = ((Button(said("Cancel one"), "/cancel"),),) if slots else ()
+        buttons = ((Button(said("Cancel one"), words.CANCEL),),) if slots else ()
         return Reply(joined("\n", lines), buttons)
 
     def _file(self, asked: Asked) -> Reply:

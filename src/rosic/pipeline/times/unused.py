@@ -12,6 +12,7 @@ from rosic.core.saying import said
 from rosic.core.slot import SlotId
 from rosic.organiser.words_calendar import moment
 from rosic.pipeline.times import words_keeper
+from rosic.pipeline.times import words_times as words
 from rosic.pipeline.times.deciding import decided
 from rosic.pipeline.times.vacancy import SECOND_NS
 
@@ -107,7 +108,7 @@ class Unused:
         idle_s, notice_s = (now_ns - watch.since_ns) / SECOND_NS, self._notice_ns / SECOND_NS
         given = words_keeper.unused(times.shown(slot.robot), idle_s, notice_s)
         keep = Button(said("Keep it"), f"/wait keep {slot.robot}")
-        give = Button(said("Give it back"), f"/cancel only {slot.id}")
+        give = Button(said("Give it back"), f"{words.CANCEL} only {slot.id}")
         times.reach.tell((slot.principal,), given, ((keep, give),), lifetime_s=notice_s)
 
     async def takes_back(self, slot: Slot) -> bool:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from rosic.organiser.zones import Zone
 
 # Why a robot comes to rest, as it stands in the outcome of the order that this ends.
+CANCEL = "/cancel booking"
+
 OVER = said("your time is over")
 BEGUN = said("somebody else's time has begun")
 

@@ -22,6 +22,7 @@ from rosic.messengers.memory import MemoryMessenger
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.waiting import WAITING, WaitingList
 from rosic.organiser.wishes import WISH, Wishes
+from rosic.pipeline.cancel import BOOKING
 from rosic.pipeline.changes import Changes
 from rosic.pipeline.office import Asked, Office
 from rosic.pipeline.reach import Reach
@@ -168,6 +169,7 @@ class Lab:
         self.changes.after(self.keeper.look)
         self.office = Office()
         employ_clerks(self.office, self.times, self.keeper)
+        self.office.employ("cancel", self._cancel_booking)
 
     # ---- the other rooms ----
 
@@ -234,6 +236,10 @@ class Lab:
             self.refusal = refusal
             return str(refusal)
         return self.reply.text
+
+    async def _cancel_booking(self, asked: Asked) -> Reply:
+        """Do what the gateway leaves of ``/cancel`` to bookings."""
+        return await self.office.do(Errand(BOOKING, asked.rest), asked)
 
     def offers(self) -> tuple[str, ...]:
         """Return what the last refusal offers."""

@@ -242,7 +242,7 @@ async def test_a_slot_given_back_while_it_is_used_ends_at_rest() -> None:
         slot = await lab.book(ANN, "kuka1 11:00 1h")
         await lab.told_until(70)
         lab.begin(ANN)
-        await lab.say(ANN, f"/cancel {slot.id}")
+        await lab.say(ANN, f"/cancel booking {slot.id}")
         assert await lab.told(1) == [(ANN, "Your time with KUKA iiwa is over. It is at rest.")]
         assert len(lab.handed) == 1
         assert await lab.told_until(130) == []

@@ -1,0 +1,143 @@
+"""``/pause`` and ``/continue``; and what a cancel means for tasks.
+
+A task is paused between two attempts at a step, and its robot comes to rest. A single command has
+no middle to go on from: no link to a robot can hold one, so it is cancelled or stopped.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.fleet import events as e
+from rosic.core.fleet.task import HELD, State, Why
+from rosic.core.language.compiled import fold
+from rosic.core.message import Button
+from rosic.core.record import Decided
+from rosic.core.saying import joined
+from rosic.core.words import no_robot_or_group
+from rosic.errors import NotUnderstood
+from rosic.pipeline import words_cancel
+from rosic.pipeline.desk import Reply
+from rosic.pipeline.fleet import words_pausing as words
+from rosic.pipeline.freshness import check_errand_fresh
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from rosic.core.fleet.task import Task
+    from rosic.core.identity import PrincipalId
+    from rosic.core.order import Order
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.fleet.dispatching import Dispatching
+    from rosic.pipeline.lives import Lives
+    from rosic.pipeline.office import Asked, Office
+    from rosic.pipeline.resuming import Resuming
+    from rosic.pipeline.rooms import Rooms
+
+
+class PauseClerk:
+    """Holds what somebody has under way, where that can be held, and lets it go on."""
+
+    def __init__(
+        self, rooms: Rooms, dispatching: Dispatching, lives: Lives, resuming: Resuming
+    ) -> None:
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._lives = lives
+        self._resuming = resuming
+
+    def employ(self, office: Office) -> None:
+        """Take these errands."""
+        office.employ("pause", self.pause)
+        office.employ("continue", self.go_on)
+
+    async def cancel(self, principal: PrincipalId, robots: Collection[RobotId]) -> str:
+        """Cancel somebody's tasks, those that wait too; return what to say, "" if there is none."""
+        held = await self._dispatching.hold(principal, robots, Why.CANCELLED)
+        return words.cancelled([task.id for task in held]) if held else ""
+
+    async def pause(self, asked: Asked) -> Reply:
+        """Pause one's own tasks; say of single commands that they cannot be paused.
+
+        Raises:
+            NotUnderstood: A name means nobody.
+        """
+        who, robots = asked.caller.principal, self._named(asked)
+        held = await self._dispatching.hold(who, robots, Why.PAUSED)
+        of_tasks = {task.robot for task in held if task.state in HELD}
+        single = [
+            order
+            for order in self._lives.of(who)
+            if order.robot not in of_tasks and (not robots or order.robot in robots)
+        ]
+        lines = [words.paused([task.id for task in held])] if held else []
+        lines += [words.cannot_pause(self._shown(order.robot)) for order in single]
+        if not lines:
+            return Reply(words_cancel.NOTHING)
+        return Reply(joined("\n", lines), self._buttons(held, single))
+
+    def _buttons(
+        self, held: Collection[Task], single: Collection[Order]
+    ) -> tuple[tuple[Button, ...], ...]:
+        rows: list[tuple[Button, ...]] = []
+        if held:
+            rows.append((Button(words.CONTINUE, "/continue"), Button(words.CANCEL, "cancel all")))
+        for order in tuple(single)[: words.BUTTONS_AT_MOST]:
+            robot, shown = order.robot, self._shown(order.robot)
+            stop = Button(words_cancel.stop_label(shown), f"stop {robot}")
+            rows.append((Button(words.cancel_label(shown), f"cancel {robot}"), stop))
+        return tuple(rows)
+
+    async def go_on(self, asked: Asked) -> Reply:
+        """Let one's own paused tasks go on; offer to resume what is stopped instead.
+
+        Raises:
+            NotUnderstood: A name means nobody.
+            Expired: Robots would move because of it, and it was not sent just now.
+        """
+        who, robots = asked.caller.principal, self._named(asked)
+        fleet = self._dispatching.fleet
+        paused = [
+            task
+            for task in fleet.open()
+            if task.author == who
+            and task.state is State.PAUSED
+            and (not robots or not set(task.among).isdisjoint(robots))
+        ]
+        if not paused:
+            return self._nothing_paused(who, robots)
+        check_errand_fresh(asked.inbound, f"/continue {asked.rest}".strip())
+        await self._dispatching.first_time(asked.cid)
+        at_ns = self._rooms.organiser.wall_ns()
+        went_on = []
+        for task in paused:
+            decided = Decided(act="task-go", by=who, about=task.id, at_ns=at_ns, digest=asked.cid)
+            if not task.too_late(at_ns) and await self._dispatching.feed(
+                e.Released(task.id), decided
+            ):
+                went_on.append(task.id)
+        return Reply(words.went_on(went_on) if went_on else words.TOO_LATE)
+
+    def _nothing_paused(self, who: PrincipalId, robots: Collection[RobotId]) -> Reply:
+        seen = sorted(robots or self._rooms.organiser.visible(who))
+        stopped = [robot for robot in seen if self._resuming.may(who, robot)]
+        return Reply(words.NOTHING_PAUSED, self._resuming.buttons(stopped))
+
+    def _named(self, asked: Asked) -> tuple[RobotId, ...]:
+        """Return the robots that are named; none means all."""
+        visible = self._rooms.organiser.visible(asked.caller.principal)
+        vocabulary = self._rooms.vocabulary
+        named: dict[RobotId, None] = {}
+        for word in fold(asked.rest).split():
+            if word in words.ALL:
+                continue
+            profile = vocabulary.robot(word)
+            members = vocabulary.members(word) if profile is None else (profile.id,)
+            seen = [robot for robot in members if robot in visible]
+            if not seen:
+                raise NotUnderstood(no_robot_or_group(word))
+            named.update(dict.fromkeys(seen))
+        return tuple(named)
+
+    def _shown(self, robot: RobotId) -> str:
+        return self._rooms.profiles[robot].shown

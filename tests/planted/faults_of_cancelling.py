@@ -1,0 +1,89 @@
+"""Guards of a cancel, and of the stop of one's own order, each taken out by one small change."""
+
+from __future__ import annotations
+
+from tests.planted.faults import Fault
+
+CANCEL = "tests/rooms/pipeline/test_cancel.py"
+OWN_STOP = "tests/rooms/pipeline/test_own_stop.py"
+
+OF_CANCELLING = (
+    Fault(
+        name="a cancel ends everybody's orders",
+        file="pipeline/lives.py",
+        guard="if o is not None and o.permit.principal == principal]",
+        without="if o is not None]",
+        caught_by=(f"{CANCEL}::test_in_a_group_it_is_whoever_says_it",),
+    ),
+    Fault(
+        name="a cancel leaves what waits for a robot",
+        file="linker/mailbox.py",
+        guard="if entry.order.permit.principal == principal]",
+        without="if False]",
+        caught_by=(f"{CANCEL}::test_what_waits_for_a_busy_robot_is_not_done",),
+    ),
+    Fault(
+        name="what is on its way to the disk begins though it was cancelled",
+        file="pipeline/lives.py",
+        guard="elif self._linker.cancels and self._linker.outdated(order):",
+        without="elif False:",
+        caught_by=(f"{CANCEL}::test_an_order_on_its_way_to_the_disk_does_not_begin",),
+    ),
+    Fault(
+        name="what was received before a cancel and is read after it is done",
+        file="pipeline/cancel.py",
+        guard="if recent and inbound.received_ns <= received_ns:",
+        without="if False:",
+        caught_by=(f"{CANCEL}::test_what_was_received_before_and_is_read_after_it_is_void",),
+    ),
+    Fault(
+        name="a cancel leaves tasks, which take the next robot",
+        file="app/placing/fleeting.py",
+        guard="        pipeline.cancels.also(pausing.cancel)\n",
+        without="",
+        caught_by=(f"{CANCEL}::test_tasks_end_and_nobody_else_takes_them",),
+    ),
+    Fault(
+        name="what does not come to rest by a cancel is left moving",
+        file="pipeline/cancel.py",
+        guard="        if not rests:\n",
+        without="        if False:\n",
+        caught_by=(f"{CANCEL}::test_what_does_not_come_to_rest_is_stopped",),
+    ),
+    Fault(
+        name="a question of before a cancel may still be answered",
+        file="pipeline/cancel.py",
+        guard="self._rooms.authoriser.buttons.void(who, CONFIRMED)",
+        without="pass",
+        caught_by=(f"{CANCEL}::test_a_question_that_waits_for_an_answer_is_void",),
+    ),
+    Fault(
+        name="whoever may move a robot may resume it, whoever stopped it",
+        file="pipeline/resuming.py",
+        guard="own = self._board[robot].own == principal",
+        without="own = True",
+        caught_by=(f"{OWN_STOP}::test_a_stop_of_everything_stays_though_ones_own_robot_is_among_it",),
+    ),
+    Fault(
+        name="stopping what somebody else has stopped makes it one's own",
+        file="pipeline/stopping.py",
+        guard="if r in own and (not board[r].latched or board[r].own == by)]",
+        without="if r in own]",
+        caught_by=(f"{OWN_STOP}::test_what_others_stopped_besides_is_not_ones_own",),
+    ),
+    Fault(
+        name="a later stop of somebody else leaves it one's own",
+        file="core/stopboard.py",
+        guard='entry.by, entry.own = by, ""',
+        without="entry.by = by",
+        caught_by=(f"{OWN_STOP}::test_what_others_stopped_besides_is_not_ones_own",),
+    ),
+    Fault(
+        name="the stop of somebody else's order counts as one's own",
+        file="pipeline/lives.py",
+        guard='            and principal in {"", entry.order.permit.principal}\n',
+        without="",
+        caught_by=(f"{OWN_STOP}::test_of_a_group_only_what_carries_ones_own_order_out_is_ones_own",
+                   f"{OWN_STOP}::test_the_stop_beneath_somebody_elses_order_stays"),
+    ),
+)  # fmt: skip

@@ -1,0 +1,178 @@
+"""Whoever stops their own order may let its robot go on again; every answer to a stop offers it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.app.placing.people import Seed
+from rosic.core.identity import Address
+from rosic.core.message import ChatKind
+from rosic.core.roles import DEFAULT_ROLES, Role, Rulebook
+from rosic.core.stopboard import StopBoard
+from rosic.pipeline.stopped_by import restore, stopped_by
+from tests.rooms.pipeline.place import PEOPLE, VI, Place
+
+if TYPE_CHECKING:
+    from rosic.core.message import Button
+
+STU, TOM = "4", "5"
+MAY_NOT = "Resume needs the right"
+
+
+class School(Place):
+    """A student may move omni and cf1, and resume nothing."""
+
+    people = (
+        *PEOPLE,
+        Seed("Stu", (Address("memory", STU),), ("student",)),
+        Seed("Tom", (Address("memory", TOM),), ("student",)),
+    )
+    rulebook = Rulebook(
+        roles={
+            **DEFAULT_ROLES,
+            "student": Role(scopes=("*:read", "omni:move", "cf1:move", "cf2:move", "kuka1:wave")),
+        }
+    )
+
+
+def _latched(place: Place) -> list[str]:
+    return [name for name, robot in place.gateway.robots.items() if robot.gate.latched]
+
+
+def _labels(place: Place) -> list[str]:
+    return [button.label for row in place.last()[1].buttons for button in row]
+
+
+async def _drive(place: Place, robot: str = "omni") -> str:
+    """Let the student drive; return the message that shows it."""
+    place.robot(robot).work_s = 10_000.0
+    await place.say(f"{robot} move 1 m", account=STU, chat=STU)
+    return place.last()[0]
+
+
+async def _tap(place: Place, found: tuple[Button, str], account: str = STU) -> str:
+    await place.clock.advance(0.001)
+    return await place.tap(*found, account=account)
+
+
+async def test_the_stop_beneath_ones_own_order_offers_to_resume_and_may_be_resumed() -> None:
+    async with School().open() as place:
+        await _drive(place)
+        told = await _tap(place, place.button("STOP"))
+        assert "STOP: omni at rest" in told
+        assert _latched(place) == ["omni"]
+        assert await _tap(place, place.button("Resume omni")) == "omni is ready again."
+        assert _latched(place) == []
+
+
+async def test_stop_in_reply_to_ones_own_order_may_be_resumed() -> None:
+    async with School().open() as place:
+        message = await _drive(place)
+        await place.say("stop", answers=message, account=STU, chat=STU)
+        assert _latched(place) == ["omni"]
+        assert await place.say("resume", account=STU, chat=STU) == "omni is ready again."
+
+
+async def test_a_stop_of_everything_stays_though_ones_own_robot_is_among_it() -> None:
+    async with School().open() as place:
+        await _drive(place)
+        told = await place.say("stop", account=STU, chat=STU)
+        assert told.endswith("cf2 at rest (0.00 s).")
+        assert _labels(place) == []
+        assert MAY_NOT in await place.say("resume omni", account=STU, chat=STU)
+        assert "omni" in _latched(place)
+
+
+async def test_the_stop_beneath_somebody_elses_order_stays() -> None:
+    async with School().open() as place:
+        message = await _drive(place)
+        await place.say("stop", answers=message, account=TOM, chat=STU)
+        assert _labels(place) == []
+        assert MAY_NOT in await place.say("resume omni", account=TOM, chat=STU)
+        assert MAY_NOT in await place.say("resume omni", account=STU, chat=STU), "Tom stopped it"
+
+
+async def test_what_others_stopped_besides_is_not_ones_own() -> None:
+    async with School().open() as place:
+        await _drive(place)
+        people = place.gateway.rooms.authoriser.directory
+        ([vi], [stu]) = people.named("Vi"), people.named("Stu")
+        place.gateway.stop_lane.stop_robots(("omni",), vi.id)
+        place.gateway.stop_lane.stop_robots(("omni",), stu.id, ("omni",))
+        assert MAY_NOT in await place.say("resume omni", account=STU, chat=STU)
+    async with School().open() as place:
+        message = await _drive(place)
+        await place.say("stop", answers=message, account=STU, chat=STU)
+        await place.say("stop omni", account=VI, chat="3")
+        assert MAY_NOT in await place.say("resume omni", account=STU, chat=STU)
+
+
+async def test_who_may_not_move_it_any_more_may_not_resume_it() -> None:
+    async with School().open() as place:
+        message = await _drive(place)
+        await place.say("stop", answers=message, account=STU, chat=STU)
+        await place.say("/lock Stu")
+        await place.say("resume omni", account=STU, chat=STU)
+        assert "omni" in _latched(place)
+
+
+async def test_of_a_group_only_what_carries_ones_own_order_out_is_ones_own() -> None:
+    async with School().open() as place:
+        place.robot("cf1").work_s = place.robot("cf2").work_s = 10_000.0
+        await place.say("swarm move 1 m", account=STU, chat=STU)
+        message = place.last()[0]
+        await place.say("stop swarm omni", answers=message, account=STU, chat=STU)
+        assert _latched(place) == ["omni", "cf1", "cf2"]
+        assert _labels(place) == ["Resume all", "Resume cf1", "Resume cf2"]
+        told = await _tap(place, place.button("Resume all"))
+        assert told == "cf1 is ready again. cf2 is ready again."
+        assert _latched(place) == ["omni"]
+
+
+async def test_whoever_may_resume_by_right_is_offered_all_that_they_stopped() -> None:
+    async with School().open() as place:
+        await place.say("stop omni kuka1")
+        assert _labels(place) == ["Resume all", "Resume omni", "Resume kuka1"]
+        told = await _tap(place, place.button("Resume all"), "1")
+        assert told == "omni is ready again. kuka1 is ready again."
+
+
+async def test_in_a_group_it_is_offered_to_all_and_each_tap_is_checked() -> None:
+    async with School().open() as place:
+        await place.say("stop omni", account=VI, chat="g", kind=ChatKind.GROUP)
+        resume = place.button("Resume omni")
+        assert MAY_NOT in await _tap(place, resume, VI)
+        assert "omni" in _latched(place)
+        assert await _tap(place, resume, "1") == "omni is ready again."
+        await place.say("stop omni", account=VI, chat="g", kind=ChatKind.GROUP)
+        await _tap(place, resume, "1")
+        assert "omni" in _latched(place), "a button resumes once"
+
+
+async def test_a_stopped_robots_menu_leads_with_resume_for_those_who_may() -> None:
+    async with School().open() as place:
+        await place.say("stop omni")
+        await place.say("use omni")
+        assert _labels(place)[0] == "Resume omni"
+        await place.say("use omni", account=STU, chat=STU)
+        assert "Resume omni" not in _labels(place)
+
+
+async def test_several_that_are_stopped_may_be_resumed_at_once() -> None:
+    async with School().open() as place:
+        await place.say("stop omni kuka1")
+        await place.say("resume")
+        assert _labels(place) == ["resume kuka1", "resume omni", "resume all"]
+        await _tap(place, place.button("resume all"), "1")
+        assert _latched(place) == []
+
+
+async def test_it_is_known_after_a_restart_whose_own_order_was_stopped() -> None:
+    board = StopBoard(["omni", "kuka1"], {})
+    for robot in board:
+        board.stop(robot, "p1", 7)
+    board["omni"].own = "p1"
+    facts = [stopped_by(robot, board) for robot in board]
+    later = StopBoard(["omni", "kuka1"], {"omni": (1, True), "kuka1": (1, True)})
+    restore(later, facts)
+    assert (later["omni"].own, later["kuka1"].own) == ("p1", "")
