@@ -38,8 +38,12 @@ def main() -> int:
     for line in unexplained:
         print(line)  # noqa: T201
     enough = share(found) >= AT_LEAST
-    print(f"{share(found):.1f} % noticed, {len(unexplained)} survivors without a reason")  # noqa: T201
-    return 0 if enough and not unexplained else 1
+    left = sum(len(one.chosen) - len(one.results) for one in found)
+    print(  # noqa: T201
+        f"{share(found):.1f} % noticed, {len(unexplained)} survivors without a reason, "
+        f"{left} not tried"
+    )
+    return 0 if enough and not unexplained and not left else 1
 
 
 def _asked() -> argparse.Namespace:

@@ -215,7 +215,7 @@ def table(found: list[Found]) -> str:
         (
             one.module.file, str(one.real), str(one.count(KILLED)), str(one.count(TIMED_OUT)),
             str(len(one.survivors())), str(len(one.chosen) - len(one.results)),
-            f"{share([one]):.1f} %",
+            f"{share([one]):.1f} %" if one.real else "-",
         )
         for one in found
     ]  # fmt: skip

@@ -33,7 +33,7 @@ MODULES = (
         "tests/core/test_gate.py", "tests/rooms/robots/test_common_start.py",
     )),
     Module("stop board", "core/stopboard.py", (
-        "tests/rooms/test_linker.py",
+        "tests/core/test_stopboard.py", "tests/rooms/test_linker.py",
         f"{PIPELINE}/test_stopping.py", f"{PIPELINE}/test_stops_meet.py",
         f"{PIPELINE}/test_set_back.py", f"{PIPELINE}/test_fleet.py",
     )),

@@ -1,0 +1,49 @@
+"""What the board says of stopped robots."""
+
+from __future__ import annotations
+
+from rosic.core.stopboard import StopBoard
+
+
+def board() -> StopBoard:
+    return StopBoard(["omni", "kuka1", "cf1"], {"kuka1": (4, True)})
+
+
+def test_it_begins_with_what_was_found_and_nobody_stopped_in_this_run() -> None:
+    stops = board()
+    assert stops.latched() == ("kuka1",)
+    assert (stops["kuka1"].generation, stops["omni"].generation) == (4, 0)
+    assert {entry.at_ns for entry in stops.values()} == {0}
+    assert stops.newest() == (4, "")
+    assert StopBoard([], {}).newest() == (0, "")
+    assert stops.barred("omni") is None
+
+
+def test_the_newest_stop_is_the_last_and_every_stop_counts() -> None:
+    stops = board()
+    assert stops.stop("omni", "ada", 20) == 1
+    assert stops.newest() == (5, "ada")
+    assert stops.stop("cf1", "bo", 10) == 1
+    assert stops.newest() == (6, "ada"), "Bo's was earlier"
+    assert stops.stop("omni", "vi", 30) == 2
+    assert stops.newest() == (7, "vi")
+    assert stops.latched() == ("omni", "kuka1", "cf1")
+    assert (stops["omni"].by, stops["omni"].since_ns, stops["omni"].at_ns) == ("vi", 30, 30)
+
+
+def test_only_a_resume_of_the_last_stop_undoes_it() -> None:
+    stops = board()
+    for generation in (3, 5):
+        stops.resume("kuka1", generation)
+        assert stops["kuka1"].latched
+    stops.resume("kuka1", 4)
+    assert stops.latched() == ()
+    assert stops["kuka1"].generation == 4
+
+
+def test_no_stop_lies_ahead_of_a_clock_that_was_set_back() -> None:
+    stops = board()
+    stops.stop("omni", "ada", 20)
+    stops.stop("cf1", "ada", 5)
+    stops.not_later(10)
+    assert (stops["omni"].at_ns, stops["omni"].since_ns, stops["cf1"].at_ns) == (10, 20, 5)
