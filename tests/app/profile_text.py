@@ -59,11 +59,11 @@ skills:
   light:
     class: task
     parameters:
-      state: { choices: { on: [], off: [] } }
+      state: { choices: { on: [], off: [] }, means: { on: { value: true }, off: { value: false } } }
     service:
       name: /rover/light
       type: std_srvs/srv/SetBool
-      request: { data: $state }
+      request: { data: $state.value }
   tune:
     class: config
     parameters:

@@ -92,7 +92,7 @@ CASES = [
          "2 of 'words' must be a text, not a number."),
     Case("text for a table", "link: { kind: ros2, namespace: /rover }", "link: ros2 #!",
          "'link' must be a table of keys, not a text."),
-    Case("list for a value", "request: { data: $state }", "request: { data: [$state] } #!",
+    Case("list for a value", "request: { data: $state.value }", "request: { data: [$state] } #!",
          "'data' must be "),
     # ---- words to choose from ----
     Case("misspelt choice", "link_loss: hold", "link_loss: hodl #!",
@@ -163,6 +163,17 @@ CASES = [
     Case("old spelling of a type", "type: std_srvs/srv/SetBool", "type: std_srvs/SetBool #!",
          "'std_srvs/SetBool' is not a ROS service type.",
          "Write package/srv/Type, for example std_srvs/srv/Trigger."),
+    Case("a number for yes or no", "on: { value: true }, off: { value: false }",
+         "on: { value: 1 }, off: { value: 0 }",
+         "'data' of std_srvs/srv/SetBool is true or false, and '$state.value' is neither.",
+         "Write true or false, or $state.value with means: { on: { value: true } } and so on."),
+    Case("numbers and words of one meaning", "off: { value: false }", "off: { value: slow }",
+         "Means must give the same kind of 'value' for every choice."),
+    Case("two types of one service", LINE,
+         f"{LINE}files: {{ accept: [yaml], inbox: /srv/in, deliver: {{ service: {{ name: "
+         "/rover/light, type: std_srvs/srv/Trigger, request: { data: $path } } } } #!\n",
+         "The service /rover/light has the type std_srvs/srv/SetBool elsewhere in this profile",
+         "Ask the robot which: ros2 service type /rover/light."),
     Case("kind of a type", "type: rosic_interfaces/action/Move",
          "type: rosic_interfaces/msg/Move #!",
          "'rosic_interfaces/msg/Move' is not a ROS action type.",
@@ -303,6 +314,7 @@ def test_a_robot_reached_in_another_way_is_checked_for_that_way(tmp_path: Path) 
 
 def test_what_could_be_better_is_no_error(tmp_path: Path) -> None:
     text = spoil("type: geometry_msgs/msg/Twist", "type: custom_msgs/msg/Step")
+    text = spoil("      name: /rover/cmd_vel\n", "      name: /rover/step\n", text)
     text = spoil("      stream_hz: 10\n", "", text)
     text = spoil("      duration: { unit: s, min: 0.1, max: 5 }\n", "", text)
     read = read_profile(write(tmp_path, text))

@@ -110,6 +110,34 @@ def test_a_profile_whose_link_nothing_knows_is_not_good(
         assert told.out.endswith(f"{path} is good: rover, 1 skill.\n")
 
 
+def test_what_a_start_would_refuse_is_refused_by_both_checks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "nowhere.yaml"
+    path.write_text("id: nowhere\nlink: { kind: simulated }\nskills: { home: { class: task } }\n")
+
+    assert main(["robot", "check", str(path)]) == 2
+    assert "There is no simulated machine called 'nowhere'." in capsys.readouterr().err
+
+    text = f'{CONFIG}\n[[robot]]\nprofile = "{path}"\n'
+    assert main(["check", "-c", str(write_config(tmp_path, text))]) == 2
+    assert "There is no simulated machine called 'nowhere'." in capsys.readouterr().err
+
+
+def test_robots_that_share_a_namespace_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("ant", "bee"):
+        (tmp_path / f"{name}.yaml").write_text(
+            f"id: {name}\nlink: {{ kind: memory, namespace: /omni }}\n"
+            f"skills: {{ home: {{ class: task }} }}\n"
+        )
+    more = "".join(f'\n[[robot]]\nprofile = "{tmp_path}/{n}.yaml"\n' for n in ("ant", "bee"))
+
+    assert main(["check", "-c", str(write_config(tmp_path, CONFIG + more))]) == 0
+    assert "ant and bee have one namespace, /omni" in capsys.readouterr().out
+
+
 def test_a_wrong_profile_is_told_with_its_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.app.adapters import robot_factory
+from rosic.app.adapters import check_robot, robot_factory, shared_spaces
 from rosic.app.config import Config, read_config
 from rosic.app.desk.control import socket_path
 from rosic.app.documents.profiles import known_units
@@ -20,6 +20,7 @@ from rosic.errors import ConfigurationError
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.clock import Clock
 
 
@@ -53,11 +54,18 @@ def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
             errors += nobodies(config, messenger_of(table, clock))
         except ConfigurationError as wrong:
             errors.append(wrong)
+    factories: dict[str, RobotFactory] = {}
     for kind in dict.fromkeys(profile.link.kind for profile in config.robots):
         try:
-            robot_factory(kind)
+            factories[kind] = robot_factory(kind)
         except ConfigurationError as wrong:
             errors.append(ConfigurationError(str(wrong), where=str(config.path)))
+    errors += [
+        ConfigurationError(fault.sentence, where=str(config.path), hint=fault.hint)
+        for profile in config.robots
+        if profile.link.kind in factories
+        for fault in check_robot(profile, factories[profile.link.kind], clock)
+    ]
     try:
         Vocabulary.build(config.robots, known_units())
     except ValueError as wrong:
@@ -90,7 +98,10 @@ def _advice(config: Config) -> list[ConfigurationError]:
         if not any(address.platform == ROBOT for address in person.addresses)
         and kinds.isdisjoint(address.platform for address in person.addresses)
     ]
-    return [ConfigurationError(text, where=where) for text in (*unmoved, *silent)]
+    return [
+        ConfigurationError(text, where=where)
+        for text in (*unmoved, *silent, *shared_spaces(config.robots))
+    ]
 
 
 def _told(config: Config) -> str:

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from zoneinfo import ZoneInfo
 
-from rosic.app.adapters import messenger_factory, robot_factory
+from rosic.app.adapters import (
+    demand_good,
+    messenger_factory,
+    robot_factory,
+    shared_spaces,
+)
 from rosic.app.documents.profiles import known_units
 from rosic.app.face import face_of
 from rosic.app.parts import Completing, Parts, Settings
@@ -24,6 +30,8 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
 
 STOPS = "stops"
+
+log = logging.getLogger("rosic.gateway")
 
 
 @runtime_checkable
@@ -59,6 +67,10 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
             raise wrong
         if isinstance(messenger, Completing):
             messenger.know(config.robots)
+    for profile in config.robots:
+        demand_good(profile, robot_factory(profile.link.kind), clock, str(config.path))
+    for text in shared_spaces(config.robots):
+        log.warning("%s", text)
     return Parts(
         messengers=messengers,
         robot_factory=robot_factory,

@@ -7,10 +7,11 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.adapters import check_robot_kind
+from rosic.app.adapters import check_robot, check_robot_kind, robot_factory
 from rosic.app.documents.profiles import known_units, read_profile
 from rosic.app.documents.yaml_file import read_yaml
 from rosic.errors import ConfigurationError
+from rosic.system import SystemClock
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,7 +30,7 @@ def run(arguments: Sequence[str]) -> int:
     wrong = 0
     for file in options.files:
         read = read_profile(file, units)
-        errors = read.errors or _unreachable(file, read.profile)
+        errors = read.errors or _refused(file, read.profile)
         wrong += len(errors)
         for advice in read.advice:
             print(advice)
@@ -42,13 +43,20 @@ def run(arguments: Sequence[str]) -> int:
     return 2 if wrong else 0
 
 
-def _unreachable(file: str, profile: Profile | None) -> list[ConfigurationError]:
-    """Say if a good profile names a link that nothing here knows."""
+def _refused(file: str, profile: Profile | None) -> list[ConfigurationError]:
+    """Say what a start would refuse of a profile that is good by itself."""
     if profile is None:
         return []
+    where = read_yaml(Path(file)).where
     try:
         check_robot_kind(profile.link.kind)
     except ConfigurationError as wrong:
-        where = read_yaml(Path(file)).where(("link", "kind"))
-        return [ConfigurationError(str(wrong), where=where)]
-    return []
+        return [ConfigurationError(str(wrong), where=where(("link", "kind")))]
+    try:
+        factory = robot_factory(profile.link.kind)
+    except ConfigurationError:
+        return []  # what it needs is not on this machine, and need not be
+    return [
+        ConfigurationError(fault.sentence, where=where(fault.place), hint=fault.hint)
+        for fault in check_robot(profile, factory, SystemClock())
+    ]

@@ -31,7 +31,12 @@ class MessengerFactory(Protocol):
 
 
 class RobotFactory(Protocol):
-    """Makes a robot of one kind."""
+    """Makes a robot of one kind.
+
+    A kind that can be stopped and measures rest by itself, whatever a profile says of `stop` and
+    `at_rest`, says so: `stops_itself = True` on the class. A robot of any other kind that moves
+    needs both in its profile, or the word `unstoppable` there.
+    """
 
     def __call__(self, profile: Profile, gate: Gate, clock: Clock) -> Robot:
         """Make it from its profile.
@@ -40,3 +45,8 @@ class RobotFactory(Protocol):
             ConfigurationError: The profile asks for what this kind cannot do.
         """
         ...
+
+
+def stops_itself(factory: RobotFactory) -> bool:
+    """Whether robots of a kind are stopped and measured at rest without a word in the profile."""
+    return bool(getattr(factory, "stops_itself", False))

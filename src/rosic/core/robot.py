@@ -11,7 +11,7 @@ import msgspec
 from rosic.core.alert_rule import Alert
 from rosic.core.geography import GeographicFrame
 from rosic.core.joints import Joints
-from rosic.core.skill import ServiceBinding, Skill, TopicBinding
+from rosic.core.skill import MOTION, ServiceBinding, Skill, TopicBinding
 from rosic.core.strategy import Strategy
 from rosic.core.view import Pose, Sight
 
@@ -245,6 +245,8 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
             frame, a location that somebody sends asks whether the robot is to go there.
         joints: What a trajectory controller moves; skills with a ``trajectory`` need it.
         rest_timeout_s: A stop that is not measured at rest by then is reported as not confirmed.
+        unstoppable: Nothing here stops it, or measures that it rests; everybody who commands it is
+            told. Without this word, a robot that moves needs both, whatever its link.
         alerts: Rules about what the robot reports: whom to tell, and what to run.
         strategies: Ways to work that it can be told to take on, by name.
     """
@@ -262,6 +264,7 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     watchdog_s: float | None = None
     at_rest: AtRest | None = None
     rest_timeout_s: float = 5.0
+    unstoppable: bool = False
     joints: Joints | None = None
     skills: dict[str, Skill] = {}
     telemetry: dict[str, Telemetry] = {}
@@ -295,6 +298,11 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     def shown(self) -> str:
         """What people read."""
         return self.title or self.id
+
+    @property
+    def moves(self) -> bool:
+        """Whether any of its skills moves it."""
+        return any(skill.kind is MOTION for skill in self.skills.values())
 
     @property
     def benchmarked(self) -> bool:

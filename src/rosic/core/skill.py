@@ -13,7 +13,7 @@ import msgspec
 from rosic.core.benchmark import Benchmark
 
 Argument: TypeAlias = float | int | str
-Meaning: TypeAlias = float | tuple[float, ...]
+Meaning: TypeAlias = bool | float | str | tuple[float, ...]
 
 
 class SkillClass(enum.Enum):
@@ -55,8 +55,8 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         min, max: Bounds in ``unit``, inclusive.
         integer: Only whole numbers.
         choices: Word to its other spellings. A parameter with choices is not a number.
-        means: Choice to the numbers it stands for, by name, in SI: a place on the map, a pose of
-            an arm. A binding takes one of them as ``$place.x``.
+        means: Choice to what it stands for, by name: numbers in SI (a place on the map, a pose of
+            an arm), yes or no, a word of the robot's. A binding takes one as ``$place.x``.
         text: Takes the rest of the line as it is.
         default: In ``unit``, or one of the choices; None means it must be given.
     """
@@ -93,7 +93,7 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 def _check_meanings(
     means: dict[str, dict[str, Meaning]], choices: dict[str, tuple[str, ...]]
 ) -> None:
-    """See that every choice stands for the same finite numbers.
+    """See that every choice stands for the same: finite numbers, words, yes or no.
 
     Raises:
         ValueError: One does not.
@@ -103,9 +103,13 @@ def _check_meanings(
     names = [set(meaning) for meaning in means.values()]
     if any(other != names[0] for other in names):
         raise ValueError("means must give the same numbers for every choice")
+    for name in names[0] if names else ():
+        if len({type(meaning[name]) for meaning in means.values()}) > 1:
+            raise ValueError(f"means must give the same kind of {name!r} for every choice")
     for meaning in means.values():
         for value in meaning.values():
-            if not all(map(isfinite, value if isinstance(value, tuple) else (value,))):
+            numbers = value if isinstance(value, tuple) else (value,)
+            if not all(isinstance(one, str) or isfinite(one) for one in numbers):
                 raise ValueError("means must be finite numbers")
 
 

@@ -106,11 +106,16 @@ def parameter_hint(name: str, parameter: Parameter) -> str:
     )
 
 
+UNSTOPPABLE = said("cannot be stopped from here: stay beside it")
+
+
 def status_line(
     profile: Profile, presence: Presence, *, holder: str, stopped_by: str | None, waiting: int
 ) -> str:
     """Return one robot's state in one line."""
     parts = _state(presence, holder, stopped_by)
+    if profile.unstoppable:
+        parts.append(UNSTOPPABLE)
     if waiting:
         parts.append(said("{waiting} waiting", waiting=waiting))
     parts.extend(_values(profile, presence.values))

@@ -50,6 +50,8 @@ class MemoryRobot:
         listens: Whether its nodes hear anything.
     """
 
+    stops_itself = True
+
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
         self.profile = profile
         self.gate = gate

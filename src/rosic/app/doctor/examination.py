@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rosic.app.adapters import shared_spaces
 from rosic.app.desk.control import Ask, NotRunning, Verb, ask_gateway
 from rosic.app.doctor.findings import Finding, Verdict
 from rosic.app.doctor.machine import examine_clock, examine_disk
@@ -44,6 +45,8 @@ async def examine(
     yield examine_ros(needed=ROS_LINK in kinds)
     if config is None:
         return
+    for text in shared_spaces(config.robots):
+        yield Finding("robots", Verdict.LOOK, text)
     async for finding in examine_messengers(config, clock):
         yield finding
     if tried:

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from rosic.app.documents.profile_benchmarks import expected
 from rosic.app.documents.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.documents.profile_poses import meant, moved, of_trajectory
+from rosic.app.documents.profile_types import fitting_booleans, of_one_type, watched
 from rosic.app.documents.shape import Finding, Rules
 from rosic.app.documents.source import Place, nearest
 from rosic.core.authority import AMONG, FILES, READ, RESUME
@@ -29,7 +30,6 @@ VELOCITIES: Final = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/Twi
 RESERVED: Final = frozenset({READ, RESUME, FILES, *AMONG, "stop"})
 FLEET: Final = "fleet"
 NO_STRATEGY: Final = frozenset({"back", "now", "idle"})
-TWICE: Final = 2.0
 IN_PARCELS: Final = ("$name", "$path", "$sha256", "$size", "$kind", "$text", "$content")
 
 
@@ -61,14 +61,15 @@ def profile_rules(units: UnitTable) -> Rules:
             Parameter: (parameter,),
             Telemetry: (telemetry,),
             Files: (_folders, _delivered),
-            Skill: (_placeholders, _streams),
+            Skill: (_placeholders, _streams, fitting_booleans),
             Profile: (
                 _reserved,
                 _located,
                 _bound,
                 _texts,
-                _watched,
+                watched,
                 _stoppable,
+                of_one_type,
                 moved,
                 _strategies,
                 expected,
@@ -222,19 +223,6 @@ def _texts(profile: Profile) -> Iterator[Finding]:
                 yield Finding(place, "Free text never goes into a topic, service or action.")
 
 
-def _watched(profile: Profile) -> Iterator[Finding]:
-    for name, skill in profile.skills.items():
-        hz = skill.topic.stream_hz if skill.topic is not None else 0.0
-        # One lost message must not make the robot stumble.
-        if hz > 0 and profile.watchdog_s is not None and hz * profile.watchdog_s < TWICE:
-            yield Finding(
-                ("skills", name, "topic", "stream_hz"),
-                f"{hz:g} Hz is too slow for a robot that stops by itself after "
-                f"{profile.watchdog_s:g} s.",
-                f"Send at {TWICE / profile.watchdog_s:g} Hz or more.",
-            )
-
-
 def _located(profile: Profile) -> Iterator[Finding]:
     if bool(profile.go_to) != (profile.frame is not None):
         yield Finding((), "To be sent to a place on Earth, a robot needs both frame and go_to.")
@@ -301,7 +289,7 @@ def _in_parcels(files: Files, deliver: Deliver) -> Iterator[Finding]:
 
 def _stoppable(profile: Profile) -> Iterator[Finding]:
     moving = [s for s in profile.skills.values() if s.kind is SkillClass.MOTION]
-    if profile.link.kind != "ros2" or not moving:
+    if profile.link.kind != "ros2" or not moving or profile.unstoppable:
         return
     stop = profile.stop
     if stop is not None and not (stop.service or stop.zero or stop.cancel_only):

@@ -12,6 +12,7 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
+from rosic.app.adapters import demand_good
 from rosic.app.parts import Completing
 from rosic.app.placing.alarming import read_rules
 from rosic.app.placing.benchmarking import enlist_judged
@@ -236,7 +237,9 @@ class Enlisting:
         generation, latched = self._stops.get(profile.id, (0, False))
         gate = Gate(profile.id, n=n, fence=fence, generation=generation, latched=latched)
         try:
-            robot = parts.robot_factory(profile.link.kind)(profile, gate, parts.clock)
+            factory = parts.robot_factory(profile.link.kind)
+            demand_good(profile, factory, parts.clock)
+            robot = factory(profile, gate, parts.clock)
         except ConfigurationError as why:
             raise NotUnderstood(words.not_opened(profile.shown, str(why))) from why
         return Newcomer(profile, robot, vocabulary, rules, lines)

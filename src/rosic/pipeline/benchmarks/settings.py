@@ -108,4 +108,4 @@ def _filled(value: float | str | bool, order: Order) -> float | int | str | bool
     if not dot:
         return argument
     meaning = order.skill.parameters[name].means[str(argument)][part]
-    return meaning if isinstance(meaning, float) else str(argument)
+    return str(argument) if isinstance(meaning, tuple) else meaning

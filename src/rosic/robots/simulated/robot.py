@@ -53,6 +53,8 @@ class SimulatedRobot:
         speak: Says something to other robots, as its own node would.
     """
 
+    stops_itself = True
+
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
         self.profile = profile
         self.gate = gate
