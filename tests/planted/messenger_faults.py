@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 TWO_BOTS = "tests/rooms/pipeline/test_two_bots.py"
+LIMITER = "tests/rooms/messengers/test_limiter.py"
 STEPS = "tests/rooms/pipeline/test_steps.py"
 
 MESSENGER_FAULTS = (
@@ -52,9 +53,9 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="I1 after an upgrade nothing is known of what was done before",
-        file="messengers/telegram/mapping.py",
-        guard="    earlier = message.date * SECOND_NS < received.account_since_ns\n",
-        without="    earlier = False\n",
+        file="app/placing/intake.py",
+        guard="    since_ns = 0 if memory == Memory() else now_ns + CLOCKS_APART_NS\n",
+        without="    since_ns = 0\n",
         caught_by=(
             f"{TWO_BOTS}::test_what_an_earlier_version_did_is_not_done_again_after_the_upgrade",
         ),
@@ -73,6 +74,33 @@ MESSENGER_FAULTS = (
         without="shared = False",
         caught_by=(
             f"{TWO_BOTS}::test_a_small_group_counts_for_each_bot_and_a_supergroup_for_both",
+        ),
+    ),
+    Fault(
+        name="429 what is under way does not count for Telegram's limits",
+        file="messengers/telegram/limiter.py",
+        guard="        most = self._rate.within[weight] - self._under_way\n",
+        without="        most = self._rate.within[weight]\n",
+        caught_by=(
+            f"{LIMITER}::test_a_call_counts_from_its_sending_until_a_second_after_its_answer",
+        ),
+    ),
+    Fault(
+        name="429 a run begins as if nothing had been said before it",
+        file="messengers/telegram/limiter.py",
+        guard="            self._overall.used_up(self._begun_ns)\n",
+        without="            pass\n",
+        caught_by=(
+            f"{LIMITER}::test_after_a_restart_nothing_is_counted_on_that_an_earlier_run_may_have_used",
+        ),
+    ),
+    Fault(
+        name="429 a gesture does not wait where Telegram asked to wait",
+        file="messengers/telegram/gestures.py",
+        guard="        await self._limiter.obey(str(where))\n        await self._line.ask(",
+        without="        await self._line.ask(",
+        caught_by=(
+            "tests/real/telegram/test_sending.py::test_a_gesture_waits_where_telegram_asked_to_wait",
         ),
     ),
     Fault(

@@ -345,7 +345,11 @@ class Teller:
         if card.adopted:
             await self._adopt(card)
         else:
-            card.message = await card.messenger.send(outbound_of(card, endings=False))
+            try:
+                card.message = await card.messenger.send(outbound_of(card, endings=False))
+            except MessengerFault as fault:
+                card.doubted = card.doubted or fault.perhaps_sent  # it may stand there for ever
+                raise
         self.subjects.note(card.messenger.name, card.chat, card.message, card.about)
         if card.ending:
             await self._containers.place(card.cids, card.principal, card.message)

@@ -145,6 +145,39 @@ async def test_the_published_limits_are_never_reached() -> None:
         assert strict.violations == []
 
 
+@pytest.mark.parametrize("run", ["the first", "after another"])
+async def test_forty_answers_at_once_are_refused_not_once(run: str) -> None:
+    """Of a server that counts any second, and of a bot that has just been started anew."""
+    async with FakeTelegram() as strict:
+        people = [strict.create_user(f"P{number}") for number in range(40)]
+        runs = [Gateway(strict)] if run == "the first" else [Gateway(strict), Gateway(strict)]
+        for gateway in runs:
+            gateway.clock.hurry = 1.0
+        for gateway in runs:
+            some = people if gateway is runs[-1] else people[:20]
+            await asyncio.gather(*(gateway.messenger.send(to(one, "omni: done")) for one in some))
+            restarted = Gateway(strict)
+            restarted.clock.hurry = 1.0
+            runs[-1] = runs[-1] if gateway is runs[-1] else restarted
+        calls = strict.calls
+        assert [call["code"] for call in calls if call["code"] != 200] == []
+        assert strict.violations == []
+
+
+async def test_a_gesture_waits_where_telegram_asked_to_wait(
+    server: FakeTelegram, gateway: Gateway, ada: int
+) -> None:
+    asked = server.say(ada, ada, "omni move 1 m")
+    server.fail("too_many_requests", "sendMessage", times=1, chat_id=ada, retry_after_s=1)
+    sending = asyncio.create_task(gateway.messenger.send(to(ada, "omni: done")))
+    await gateway.until(lambda: gateway.messenger._speaker._limiter._held_ns)
+    await gateway.messenger.react(to(ada, "").chat, str(asked), "\N{THUMBS UP SIGN}")
+    await sending
+    refused, *_ = gateway.calls("sendMessage")
+    (reacted,) = gateway.calls("setMessageReaction")
+    assert reacted["time_s"] - refused["time_s"] >= 1.0
+
+
 async def test_retry_after_is_obeyed_to_the_end(
     server: FakeTelegram, gateway: Gateway, ada: int
 ) -> None:

@@ -11,6 +11,7 @@ from rosic.messengers.telegram.trouble import Kind, Trouble
 
 if TYPE_CHECKING:
     from rosic.messengers.telegram.chats import Chats
+    from rosic.messengers.telegram.limiter import Limiter
     from rosic.messengers.telegram.line import Line
 
 GESTURE_S = 5.0
@@ -19,9 +20,13 @@ GONE = ("message to delete not found", "message_id_invalid")
 
 
 class Gestures:
-    """Makes them for one bot, each with one call: Telegram's limits on messages are not asked."""
+    """Makes them for one bot, each with one call.
 
-    def __init__(self, line: Line, chats: Chats) -> None:
+    Telegram's limits on messages are not asked; only where Telegram has asked to wait, they wait.
+    """
+
+    def __init__(self, line: Line, chats: Chats, limiter: Limiter) -> None:
+        self._limiter = limiter
         self._line = line
         self._chats = chats
 
@@ -32,6 +37,7 @@ class Gestures:
             MessengerFault: It is not there, or it cannot be known.
         """
         where, number = self._numbers(chat, message)
+        await self._limiter.obey(str(where))
         await self._line.ask(
             lambda bot: bot.set_message_reaction(where, number, [ReactionTypeEmoji(emoji)]),
             within_s=GESTURE_S,
@@ -46,6 +52,7 @@ class Gestures:
         """
         for part in self._chats.parts(chat, message):
             where, number = self._numbers(chat, part)
+            await self._limiter.obey(str(where))
             try:
                 await self._line.ask(
                     lambda bot, w=where, n=number: bot.delete_message(w, n),  # type: ignore[misc]

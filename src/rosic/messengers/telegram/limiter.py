@@ -9,17 +9,25 @@ from __future__ import annotations
 
 import asyncio
 import itertools
-from collections import Counter
+from collections import Counter, deque
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.message import Weight
 from rosic.errors import MessengerFault
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from rosic.contracts.clock import Clock
 
 SECOND_NS = 1_000_000_000
+NOT_YET_NS = 2**62
+"""Nobody knows when: it depends on others' answers."""
 CHATS_REMEMBERED = 4_096
+FIRST_OWED = 2
+HOLD_MORE_S = 0.1
+"""So much longer than Telegram asks we wait: it counts from when it answered, in whole seconds."""
 WAITING_AT_MOST = 1_000
 WAITING_IN_A_CHAT = 100
 """Not counting what is urgent. So a chat that is spoken to too much keeps nobody else out."""
@@ -29,17 +37,25 @@ class Rate(NamedTuple):
     """One every ``interval_s`` in the long run, so many at once after a rest, by weight.
 
     An urgent one may run up a debt that the others then pay off.
+
+    Attributes:
+        span_s: In no time as long as this there are more than ``within``, by weight: as Telegram
+            counts. It does so when a call arrives, some time between our sending it and its answer;
+            so what is under way counts, and what was answered so lately. 0: it counts nothing.
     """
 
     interval_s: float
     at_once: tuple[int, int, int, int, int, int]
+    span_s: float = 0.0
+    within: tuple[int, int, int, int, int, int] = (0, 0, 0, 0, 0, 0)
 
 
 CHAT = Rate(1.0, (5, 5, 3, 3, 2, 1))
 """Where people are answered all the time there is still room for a stop's two calls at once."""
-GROUP = Rate(5.0, (12, 12, 8, 8, 6, 2))
-"""8 at once and then one every 5 s: never more than 20 in any minute, except for what is urgent."""
-OVERALL = Rate(1 / 29, (30, 30, 24, 24, 16, 8))
+GROUP = Rate(4.0, (12, 12, 8, 8, 6, 2), 60.5, (20, 20, 16, 16, 16, 16))
+"""Of the 20 in any minute the last four are for what is urgent."""
+OVERALL = Rate(1 / 27, (28, 28, 22, 22, 16, 8), 1.05, (28, 28, 24, 24, 24, 24))
+"""Of the 30 in any second two are left to clocks and networks, four more to what is urgent."""
 
 
 class Rates(NamedTuple):
@@ -51,7 +67,12 @@ class Rates(NamedTuple):
 
     def times(self, factor: float) -> Rates:
         """Return limits under which everything goes so many times as fast."""
-        return Rates(*(Rate(rate.interval_s / factor, rate.at_once) for rate in self))
+        return Rates(
+            *(
+                rate._replace(interval_s=rate.interval_s / factor, span_s=rate.span_s / factor)
+                for rate in self
+            )
+        )
 
 
 PUBLISHED = Rates()
@@ -60,16 +81,46 @@ PUBLISHED = Rates()
 class Pace:
     """One limit's memory: the time at which everything said so far is paid for."""
 
-    __slots__ = ("_interval_ns", "_paid_ns", "_rate")
+    __slots__ = ("_interval_ns", "_paid_ns", "_rate", "_said_ns", "_span_ns", "_under_way")
 
     def __init__(self, rate: Rate) -> None:
         self._rate = rate
         self._interval_ns = int(rate.interval_s * SECOND_NS)
+        self._span_ns = int(rate.span_s * SECOND_NS)
         self._paid_ns = 0
+        self._under_way = 0
+        self._said_ns: deque[int] = deque(maxlen=max(rate.within) if rate.span_s else 0)
 
     def ready_ns(self, weight: Weight) -> int:
         """Return when one more of this weight may be said; in the past when it may now."""
-        return self._paid_ns - (self._rate.at_once[weight] - 1) * self._interval_ns
+        paced_ns = self._paid_ns - (self._rate.at_once[weight] - 1) * self._interval_ns
+        if not self._span_ns:
+            return paced_ns
+        most = self._rate.within[weight] - self._under_way
+        if most <= 0:
+            return NOT_YET_NS
+        if len(self._said_ns) < most:
+            return paced_ns
+        return max(paced_ns, self._said_ns[-most] + self._span_ns)
+
+    def begin(self) -> None:
+        """What a turn was given for is sent now: it counts until it is answered."""
+        self._under_way += 1
+        if self._said_ns:
+            self._said_ns.pop()
+
+    def end(self, now_ns: int) -> None:
+        """It was answered, or is not waited for any more: it counts from now."""
+        self._under_way -= 1
+        self._said_ns.append(now_ns)
+
+    def used_up(self, now_ns: int) -> None:
+        """Count as if everything had just been said: what an earlier run said, nobody knows."""
+        self._said_ns.extend([now_ns] * (self._said_ns.maxlen or 0))
+
+    def used(self, count: int, now_ns: int) -> None:
+        """Count so many as said just now, for the pace alone."""
+        self._paid_ns = max(self._paid_ns, now_ns + count * self._interval_ns)
 
     @property
     def paid_ns(self) -> int:
@@ -79,10 +130,13 @@ class Pace:
     def spend(self, now_ns: int) -> None:
         """Count one."""
         self._paid_ns = max(self._paid_ns, now_ns) + self._interval_ns
+        if self._span_ns:
+            self._said_ns.append(now_ns)
 
     def rested(self, now_ns: int) -> bool:
         """Nothing is owed: forgetting it changes nothing."""
-        return self._paid_ns <= now_ns
+        recent = bool(self._said_ns) and self._said_ns[-1] + self._span_ns > now_ns
+        return self._paid_ns <= now_ns and not recent and not self._under_way
 
 
 class _Waiting(NamedTuple):
@@ -91,18 +145,29 @@ class _Waiting(NamedTuple):
     weight: Weight
     number: int
     chat: str
-    group: bool
     give_up_ns: int
     turn: asyncio.Future[None]
 
 
 class Limiter:
-    """Gives turns. Nothing runs while nobody waits."""
+    """Gives turns. Nothing runs while nobody waits.
 
-    def __init__(self, clock: Clock, rates: Rates = PUBLISHED) -> None:
+    Args:
+        clock: Measures.
+        rates: The limits.
+        spoke_before: An earlier run may have said something until just now, nobody knows how much:
+            for a second nothing is said, and in the first seconds a chat has room for one at once.
+    """
+
+    def __init__(
+        self, clock: Clock, rates: Rates = PUBLISHED, *, spoke_before: bool = False
+    ) -> None:
         self._clock = clock
         self._rates = rates
         self._overall = Pace(rates.overall)
+        self._begun_ns, self._spoke_before = clock.monotonic_ns(), spoke_before
+        if spoke_before:
+            self._overall.used_up(self._begun_ns)
         self._paces: dict[str, tuple[Pace, ...]] = {}
         self._held_ns: dict[str, int] = {}
         self._all_held_ns = 0
@@ -122,7 +187,7 @@ class Limiter:
             raise MessengerFault("Too much is waiting to be said. This was not sent.")
         give_up_ns = self._clock.monotonic_ns() + int(within_s * SECOND_NS)
         turn: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        mine = _Waiting(weight, next(self._numbers), chat, chat.startswith("-"), give_up_ns, turn)
+        mine = _Waiting(weight, next(self._numbers), chat, give_up_ns, turn)
         self._waiting.append(mine)
         self._in_chat[chat] += 1
         self._arrive(mine)
@@ -151,11 +216,34 @@ class Limiter:
         It is taken to be for the chat, until a second chat is told to wait as well.
         """
         now_ns = self._clock.monotonic_ns()
-        until_ns = now_ns + int(seconds * SECOND_NS)
+        until_ns = now_ns + int((seconds + HOLD_MORE_S) * SECOND_NS)
         self._held_ns = {one: held for one, held in self._held_ns.items() if held > now_ns}
         if self._held_ns.keys() - {chat}:
             self._all_held_ns = max(self._all_held_ns, until_ns)
         self._held_ns[chat] = max(until_ns, self._held_ns.get(chat, 0))
+
+    @contextmanager
+    def under_way(self, chat: str) -> Iterator[None]:
+        """Make a call inside for which a turn in a chat was given."""
+        paces = (self._overall, *self._paces_of(chat))
+        for pace in paces:
+            pace.begin()
+        try:
+            yield
+        finally:
+            now_ns = self._clock.monotonic_ns()
+            for pace in paces:
+                pace.end(now_ns)
+            if self._waiting:
+                self._serve()
+
+    async def obey(self, chat: str) -> None:
+        """Wait until a chat is not held any more, for what takes no turn. Never raises."""
+        while (left_ns := self._held_until_ns(chat) - self._clock.monotonic_ns()) > 0:
+            await self._clock.sleep(left_ns / SECOND_NS)
+
+    def _held_until_ns(self, chat: str) -> int:
+        return max(self._all_held_ns, self._held_ns.get(chat, 0))
 
     def _arrive(self, mine: _Waiting) -> None:
         """Serve whoever has come, or let them wait: a thousand that wait are not looked at."""
@@ -207,21 +295,26 @@ class Limiter:
 
     def _due_ns(self, one: _Waiting) -> int:
         limits = [pace.ready_ns(one.weight) for pace in (self._overall, *self._of(one))]
-        return max(*limits, self._all_held_ns, self._held_ns.get(one.chat, 0))
+        return max(*limits, self._held_until_ns(one.chat))
 
     def _spend(self, one: _Waiting, now_ns: int) -> None:
         for pace in (self._overall, *self._of(one)):
             pace.spend(now_ns)
 
     def _of(self, one: _Waiting) -> tuple[Pace, ...]:
-        paces = self._paces.get(one.chat)
+        return self._paces_of(one.chat)
+
+    def _paces_of(self, chat: str) -> tuple[Pace, ...]:
+        paces = self._paces.get(chat)
         if paces is None:
             if len(self._paces) >= CHATS_REMEMBERED:
                 self._forget()
             rates = self._rates
-            own = (rates.chat, rates.group) if one.group else (rates.chat,)
+            own = (rates.chat, rates.group) if chat.startswith("-") else (rates.chat,)
             paces = tuple(map(Pace, own))
-            self._paces[one.chat] = paces
+            if self._spoke_before:
+                paces[0].used(FIRST_OWED, self._begun_ns)
+            self._paces[chat] = paces
         return paces
 
     def _forget(self) -> None:

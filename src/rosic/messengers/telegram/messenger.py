@@ -37,6 +37,7 @@ class TelegramMessenger:
     Args:
         line: Another way to the Bot API, for measuring.
         rates: Other limits than Telegram's published ones.
+        spoke_before: An earlier run may have spoken until just now.
 
     Attributes:
         on_alarm: Called, once per occurrence, when somebody else receives for this bot and motion
@@ -56,6 +57,7 @@ class TelegramMessenger:
         *,
         line: Line | None = None,
         rates: Rates = PUBLISHED,
+        spoke_before: bool = False,
     ) -> None:
         hide(settings.token)
         if settings.proxy is not None:
@@ -66,9 +68,10 @@ class TelegramMessenger:
         poll_timeout_s = settings.poll_timeout_s
         self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
         self.file_bytes = LOCAL_BYTES if settings.local_mode else FILE_BYTES
-        self._speaker = Speaker(self._line, Limiter(clock, rates), chats, clock)
+        limiter = Limiter(clock, rates, spoke_before=spoke_before)
+        self._speaker = Speaker(self._line, limiter, chats, clock)
         self._speaker.file_bytes = self.file_bytes
-        self._gestures = Gestures(self._line, chats)
+        self._gestures = Gestures(self._line, chats, limiter)
         self._menus = Menus(name, self._line, clock)
         self._fetcher = Fetcher(self._line, settings)
         self.fetch_bytes = self._fetcher.most
@@ -232,4 +235,4 @@ def telegram_messenger(name: str, settings: Mapping[str, Any], clock: Clock) -> 
     Raises:
         ConfigurationError: A setting is missing, unknown or wrong; the sentence names it.
     """
-    return TelegramMessenger(name, read_settings(name, settings), clock)
+    return TelegramMessenger(name, read_settings(name, settings), clock, spoke_before=True)

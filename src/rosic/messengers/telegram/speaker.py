@@ -314,13 +314,15 @@ class Speaker:
                 raise ChatGone("Nobody can be spoken to in that chat any more.")
             if chat in self._granted:
                 self._granted.discard(chat)
+                await self._limiter.obey(chat)  # asked for since the turn was given
             else:
                 await self._limiter.turn(chat, call.weight, within_s=left_s)
             try:
-                return await self._line.ask(
-                    lambda bot, to=number: act(bot, to),  # type: ignore[misc]
-                    within_s=within_s,
-                )
+                with self._limiter.under_way(chat):
+                    return await self._line.ask(
+                        lambda bot, to=number: act(bot, to),  # type: ignore[misc]
+                        within_s=within_s,
+                    )
             except Trouble as trouble:
                 failures += 1
                 await self._prepare_again(call, chat, trouble, failures)

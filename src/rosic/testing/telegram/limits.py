@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from rosic.testing.telegram.settings import Limits
 
 GROUP_WINDOW_S = 60.0
+SECOND_S = 1.0
 UNDER_WAY_S = 0.25
 CLOCK_SLACK_S = 0.05
 
@@ -42,19 +43,20 @@ class Bucket:
 
 
 class Window:
-    """At most so many within the last minute."""
+    """At most so many within any time of a length; an hour's quiet earns nothing."""
 
-    def __init__(self, most: int) -> None:
+    def __init__(self, most: int, span_s: float) -> None:
         self._most = most
+        self._span_s = span_s
         self._times: deque[float] = deque()
 
     def wait_s(self, now_s: float) -> float:
         """Return how long until one more is allowed; 0 when it is."""
-        while self._times and self._times[0] <= now_s - GROUP_WINDOW_S:
+        while self._times and self._times[0] <= now_s - self._span_s:
             self._times.popleft()
         if len(self._times) < self._most:
             return 0.0
-        return self._times[0] + GROUP_WINDOW_S - now_s
+        return self._times[0] + self._span_s - now_s
 
     def take(self, now_s: float) -> None:
         """Count one."""
@@ -72,7 +74,7 @@ class Limiter:
         self.limits = limits
         self._chats: dict[int, Bucket] = {}
         self._groups: dict[int, Window] = {}
-        self._overall: Bucket | None = None
+        self._overall: Window | None = None
         self._told: dict[int, tuple[float, float]] = {}
 
     def told(self, chat_id: int, retry_after_s: int, now_s: float) -> None:
@@ -105,16 +107,16 @@ class Limiter:
         if limits is None:
             return 0
         if self._overall is None:
-            self._overall = Bucket(limits.overall_per_s, max(1.0, limits.overall_per_s))
+            self._overall = Window(max(1, int(limits.overall_per_s)), SECOND_S)
         chat = self._chats.setdefault(chat_id, Bucket(limits.chat_per_s, limits.chat_burst))
-        window = self._groups.setdefault(chat_id, Window(limits.group_per_min))
+        window = self._groups.setdefault(chat_id, Window(limits.group_per_min, GROUP_WINDOW_S))
         wait_s = max(chat.wait_s(now_s), self._overall.wait_s(now_s))
         if is_group:
             wait_s = max(wait_s, window.wait_s(now_s))
         if wait_s > 0:
             return max(limits.min_retry_after_s, ceil(wait_s))
         chat.take()
-        self._overall.take()
+        self._overall.take(now_s)
         if is_group:
             window.take(now_s)
         return 0

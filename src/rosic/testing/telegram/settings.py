@@ -16,7 +16,7 @@ class Limits(msgspec.Struct, frozen=True, kw_only=True):
         chat_per_s: Messages and edits a second to one chat, once the burst is spent.
         chat_burst: How many may come at once.
         group_per_min: In any 60 s to one group or supergroup or channel.
-        overall_per_s: To all chats together.
+        overall_per_s: In any second, to all chats together.
         min_retry_after_s: The least wait that is asked for.
     """
 
