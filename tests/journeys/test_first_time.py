@@ -115,8 +115,8 @@ async def test_the_same_in_german(
 
         await cy.start(code, "eingeladen")
         await cy.tap("Beitreten", "Was soll omni tun?")
-        await cy.tap("🚗 Move in a straight line", "0.50 m forward?")
-        await cy.tap("Mach es", "0.50 m gefahren")
+        await cy.tap("🚗 Geradeaus fahren", "0.50 m vorwärts?")
+        await cy.tap("Mach es", "0.50 m vorwärts gefahren")
 
         assert cy.taps <= TAPS_TO_A_MOTION
         await finished("join-de", cy, capsys)
@@ -141,7 +141,7 @@ async def test_asking_for_a_right(
         )
         await ada.tap("Allow 1 h", "Vi may now")
         await vi.reads(said("Ada allows it. You may now", "Ada erlaubt es"))
-        await vi.type("omni move 0.5 m", said("moved 0.50 m forward", "0.50 m gefahren"))
+        await vi.type("omni move 0.5 m", said("moved 0.50 m forward", "0.50 m vorwärts gefahren"))
 
         await finished(said.picture("ask"), vi, capsys)
 
@@ -154,9 +154,10 @@ async def test_driving_and_stopping_with_buttons(
         bo = await said.newcomer(place, place.bo)
 
         await bo.start("", said("What should omni do?", "Was soll omni tun?"))
-        await bo.tap("🚗 Move in a straight line", "0.50 m forward?")
-        await bo.tap("+", "1.00 m forward?")
-        await bo.tap("+", "2.00 m forward?")
+        straight = said("🚗 Move in a straight line", "🚗 Geradeaus fahren")
+        await bo.tap(straight, said("0.50 m forward?", "0.50 m vorwärts?"))
+        await bo.tap("+", said("1.00 m forward?", "1.00 m vorwärts?"))
+        await bo.tap("+", said("2.00 m forward?", "2.00 m vorwärts?"))
         await bo.tap(said("Do it", "Mach es"), said("driving", " %"))
         await bo.tap("STOP", said("STOP: omni at rest", "STOP: omni steht still"))
         await bo.reads(said("stopped before it ended", "vor dem Ende angehalten"))

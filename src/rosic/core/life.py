@@ -8,6 +8,7 @@ from typing import TypeAlias, TypeVar
 
 import msgspec
 
+from rosic.core.measures import in_units_of
 from rosic.core.order import Ending, Outcome, Report, Stage
 from rosic.core.saying import Catalogue, in_language, joined, said
 
@@ -126,7 +127,7 @@ class Life:
         if self._fraction is None and not self._note:
             return ""
         share = "" if self._fraction is None else f"{round(self._fraction * 100)} %"
-        note = in_language(self._note, self.words.catalogue) if self._note else self.words.running
+        note = _noted(self._note, self.words.catalogue) if self._note else self.words.running
         return f"{note} {share}" if share else note
 
     @property
@@ -175,12 +176,16 @@ class Life:
 def ended(outcome: Outcome, time_of_day: str, words: Wording = ENGLISH) -> str:
     """Return how an order ended, plain: ``done 14:02:13: object held``."""
     word = words.ended[outcome.ending]
-    note = in_language(outcome.note, words.catalogue) if outcome.note else ""
+    note = _noted(outcome.note, words.catalogue) if outcome.note else ""
     if outcome.ending is UNKNOWN:
         return f"{word} ({time_of_day}). {note or words.look}"
     if outcome.ending is REFUSED:
         return note or word
     return f"{word} {time_of_day}: {note}" if note else f"{word} {time_of_day}"
+
+
+def _noted(note: str, catalogue: Catalogue | None) -> str:
+    return in_units_of(in_language(note, catalogue), catalogue)
 
 
 def _anew(text: str, told: Mapping[K, str], words: Mapping[K, str]) -> str:

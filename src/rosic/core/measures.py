@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.core.saying import Measured
+from rosic.core.saying import Imperial, Measured
 
 if TYPE_CHECKING:
     from rosic.core.language.units import Unit  # it reads quantities, and so comes later
+    from rosic.core.saying import Catalogue
 
 # The unit as it is shown, to what it is read in: imperial = value * factor + offset.
 _IMPERIAL = {
@@ -25,6 +27,11 @@ _IMPERIAL = {
     "kg": ("lb", 1 / 0.45359237, 0.0),
     "°C": ("°F", 1.8, 32.0),
 }
+
+_QUANTITY = re.compile(
+    r"(?<![\w.,])(-?[0-9]{1,12}(?:\.[0-9]{1,12})?) "
+    r"(mm/s|cm/s|km/h|m/s|mm|cm|dm|km|kg|m|°C)(?![\w/])"
+)
 
 
 def measured(text: str, value: float, symbol: str) -> str:
@@ -42,6 +49,23 @@ def measured(text: str, value: float, symbol: str) -> str:
     shown = Measured(text)
     shown.imperial = f"{round(value * factor + offset, 2):g} {name}"
     return shown
+
+
+def in_units_of(text: str, catalogue: Catalogue | None) -> str:
+    """Return what a robot said, with its quantities as whoever reads this catalogue reads them.
+
+    A robot's own words are no sentence of ours: its quantities are found where they stand.
+    """
+    if not isinstance(catalogue, Imperial):
+        return text
+    return _QUANTITY.sub(_converted, text)
+
+
+def _converted(found: re.Match[str]) -> str:
+    name, factor, offset = _IMPERIAL[found[2]]
+    value = float(found[1]) * factor + offset
+    decimals = 2 if abs(value) < 10 else 1  # noqa: PLR2004 - as many digits as a robot gives
+    return f"{round(value, decimals):g} {name}"
 
 
 def imperial_unit(unit: Unit) -> Unit | None:

@@ -12,6 +12,7 @@ so that whoever collects the templates finds it.
 
 from __future__ import annotations
 
+from gettext import NullTranslations
 from typing import TYPE_CHECKING, Protocol, final
 
 if TYPE_CHECKING:
@@ -79,6 +80,32 @@ class Measured(str):
 
     imperial: str
 
+    def read_in(self, catalogue: Catalogue) -> str:
+        """Return it as whoever reads this catalogue reads it."""
+        return self.imperial if isinstance(catalogue, Imperial) else str(self)
+
+
+@final
+class Titled(str):
+    """What somebody has named in several languages; as it stands, in those it has no name in."""
+
+    __slots__ = ("titles",)
+
+    titles: Mapping[str, str]
+
+    def read_in(self, catalogue: Catalogue) -> str:
+        """Return it as whoever reads this catalogue reads it."""
+        return self.titles.get(language_of(catalogue), str(self))
+
+
+def titled(text: str, titles: Mapping[str, str]) -> str:
+    """Return a name that reads differently by language code: ``{"de": "Abheben"}``."""
+    if not titles:
+        return text
+    named = Titled(text)
+    named.titles = titles
+    return named
+
 
 @final
 class Imperial:
@@ -86,6 +113,11 @@ class Imperial:
 
     def __init__(self, words: Catalogue | None) -> None:
         self._words = words
+
+    @property
+    def language(self) -> str:
+        """Code of the language; empty for English."""
+        return "" if self._words is None else language_of(self._words)
 
     def gettext(self, message: str) -> str:
         """Return the template in this language."""
@@ -146,12 +178,19 @@ def in_language(text: str, catalogue: Catalogue | None) -> str:
     if isinstance(text, Sentences):
         separator = in_language(text.separator, catalogue)
         return separator.join([in_language(part, catalogue) for part in text.rest])
-    if isinstance(text, Measured):
-        return text.imperial if isinstance(catalogue, Imperial) else str(text)
+    if isinstance(text, (Measured, Titled)):
+        return text.read_in(catalogue)
     if isinstance(text, Capital):
         plain = in_language(text.text, catalogue)
         return f"{plain[:1].upper()}{plain[1:]}"
     return text
+
+
+def language_of(catalogue: Catalogue) -> str:
+    """Return the code of a catalogue's language; empty where it does not say."""
+    if isinstance(catalogue, Imperial):
+        return catalogue.language
+    return catalogue.info().get("language", "") if isinstance(catalogue, NullTranslations) else ""
 
 
 def plain(text: object) -> str:

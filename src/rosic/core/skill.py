@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import re
 import unicodedata
 from functools import cached_property
 from math import isfinite
@@ -11,6 +12,7 @@ from typing import TypeAlias
 import msgspec
 
 from rosic.core.benchmark import Benchmark
+from rosic.core.saying import titled
 
 Argument: TypeAlias = float | int | str
 Meaning: TypeAlias = bool | float | str | tuple[float, ...]
@@ -34,6 +36,8 @@ MOTION = SkillClass.MOTION
 STOP_SIGNS = frozenset("🛑✋⛔⏹🤚🖐🚫")
 JOINER = "\u200d"
 ICON_MOST = 8
+LANGUAGE_CODE = re.compile(r"[a-z]{2,3}")
+TITLE_MOST = 64
 ACTUATING = frozenset((MOTION, SkillClass.TASK, SkillClass.CONFIG))
 
 # How long an order of a class may wait between being sent by the person and reaching the robot.
@@ -196,6 +200,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     Attributes:
         id: Filled from the key in the profile.
+        titles: Its title in other languages, by their code: ``{ de: Abheben }``.
         icon: One sign before its name on a button.
         kind: The class, ``class`` in the file.
         words: Other names people use for it.
@@ -206,6 +211,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
     id: str = ""
     title: str = ""
+    titles: dict[str, str] = {}
     icon: str = ""
     kind: SkillClass = msgspec.field(name="class", default=SkillClass.MOTION)
     words: tuple[str, ...] = ()
@@ -230,6 +236,14 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
             raise ValueError("icon must be one sign, no letter or digit, and none that means stop")
         if self.kind is SkillClass.STOP:
             raise ValueError("stop is not a skill: every robot has one")
+        for code, title in self.titles.items():
+            if not LANGUAGE_CODE.fullmatch(code) or not 1 <= len(title.strip()) <= TITLE_MOST:
+                raise ValueError("titles has a language's code, as de, and a short title for each")
+
+    @property
+    def shown(self) -> str:
+        """What people read: its title, in their language where it has one."""
+        return titled(self.title or self.id.replace("_", " "), self.titles)
 
     @cached_property
     def order_lifetime_ns(self) -> int:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import echo
 from rosic.core.measures import measured
-from rosic.core.saying import filled, joined, said
+from rosic.core.saying import filled, joined, said, titled
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -77,12 +77,12 @@ def spoken(skill: Skill) -> str:
 
 def label(skill: Skill) -> str:
     """Return a skill's name as a button shows it."""
-    return skill.title or spoken(skill).capitalize()
+    return titled(skill.title or spoken(skill).capitalize(), skill.titles)
 
 
 def button_label(skill: Skill) -> str:
     """Return a skill's name as its own button shows it, with its sign."""
-    return f"{skill.icon} {label(skill)}" if skill.icon else label(skill)
+    return joined(" ", (skill.icon, label(skill))) if skill.icon else label(skill)
 
 
 def parameter_hint(name: str, parameter: Parameter) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language import Do, Misunderstood
 from rosic.core.language.binding import place
-from rosic.core.language.showing import show, show_named
+from rosic.core.language.showing import show, show_choice, show_named
 from rosic.core.language.stepping import beginning, stepped
 from rosic.core.message import Button
 from rosic.core.saying import joined, said
@@ -162,7 +162,7 @@ def _steppers(
             choices = list(dict.fromkeys(parameter.words.values()))
             if len(choices) in range(2, CHOICES_AT_MOST + 1):
                 steppers.extend(rows([
-                    Button(f"{CHOSEN * (choice == value)}{choice.replace('_', ' ')}",
+                    Button(joined("", (CHOSEN * (choice == value), show_choice(choice))),
                            becoming(parameter, choice))
                     for choice in choices
                 ]))  # fmt: skip

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core import words
 from rosic.core.geography import GeographicFrame, TooFar, local_m
+from rosic.core.measures import measured
 from rosic.core.message import Button
 from rosic.core.saying import said
 from rosic.errors import NotUnderstood, OutOfBounds
@@ -75,15 +76,16 @@ class Going:
     def _question(self, robot: RobotId, shown: str, x: float, y: float) -> str:
         here = self._rooms.linker.presence(robot).values
         at_x, at_y = here.get("x"), here.get("y")
+        to_x, to_y = (measured(f"{value:.1f} m", value, "m") for value in (x, y))
         if not isinstance(at_x, int | float) or not isinstance(at_y, int | float):
-            return said("{robot}: go to {x:.1f} m, {y:.1f} m?", robot=shown, x=x, y=y)
+            return said("{robot}: go to {x}, {y}?", robot=shown, x=to_x, y=to_y)
         far = hypot(x - at_x, y - at_y)
         return said(
-            "{robot}: go to {x:.1f} m, {y:.1f} m ({far:.0f} m from where it is)?",
+            "{robot}: go to {x}, {y} ({far} from where it is)?",
             robot=shown,
-            x=x,
-            y=y,
-            far=far,
+            x=to_x,
+            y=to_y,
+            far=measured(f"{far:.0f} m", far, "m"),
         )
 
     def _who(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> tuple[RobotId, Way]:

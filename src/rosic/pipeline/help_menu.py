@@ -61,6 +61,51 @@ _SAID: Final = {
 }
 
 
+# What to type. A translation is understood: it stands in `rosic.core.language.words.ALIASES`.
+TYPED: Final = {
+    "again": said("/again"),
+    "use": said("/use"),
+    "undo": said("/undo"),
+    "stop": said("/stop"),
+    "resume": said("/resume"),
+    "robots": said("/robots"),
+    "status": said("/status"),
+    "card": said("/card"),
+    "history": said("/history"),
+    "picture": said("/picture"),
+    "map": said("/map"),
+    "trajectory": said("/trajectory"),
+    "chart": said("/chart"),
+    "slots": said("/slots"),
+    "book": said("/book"),
+    "wish": said("/wish"),
+    "wait": said("/wait"),
+    "cancel": said("/cancel"),
+    "cancel booking": said("/cancel booking"),
+    "handover": said("/handover"),
+    "me": said("/me"),
+    "role": said("/role"),
+    "ask": said("/ask"),
+    "settings": said("/settings"),
+    "files": said("/files"),
+    "mydata": said("/mydata"),
+    "people": said("/people"),
+    "invite": said("/invite"),
+    "grant": said("/grant"),
+    "revoke": said("/revoke"),
+    "lock": said("/lock"),
+    "security": said("/security"),
+    "plan": said("/plan"),
+    "fleet": said("/fleet"),
+    "together": said("/together"),
+    "task": said("/task"),
+    "tasks": said("/tasks"),
+    "mission": said("/mission"),
+    "alerts": said("/alerts"),
+    "mute": said("/mute"),
+}
+
+
 class HelpMenu:
     """Says what can be said, and nothing that this person could not use.
 
@@ -110,10 +155,10 @@ class HelpMenu:
         yield from (f"  {example}" for example in examples)
         if examples:
             yield from _commands("again", "use", "undo")
-        yield joined("", ("  stop · ", _SAID["stop"]))
+        yield _line("stop")
         if examples:
-            yield joined("", ("  cancel · ", _SAID["cancel"]))
-            yield joined("", ("  resume · ", _SAID["resume"]))
+            yield _line("cancel")
+            yield _line("resume")
 
     def _see(self, _: PrincipalId, visible: frozenset[RobotId]) -> Lines:
         yield from _commands("robots", "status", "card", "history")
@@ -126,7 +171,7 @@ class HelpMenu:
         ):
             robot = next((profile for profile in shown if offered(profile)), None)
             if robot is not None:
-                yield _line(f"/{verb} {robot.id}", verb)
+                yield _line(verb, robot.id)
 
     def _share(self, principal: PrincipalId, visible: frozenset[RobotId]) -> Lines:
         organiser = self._organiser
@@ -216,8 +261,9 @@ def _value(parameter: CompiledParameter, *, named: bool) -> str | None:
 
 
 def _commands(*names: str) -> Iterator[str]:
-    return (_line(f"/{name}", name) for name in names)
+    return map(_line, names)
 
 
-def _line(typed: str, name: str) -> str:
+def _line(name: str, robot: str = "") -> str:
+    typed = joined(" ", filter(None, (TYPED[name], robot)))
     return joined("", ("  ", typed, " · ", _SAID[name]))

@@ -23,7 +23,15 @@ from rosic.core.language.misunderstanding import Misunderstanding
 from rosic.core.language.stopping import hears_stop
 from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.language.vocabulary import Callee, Vocabulary
-from rosic.core.language.words import ERRANDS, EVERYTHING, FILLERS, HELP_PAGES, NOTHING
+from rosic.core.language.words import (
+    ALIASES,
+    ERRANDS,
+    EVERYTHING,
+    FILLERS,
+    HELP_PAGES,
+    NOTHING,
+    PAGE_ALIASES,
+)
 from rosic.core.order import Spoken
 
 if TYPE_CHECKING:
@@ -82,10 +90,12 @@ class LineReader:
         callee, after = self._callee(at)
         if callee is not None:
             return self._addressed(callee, after)
-        verb = _VERBS.get(self._low[at])
+        word = self._low[at]
+        if word in ALIASES and (slash or word not in self._vocabulary.longest_skill):
+            word = ALIASES[word]
+        verb = _VERBS.get(word)
         if verb is not None:
             return verb(self, None, at + 1)
-        word = self._low[at]
         if self._low[at:] == REQUEST_INFORMATION:  # the paper's own words, Algorithm 7
             return Errand(REQUEST_INFORMATION[1], "")
         if word in ERRANDS and (slash or word not in self._vocabulary.longest_skill):
@@ -298,8 +308,9 @@ class LineReader:
         if callee is not None or at == len(self._low):
             return Help(callee.name if callee is not None else "")
         named, _ = self._callee(at)
-        if named is None and self._low[at] in HELP_PAGES:
-            return Help(self._low[at])
+        page = PAGE_ALIASES.get(self._low[at], self._low[at])
+        if named is None and page in HELP_PAGES:
+            return Help(page)
         return Help(named.name) if named is not None else self._trouble().no_such_robot(at)
 
     def robots(self, _: Callee | None, __: int) -> Line:

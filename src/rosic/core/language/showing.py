@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
 from rosic.core.measures import imperial_unit, measured
-from rosic.core.saying import Measured, joined
+from rosic.core.saying import Measured, joined, said, titled
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,6 +18,28 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
     from rosic.core.skill import Argument, Skill
 
+_COMMON = {
+    "forward": said("forward"),
+    "back": said("back"),
+    "backward": said("backward"),
+    "left": said("left"),
+    "right": said("right"),
+    "up": said("up"),
+    "down": said("down"),
+    "home": said("home"),
+    "reach": said("reach"),
+    "carry": said("carry"),
+    "line": said("line"),
+    "triangle": said("triangle"),
+    "column": said("column"),
+    "open": said("open"),
+    "closed": said("closed"),
+    "on": said("on"),
+    "off": said("off"),
+    "fast": said("fast"),
+    "slow": said("slow"),
+}
+"""Choices that many robots have. What somebody types stays as the profile has it."""
 _SMALL = 1e-3
 _LARGE = 1e9
 _DIGITS = (4, 6, 9, 12)
@@ -121,10 +143,10 @@ def show(
     compiled = vocabulary.compiled_skill(robot, skill.id)
     if compiled is None:
         return skill.id
-    said = [p for p in compiled.numbers if arguments.get(p.name, p.default) != p.default]
+    told = [p for p in compiled.numbers if arguments.get(p.name, p.default) != p.default]
     numbers = [
         show_named(compiled, parameter, arguments[parameter.name])
-        for parameter in said or compiled.numbers
+        for parameter in told or compiled.numbers
         if parameter.name in arguments
     ]
     words = [
@@ -133,11 +155,17 @@ def show(
         if not parameter.is_number and parameter.name in arguments
     ]
     values = joined(" ", filter(None, (joined(", ", numbers), *words)))
-    return joined(", ", (compiled.spoken, values)) if values else compiled.spoken
+    name = titled(compiled.spoken, skill.titles)
+    return joined(", ", (name, values)) if values else name
 
 
 def _show_word(parameter: CompiledParameter, word: str) -> str:
-    return quote(word) if parameter.text else word.replace("_", " ")
+    return quote(word) if parameter.text else show_choice(word)
+
+
+def show_choice(word: str) -> str:
+    """Return a choice as people read it; common ones in their language."""
+    return _COMMON.get(word, word.replace("_", " "))
 
 
 def show_named(compiled: CompiledSkill, parameter: CompiledParameter, value: Argument) -> str:

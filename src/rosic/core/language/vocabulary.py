@@ -227,7 +227,8 @@ def _phrases(robot: RobotId, skills: dict[str, CompiledSkill]) -> dict[str, Comp
                 )
     for compiled in skills.values():
         skill = compiled.skill
-        for phrase in (*spellings(skill.id), fold(clean_name(skill.title))):
+        titles = (skill.title, *skill.titles.values())
+        for phrase in (*spellings(skill.id), *(fold(clean_name(title)) for title in titles)):
             if phrase and not _means_else(phrase):
                 phrases.setdefault(phrase, compiled)
     return phrases

@@ -23,6 +23,58 @@ ERRANDS = frozenset(
 # What help has a page of.
 HELP_PAGES = frozenset({"alarms", "fleet", "move", "see", "share"})
 
+# The same words in other languages. None of them is reserved: where a robot, a group or a skill is
+# called so, that is meant.
+ALIASES: dict[str, str] = {
+    "hilfe": "help",
+    "roboter": "robots",
+    "zustand": "status",
+    "nimm": "use",
+    "freigeben": "resume",
+    "nochmal": "again",
+    "zurücknehmen": "undo",
+    "buchen": "book",
+    "wunsch": "wish",
+    "warten": "wait",
+    "zeiten": "slots",
+    "bitten": "ask",
+    "ich": "me",
+    "rolle": "role",
+    "einladen": "invite",
+    "leute": "people",
+    "geben": "grant",
+    "entziehen": "revoke",
+    "sperren": "lock",
+    "entsperren": "unlock",
+    "sicherheit": "security",
+    "aufgabe": "task",
+    "aufgaben": "tasks",
+    "auftrag": "mission",
+    "flotte": "fleet",
+    "gemeinsam": "together",
+    "alarme": "alerts",
+    "stumm": "mute",
+    "bild": "picture",
+    "karte": "map",
+    "verlauf": "chart",
+    "weg": "trajectory",
+    "tafel": "card",
+    "protokoll": "history",
+    "einstellungen": "settings",
+    "sprache": "language",
+    "dateien": "files",
+    "daten": "mydata",
+    "übergeben": "handover",
+    "planen": "plan",
+}
+PAGE_ALIASES: dict[str, str] = {
+    "alarme": "alarms",
+    "bewegen": "move",
+    "flotte": "fleet",
+    "sehen": "see",
+    "teilen": "share",
+}
+
 # What people say instead, and what is offered to them.
 HINTS: dict[str, str] = {
     "?": "help",

@@ -39,7 +39,7 @@ class BenchmarkClerk:
         for skill in profile.skills.values():
             if skill.benchmark is not None:
                 done = verdicts.get(skill.id)
-                title = skill.title or skill.id.replace("_", " ")
+                title = skill.shown
                 lines.append(words.not_yet(title) if done is None else words.verdict(done))
         text = joined("\n", [words.head(profile.shown), *lines]) if lines else ""
         parts = [text or words.none(profile.shown), self._settings(robot)]

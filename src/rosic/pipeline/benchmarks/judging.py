@@ -124,7 +124,7 @@ class Judging:
         found = judge(benchmark, order.arguments, measured, _wanted(order), unit)
         skill = order.skill
         verdict = Verdict(
-            skill.title or skill.id.replace("_", " "), measured.took_s,
+            skill.shown, measured.took_s,
             benchmark.expected_s(order.arguments), measured.used, found,
         )  # fmt: skip
         self._last[order.robot] = verdict

@@ -143,7 +143,7 @@ def wants_a_person(shown: str, skill: Skill) -> NotPermitted:
 
 
 def _called(skill: Skill) -> str:
-    return skill.title or skill.id.replace("_", " ")
+    return skill.shown
 
 
 def too_many(most: int) -> str:

@@ -114,5 +114,5 @@ def _what(life: OrderLife) -> str:
     """Return what was asked; what somebody wrote freely is theirs, and stays in their own chat."""
     skill = life.order.skill
     if any(parameter.text for parameter in skill.parameters.values()):
-        return skill.title or skill.id.replace("_", " ")
+        return skill.shown
     return words.short(life.order.words)

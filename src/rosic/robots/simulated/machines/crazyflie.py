@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import hypot, isfinite, pi
 from typing import TYPE_CHECKING
 
+from rosic.core.measures import measured
 from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import CannotDo, Failed, State
 from rosic.robots.simulated.machines.battery import Battery
@@ -178,23 +179,24 @@ class Crazyflie(SteppedMachine):
         while not flight.height.arrived:
             self._advance(flight.height.position / height_m)
             yield
-        return said("hovering at {position:.1f} m", position=flight.height.position)
+        height_m = flight.height.position
+        return said("hovering at {height}", height=measured(f"{height_m:.1f} m", height_m, "m"))
 
     def _recipe_land(self) -> Recipe:
         if not self.airborne:
             return said("on the ground")
-        self._stage("landing")
+        self._stage(said("landing"))
         self._started_s = self._time_s
         height = max(self.flight.height.position, NEAR_M)
         self._land()
         while self.airborne:
             self._advance(1.0 - self.flight.height.position / height)
             yield
-        return "landed"
+        return said("landed")
 
     def _recipe_fly(self, x_m: float, y_m: float, z_m: float) -> Recipe:
         flight = self.flight
-        self._stage("flying")
+        self._stage(said("flying"))
         self._started_s = self._time_s
         flight.goal = (x_m, y_m)
         flight.height.target = z_m
@@ -376,8 +378,8 @@ class Crazyflie(SteppedMachine):
         if not self.airborne:
             return said("on the ground")
         if self._landing:
-            return "landing"
-        return "hovering" if self.flight.steady else "flying"
+            return said("landing")
+        return said("hovering") if self.flight.steady else said("flying")
 
     def telemetry(self) -> Mapping[str, float | str]:
         """Position and velocity in the room's frame, battery, and what it does."""

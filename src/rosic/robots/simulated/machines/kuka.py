@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import degrees, radians
 from typing import TYPE_CHECKING
 
+from rosic.core.measures import measured
 from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import CannotDo, Failed
 from rosic.robots.simulated.machines.clockwork import Plan, Recipe, SteppedMachine
@@ -163,26 +164,27 @@ class Kuka(SteppedMachine):
         )
 
     def _recipe_grasp(self, force_n: float, way: list[Sequence[float]]) -> Recipe:
-        self._stage("approaching")
+        self._stage(said("approaching"))
         self.gripper.open()
         yield from self._follow(way, 0.0, 0.35)
         yield from self._move(self._at, SLOW_SHARE, 0.35, 0.5)
         height = self._tips()[2]
-        self._stage("closing")
+        self._stage(said("closing"))
         thing = self._things.near(self.id, self._tips(), MISS_M)
         self.gripper.close(force_n, thing)
         yield from self._fingers(0.6)
-        self._stage("verifying")
+        self._stage(said("verifying"))
         yield from self._wait(SETTLE_S)
         self._extra = {"width_m": self.gripper.width_m, "force_n": self.gripper.force_n}
         self._advance(0.7)
         if self.gripper.held is None:
             yield from self._return()
             raise Failed(said("nothing between the fingers, opened and returned"))
-        self._stage("lifting")
+        self._stage(said("lifting"))
         yield from self._lift()
         self._extra["lift_m"] = self._tips()[2] - height
-        return said("object held, lifted {lift_cm:.0f} cm", lift_cm=self._extra["lift_m"] * 100)
+        lift_cm = self._extra["lift_m"] * 100
+        return said("object held, lifted {lift}", lift=measured(f"{lift_cm:.0f} cm", lift_cm, "cm"))
 
     def _lift(self) -> Recipe:
         held = self.gripper.held
@@ -204,24 +206,24 @@ class Kuka(SteppedMachine):
         """Open, rise and go home; the fraction stays."""
         self.gripper.open()
         yield from self._fingers(0.0)
-        self._stage("returning")
+        self._stage(said("returning"))
         yield from self._follow([self._above, HOME], 0.0, 0.0)
         return ""
 
     def _recipe_release(self, way: list[Sequence[float]]) -> Recipe:
         held = self.gripper.held
         if held is None:
-            self._stage("opening")
+            self._stage(said("opening"))
             self.gripper.open()
             yield from self._fingers(1.0)
             return said("gripper open, it held nothing")
         self._stage(said("putting down"))
         yield from self._follow(way, 0.0, 0.4)
         yield from self._move(self._at, SLOW_SHARE, 0.4, 0.6)
-        self._stage("opening")
+        self._stage(said("opening"))
         self.gripper.open()
         yield from self._fingers(0.7)
-        self._stage("rising")
+        self._stage(said("rising"))
         yield from self._move(self._above, SLOW_SHARE, 0.7, 1.0)
         return said("{name} put down", name=held.name)
 

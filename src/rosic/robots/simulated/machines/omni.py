@@ -6,6 +6,8 @@ from math import atan2, cos, degrees, hypot, isfinite, pi, radians, sin
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from rosic.core.language.showing import show_choice
+from rosic.core.measures import measured
 from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import CannotDo, State
 from rosic.robots.simulated.machines.battery import Battery
@@ -186,13 +188,17 @@ class Omni(SteppedMachine):
         if max(abs(x_m), abs(y_m)) > FARTHEST_M:
             raise CannotDo(
                 self.id,
-                said("that is more than {farthest_m:g} m from the start", farthest_m=FARTHEST_M),
+                said(
+                    "that is more than {farthest} from the start",
+                    farthest=measured(f"{FARTHEST_M:g} m", FARTHEST_M, "m"),
+                ),
             )
 
     def _recipe_move(self, x_m: float, y_m: float, speed: float, direction: str) -> Recipe:
         yield from self._drive_to(x_m, y_m, speed, 1.0)
         way = self._measured()["distance_m"]
-        return said("moved {way:.2f} m {direction}", way=way, direction=direction)
+        shown = measured(f"{way:.2f} m", way, "m")
+        return said("moved {way} {direction}", way=shown, direction=show_choice(direction))
 
     def _recipe_turn(self, yaw_rad: float, speed: float) -> Recipe:
         yield from self._turn_to(yaw_rad, speed, 0.0)
@@ -207,7 +213,8 @@ class Omni(SteppedMachine):
         if yaw is not None:
             yield from self._turn_to(yaw, 0.5, share)
         x_m, y_m = (round(at_m, 2) + 0.0 for at_m in (self.base.x_m, self.base.y_m))  # no -0.00
-        return said("at {x_m:.2f}, {y_m:.2f} m", x_m=x_m, y_m=y_m)
+        x, y = (measured(f"{value:.2f} m", value, "m") for value in (x_m, y_m))
+        return said("at {x}, {y}", x=x, y=y)
 
     def _recipe_arm(self, pose: str) -> Recipe:
         self._stage(said("moving the arm"))
@@ -221,7 +228,7 @@ class Omni(SteppedMachine):
         self._from = (self.base.x_m, self.base.y_m, self.base.yaw_rad)
 
     def _drive_to(self, x_m: float, y_m: float, speed: float, share: float) -> Recipe:
-        self._stage("driving")
+        self._stage(said("driving"))
         base = self.base
         whole = max(hypot(x_m - base.x_m, y_m - base.y_m), NEAR_M)
         while True:
@@ -241,7 +248,7 @@ class Omni(SteppedMachine):
             yield
 
     def _turn_to(self, yaw_rad: float, speed: float, share: float) -> Recipe:
-        self._stage("turning")
+        self._stage(said("turning"))
         base = self.base
         whole = max(abs(yaw_rad - base.yaw_rad), NEAR_RAD)
         while True:

@@ -151,11 +151,11 @@ class Yumi(SteppedMachine):
 
     def _recipe_handover(self, giver: Side, receiver: Side, thing: Thing) -> Recipe:
         yield from self._leave_meeting(0.05)
-        self._stage("approaching")
+        self._stage(said("approaching"))
         self.grippers[receiver].open()
         yield from self._move(BEFORE, SHARE, 0.05, 0.3)
         yield from self._fingers(self.grippers[receiver])
-        self._stage("meeting")
+        self._stage(said("meeting"))
         yield from self._move(MEET, SLOW_SHARE, 0.3, 0.45)
         self._stage(said("{receiver} closes", receiver=receiver))
         yield from self._take(giver, receiver, thing)
@@ -169,7 +169,7 @@ class Yumi(SteppedMachine):
         self.grippers[giver].open()
         yield from self._fingers(self.grippers[giver])
         self._extra["opened_s"] = self._time_s - both_since
-        self._stage("parting")
+        self._stage(said("parting"))
         yield from self._move(BEFORE, SLOW_SHARE, 0.7, 0.85)
         self._stage(said("going home"))
         yield from self._move(HOME, SHARE, 0.85, 1.0)
@@ -195,7 +195,7 @@ class Yumi(SteppedMachine):
         if self.grippers[giver].held is thing:
             self.grippers[receiver].open()
             yield from self._fingers(self.grippers[receiver])
-        self._stage("parting")
+        self._stage(said("parting"))
         yield from self._move(BEFORE, SLOW_SHARE, 0.0, 0.0)
         yield from self._move(HOME, SHARE, 0.0, 0.0)
         raise Failed(
@@ -210,7 +210,7 @@ class Yumi(SteppedMachine):
             right.open()
             yield from self._fingers(right)
         if self.separation_m() < APART_M:
-            self._stage("parting")
+            self._stage(said("parting"))
             yield from self._move(BEFORE, SLOW_SHARE, 0.0, end)
         return ""
 
