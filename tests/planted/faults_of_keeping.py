@@ -82,8 +82,8 @@ OF_KEEPING = (
     Fault(
         name="I16 an agreement never expires",
         file="pipeline/consent.py",
-        guard="if request is None or self._clock.monotonic_ns() > request.until_ns:",
-        without="if request is None:",
+        guard=" or passed_ns(self._clock, request.asked) > int(ASKED_FOR_S * 1e9):",
+        without=":",
         caught_by=(
             f"{SECOND_PERSON}::test_an_agreement_is_good_for_five_minutes_since_it_was_asked_for",
         ),
