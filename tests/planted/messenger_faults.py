@@ -6,6 +6,7 @@ from tests.planted.faults import Fault
 
 TWO_BOTS = "tests/rooms/pipeline/test_two_bots.py"
 LIMITER = "tests/rooms/messengers/test_limiter.py"
+STOPPING = "tests/rooms/pipeline/test_stopping.py"
 STEPS = "tests/rooms/pipeline/test_steps.py"
 
 MESSENGER_FAULTS = (
@@ -101,6 +102,24 @@ MESSENGER_FAULTS = (
         without="        await self._line.ask(",
         caught_by=(
             "tests/real/telegram/test_sending.py::test_a_gesture_waits_where_telegram_asked_to_wait",
+        ),
+    ),
+    Fault(
+        name="I17 who was in a group is forgotten with the run",
+        file="container/container.py",
+        guard="            self._choose(principal, digest, MET)\n",
+        without="            self.restore_selection(principal, digest, MET)\n",
+        caught_by=(
+            f"{STOPPING}::test_a_stop_of_nobody_counts_for_those_who_wrote_there_in_an_earlier_run",
+        ),
+    ),
+    Fault(
+        name="I17 a chat's admins are not asked for",
+        file="pipeline/stopping.py",
+        guard="        visible = visible or await self._company.ask(messenger, inbound)\n",
+        without="",
+        caught_by=(
+            f"{STOPPING}::test_where_nobody_is_known_the_chats_admins_are_asked_for_now_and_then",
         ),
     ),
     Fault(

@@ -12,6 +12,7 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING
 
 import msgspec
+from msgspec.structs import replace
 
 from rosic.container import letters
 from rosic.container.unit import PersonContainer, RobotContainer
@@ -43,6 +44,8 @@ if TYPE_CHECKING:
 
 DIGEST_BYTES = 16
 SHARED_BYTES = 8
+MET = "met"
+MET_BYTES = b"met".ljust(DIGEST_BYTES - SHARED_BYTES, b"\0")
 COMPLETED_KEPT = 8_192
 UNWRITTEN_KEPT = 10_000
 TOLD_TOGETHER = 500
@@ -259,12 +262,31 @@ class Containers:
         self._store.note(Selected(principal=principal, chat=digest, robot=name))
 
     def company(self, chat: Chat) -> frozenset[PrincipalId]:
-        """Return who chose a robot in a chat; known after a restart, too."""
+        """Return who was recognised or chose a robot in a chat; known after a restart, too."""
         own = chat_digest(chat)[:SHARED_BYTES]
         return frozenset(p for p, unit in self._people.items() if unit.chose(own))
 
+    def meet(self, principal: PrincipalId, chat: Chat) -> None:
+        """Remember that somebody was recognised in a chat of many, over restarts too."""
+        digest, container = met_digest(chat), self._people.get(principal)
+        if container is None or not container.selected(digest):
+            self._choose(principal, digest, MET)
+
+    def part(self, principal: PrincipalId, chat: Chat) -> None:
+        """Forget it, and what they chose there: they have left."""
+        for digest in (met_digest(chat), chat_digest(chat)):
+            container = self._people.get(principal)
+            if container is not None and container.selected(digest):
+                self._choose(principal, digest, "")
+
+    def _choose(self, principal: PrincipalId, digest: bytes, name: str) -> None:
+        self.restore_selection(principal, digest, name)
+        self._store.note(Selected(principal=principal, chat=digest, robot=name))
+
     def moved(self, old: Chat, new: Chat) -> None:
         """Let what people chose in a chat hold under its new id."""
+        for principal in self.company(old):
+            self.meet(principal, new)
         before, after = chat_digest(old), chat_digest(new)
         for principal, unit in list(self._people.items()):
             if chosen := unit.selected(before):
@@ -285,6 +307,11 @@ class Containers:
         """
         self._completed.clear()
         self._robots[robot] = RobotContainer(robot, n)
+
+
+def met_digest(chat: Chat) -> bytes:
+    """Return what stands for having been recognised in a chat: as a part of it, which none is."""
+    return chat_digest(replace(chat, topic=""))[:SHARED_BYTES] + MET_BYTES
 
 
 def chat_digest(chat: Chat) -> bytes:

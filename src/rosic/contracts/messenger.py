@@ -20,6 +20,7 @@ PutPicture: TypeAlias = Callable[[str, Outbound], Awaitable[None]]
 React: TypeAlias = Callable[[Chat, str, str], Awaitable[None]]
 Settle: TypeAlias = Callable[[float], Awaitable[bool]]
 """Waits at most so many seconds until everything received so far is on disk; whether it is."""
+Admins: TypeAlias = Callable[[Chat], Awaitable[tuple[Address, ...]]]
 Knows: TypeAlias = Callable[[Address], bool]
 SetMenus: TypeAlias = Callable[[Sequence[Menu]], Awaitable[None]]
 
@@ -146,6 +147,16 @@ def settle_with(messenger: Messenger, settle: Settle) -> bool:
         return False
     take(settle)
     return True
+
+
+def admins_of(messenger: Messenger) -> Admins | None:
+    """Return what a messenger calls ``admins``, if it can say who looks after a chat of many.
+
+    It takes a chat and returns the accounts of people, those who stay anonymous there included. It
+    raises ``MessengerFault`` when that is not told, or cannot be known now.
+    """
+    found: Admins | None = getattr(messenger, "admins", None)
+    return found
 
 
 def account_of(messenger: Messenger) -> str:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Coroutine, Iterable
 
     from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Principal
     from rosic.core.message import Chat, Passing
     from rosic.pipeline.livecards.livecard import LiveCard
 
@@ -104,6 +105,9 @@ class Groups:
     def _greet(self, messenger: Messenger, passing: Passing) -> None:
         """Say once in a new group what being there means, and tell the admins what is heard."""
         around = self._around
+        found = self._known(passing)
+        if found is not None:
+            around.rooms.container.meet(found.id, passing.chat)
         if self._greetings.take(around.clock.monotonic_ns()):
             return
         if passing.what is Passage.ADDED:
@@ -123,9 +127,13 @@ class Groups:
 
     def _who(self, passing: Passing) -> str:
         """Return how the one who brought it about is called here; strangers have no name."""
+        found = self._known(passing)
+        return clean_name(found.name) if found is not None else said("Somebody I do not know")
+
+    def _known(self, passing: Passing) -> Principal | None:
         directory = self._around.rooms.authoriser.directory
         found = directory.at(passing.who) if passing.who is not None else None
-        return clean_name(found[0].name) if found is not None else said("Somebody I do not know")
+        return None if found is None else found[0]
 
     async def _account(self, messenger: Messenger, *, deaf: bool) -> None:
         """Tell the admins, once, that this account hears little in groups."""
@@ -147,14 +155,12 @@ class Groups:
 
     def _left(self, messenger: Messenger, passing: Passing) -> None:
         """Somebody left: what was told there because of them is told there no longer."""
-        rooms = self._around.rooms
-        found = rooms.authoriser.directory.at(passing.who) if passing.who is not None else None
+        rooms, found = self._around.rooms, self._known(passing)
         if found is None:
             return
-        principal = found[0].id
+        principal = found.id
         self._around.audience.leave(messenger.name, passing.chat.id, principal)
-        if rooms.container.selected(principal, passing.chat):
-            rooms.container.select(principal, passing.chat, "")
+        rooms.container.part(principal, passing.chat)
 
     def _moved(self, messenger: Messenger, passing: Passing) -> None:
         old = passing.chat

@@ -12,11 +12,12 @@ from msgspec.structs import replace
 
 from rosic.authoriser.buttons import ANYBODY
 from rosic.core import words
-from rosic.core.message import ChatKind, Inbound, Outbound, Standing, Weight
+from rosic.core.message import ChatKind, Inbound, Outbound, Weight
 from rosic.core.order import Rest
 from rosic.core.record import Stopped
 from rosic.core.saying import in_language, joined, said
 from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
+from rosic.pipeline.company import Company, is_unnamed
 from rosic.pipeline.resuming import RESUMED_AT_MOST
 from rosic.pipeline.stopped_by import stopped_by
 from rosic.pipeline.voice import Note
@@ -65,7 +66,7 @@ class StopLane:
         self.resuming = resuming
         self._authoriser = rooms.authoriser
         self._organiser = rooms.organiser
-        self._container = rooms.container
+        self._company = Company(rooms, clock)
         self._linker = rooms.linker
         self._board = rooms.board
         self._profiles = rooms.profiles
@@ -77,12 +78,8 @@ class StopLane:
         self.outbox: Outbox | None = None
 
     def hears(self, inbound: Inbound) -> bool:
-        """Whether a stop could be in a message at all: in a stranger's words none is looked for.
-
-        Nobody stops what they may not see. Whoever has no name (I17) is no stranger.
-        """
-        unnamed = inbound.standing is Standing.ANONYMOUS or inbound.standing is Standing.CHANNEL
-        return unnamed or self._authoriser.knows(inbound.sender)
+        """Whether a stop could be in a message at all; see `Company`."""
+        return self._company.hears(inbound)
 
     async def stop(
         self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...], own_of: OwnOf
@@ -93,7 +90,7 @@ class StopLane:
         returns, and a stop that is confirmed must survive whatever comes (I13).
 
         A stranger's stop changes nothing: he sees no robot. A stop without an identity (an
-        anonymous admin, a channel) counts for the people recognised in that chat.
+        anonymous admin, a channel) counts for the people recognised in that chat; see `Company`.
 
         Args:
             messenger: By which it came, and is answered.
@@ -105,6 +102,7 @@ class StopLane:
         if inbound.tap:
             self._spawn(messenger.answer_tap(inbound, ""))
         by, visible = self._whose(inbound)
+        visible = visible or await self._company.ask(messenger, inbound)
         robots, _ = self._vocabulary.to_stop(names, visible)
         if not robots:
             return
@@ -144,12 +142,7 @@ class StopLane:
         try:
             caller = self._authoriser.identify(inbound)
         except Unrecognised:
-            if inbound.standing.value not in ("anonymous", "channel"):
-                return "", frozenset()
-            company = self._authoriser.company(inbound.chat)
-            company |= self._container.company(inbound.chat)
-            seen = [self._organiser.visible(principal) for principal in company]
-            return "", frozenset().union(*seen)
+            return "", self._company.visible(inbound.chat) if is_unnamed(inbound) else frozenset()
         return caller.principal, self._organiser.visible(caller.principal)
 
     def _note(self, robots: tuple[RobotId, ...], by: PrincipalId) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatKind, Reaction
 from rosic.errors import MessageGone, MessengerFault
 from tests.real.telegram.gateway import to
@@ -23,6 +24,19 @@ def _listen(gateway: Gateway) -> list[Reaction]:
     found: list[Reaction] = []
     gateway.messenger.watch_reactions(found.append)
     return found
+
+
+async def test_who_looks_after_a_group_is_told_whoever_stays_anonymous(
+    server: FakeTelegram, gateway: Gateway, ada: int
+) -> None:
+    bo = server.create_user("Bo")
+    lab = server.create_chat("supergroup", "Lab", members=[ada, bo])
+    server.set_member(lab, ada, "administrator")
+    found = await gateway.messenger.admins(Chat("telegram", str(lab), ChatKind.GROUP))
+    assert Address("telegram", str(ada)) in found
+    assert Address("telegram", str(bo)) not in found
+    with pytest.raises(MessengerFault):
+        await gateway.messenger.admins(Chat("telegram", "-100777", ChatKind.GROUP))
 
 
 async def test_reactions_are_heard_and_name_who_put_them_there(

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import ChatKind, Standing
+from rosic.core.identity import OPERATOR, Address
+from rosic.core.message import Chat, ChatKind, Passage, Passing, Standing
 from rosic.core.record import Claimed, Fact
 from rosic.core.robot import Busy
 from rosic.errors import StoreFault
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
-from tests.rooms.pipeline.place import BO, VI, BrokenStore, Place, SlowStore, profile
+from tests.rooms.pipeline.place import ADA, BO, VI, BrokenStore, Place, SlowStore, profile
 
 if TYPE_CHECKING:
     from rosic.core.record import Memory
@@ -141,6 +142,69 @@ async def test_an_anonymous_stop_counts_for_the_people_of_that_chat() -> None:
             standing=Standing.ANONYMOUS,
         )  # fmt: skip
         assert place.robot("omni").gate.latched
+
+
+async def unnamed_stop(place: Place, standing: Standing = Standing.ANONYMOUS) -> None:
+    await place.say("stop", chat="g", kind=ChatKind.GROUP, account="1087968824", standing=standing)
+
+
+@pytest.mark.parametrize("standing", [Standing.ANONYMOUS, Standing.CHANNEL])
+async def test_a_stop_of_nobody_counts_for_those_who_wrote_there_in_an_earlier_run(
+    standing: Standing,
+) -> None:
+    store = MemoryStore()
+    async with Place(store).open() as place:
+        await place.say("status", chat="g", kind=ChatKind.GROUP)
+    async with Place(store).open() as place:
+        assert not place.robot("omni").gate.latched
+        await unnamed_stop(place, standing)
+        assert place.robot("omni").gate.latched
+
+
+async def test_a_stop_of_nobody_counts_for_whoever_brought_us_there() -> None:
+    async with Place().open() as place:
+        chat = Chat("memory", "g", ChatKind.GROUP)
+        place.chat.passed(Passing(chat=chat, what=Passage.ADDED, who=Address("memory", ADA)))
+        await unnamed_stop(place)
+        assert place.robot("omni").gate.latched
+
+
+async def test_a_stop_of_nobody_counts_for_nobody_whose_access_has_ended() -> None:
+    async with Place().open() as place:
+        await place.say("status", chat="g", kind=ChatKind.GROUP, account=BO)
+        bo = place.gateway.rooms.authoriser.directory.named("Bo")[0].id
+        await place.gateway.revoke(bo, OPERATOR)
+        await unnamed_stop(place)
+        assert not place.robot("omni").gate.latched
+
+
+async def test_where_nobody_is_known_the_chats_admins_are_asked_for_now_and_then() -> None:
+    asked = []
+
+    async def admins(chat: Chat) -> tuple[Address, ...]:
+        asked.append(chat.id)
+        return (Address("memory", "77"), Address("memory", ADA)) if chat.id == "g" else ()
+
+    async with Place().open() as place:
+        place.gateway._messengers[0].admins = admins  # type: ignore[attr-defined]
+        for _ in range(3):
+            await place.say(
+                "stop", chat="h", kind=ChatKind.GROUP, account="5", standing=Standing.ANONYMOUS
+            )
+        assert asked == ["h"]
+        assert not place.robot("omni").gate.latched
+        await unnamed_stop(place)
+        assert place.robot("omni").gate.latched
+        assert asked == ["h", "g"]
+
+
+async def test_a_stop_of_nobody_counts_no_more_for_whoever_left() -> None:
+    async with Place().open() as place:
+        await place.say("use omni", chat="g", kind=ChatKind.GROUP)
+        chat = Chat("memory", "g", ChatKind.GROUP)
+        place.chat.passed(Passing(chat=chat, what=Passage.LEFT, who=Address("memory", ADA)))
+        principal = place.gateway.rooms.authoriser.directory.named("Ada")[0].id
+        assert principal not in place.gateway.rooms.container.company(chat)
 
 
 async def test_a_stop_survives_a_restart() -> None:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 from telegram import ReactionTypeEmoji
 
+from rosic.core.identity import Address
 from rosic.errors import MessageGone, MessengerFault
+from rosic.messengers.telegram.mapping import PLATFORM
 from rosic.messengers.telegram.trouble import Kind, Trouble
 
 if TYPE_CHECKING:
@@ -64,6 +66,18 @@ class Gestures:
                 if trouble.kind in {Kind.REFUSED, Kind.GONE}:
                     raise MessageGone(str(trouble)) from None
                 raise
+
+    async def admins(self, chat: str) -> tuple[Address, ...]:
+        """Return the accounts of those who look after a chat of many, anonymous ones included.
+
+        Raises:
+            MessengerFault: Telegram does not say, or not now.
+        """
+        where = self._chats.where(chat)
+        found = await self._line.ask(
+            lambda bot: bot.get_chat_administrators(where), within_s=GESTURE_S
+        )
+        return tuple(Address(PLATFORM, str(one.user.id)) for one in found)
 
     def _numbers(self, chat: str, message: str) -> tuple[int, int]:
         if self._chats.lost(chat, message):

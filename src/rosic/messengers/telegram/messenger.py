@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Knows, Passed, Reacted, Receive, Settle
+    from rosic.core.identity import Address
     from rosic.core.menu import Menu
     from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Weight
 
@@ -93,6 +94,14 @@ class TelegramMessenger:
     def account_since(self, since_ns: int) -> None:
         """Name the account in what was sent since; see ``contracts.messenger``."""
         self._listener.account_since_ns = since_ns
+
+    async def admins(self, chat: Chat) -> tuple[Address, ...]:
+        """Return who looks after a group or a channel; see ``contracts.messenger``.
+
+        Raises:
+            MessengerFault: Telegram does not say, or not now.
+        """
+        return await self._gestures.admins(chat.id)
 
     @property
     def counts(self) -> Counter[str]:

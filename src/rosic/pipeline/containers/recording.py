@@ -13,6 +13,7 @@ from rosic.container.archive import NOBODY, Author
 from rosic.contracts.messenger import (
     account_of,
     account_since,
+    admins_of,
     catching_up,
     know_with,
     menus_of,
@@ -89,6 +90,7 @@ class Recorded:
         self.put_picture = pictures_of(messenger)
         self.settles = False
         self.account = account_of(messenger)
+        self.admins = admins_of(messenger)
         self._messenger = messenger
         self._archive = archive
         self._store = store

@@ -1,0 +1,90 @@
+"""Whose robots a stop means that carries nobody's id: an anonymous admin's, a channel's (I17).
+
+Those of the people recognised in that chat, in whatever run, or who brought us there. Where nobody
+is, one of the chat's admins must have written it: the messenger is asked who they are.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import OrderedDict
+from typing import TYPE_CHECKING, Final
+
+from rosic.contracts.messenger import admins_of
+from rosic.core.message import ChatKind, Standing
+from rosic.errors import MessengerFault
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.message import Chat, Inbound
+    from rosic.core.robot import RobotId
+    from rosic.pipeline.rooms import Rooms
+
+ASKED_AGAIN_NS: Final = 30_000_000_000
+"""Of one chat; anybody may put a bot anywhere, and say stop there as nobody."""
+CHATS_AT_MOST: Final = 1_000
+AT_ONCE: Final = 4
+WITHIN_S: Final = 5.0
+
+
+class Company:
+    """Knows who is in chats of many, as far as a stop needs it."""
+
+    def __init__(self, rooms: Rooms, clock: Clock) -> None:
+        self._authoriser = rooms.authoriser
+        self._organiser = rooms.organiser
+        self._container = rooms.container
+        self._clock = clock
+        self._asked_ns: OrderedDict[tuple[str, str], int] = OrderedDict()
+        self._asking = 0
+
+    def hears(self, inbound: Inbound) -> bool:
+        """Say whether a stop could be in a message at all: in a stranger's words none is sought.
+
+        Nobody stops what they may not see. Whoever has no name (I17) is no stranger.
+        """
+        found = self._authoriser.directory.at(inbound.sender)
+        if found is None:
+            return is_unnamed(inbound)
+        if inbound.chat.kind is not ChatKind.PRIVATE:
+            self._container.meet(found[0].id, inbound.chat)
+        return True
+
+    def visible(self, chat: Chat) -> frozenset[RobotId]:
+        """Return what those may see who are known to be in a chat."""
+        company = self._authoriser.company(chat) | self._container.company(chat)
+        there = filter(self._authoriser.has_access, company)
+        return frozenset().union(*map(self._organiser.visible, there))
+
+    async def ask(self, messenger: Messenger, inbound: Inbound) -> frozenset[RobotId]:
+        """Return what those of its admins may see who are known; ask the messenger who they are."""
+        chat, ask = inbound.chat, admins_of(messenger)
+        if ask is None or not is_unnamed(inbound) or not self._may_ask(messenger.name, chat):
+            return frozenset()
+        self._asking += 1
+        try:
+            async with asyncio.timeout(WITHIN_S):
+                found = [self._authoriser.directory.at(one) for one in await ask(chat)]
+        except (MessengerFault, TimeoutError):
+            return frozenset()
+        finally:
+            self._asking -= 1
+        for person in (one[0] for one in found if one is not None):
+            self._container.meet(person.id, chat)
+        return self.visible(chat)
+
+    def _may_ask(self, messenger: str, chat: Chat) -> bool:
+        now_ns, where = self._clock.monotonic_ns(), (messenger, chat.id)
+        if self._asking >= AT_ONCE or now_ns < self._asked_ns.get(where, 0):
+            return False
+        self._asked_ns[where] = now_ns + ASKED_AGAIN_NS
+        self._asked_ns.move_to_end(where)
+        if len(self._asked_ns) > CHATS_AT_MOST:
+            self._asked_ns.popitem(last=False)
+        return True
+
+
+def is_unnamed(inbound: Inbound) -> bool:
+    """Whether the platform does not tell who wrote it."""
+    return inbound.standing is Standing.ANONYMOUS or inbound.standing is Standing.CHANNEL
