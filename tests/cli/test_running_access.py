@@ -92,7 +92,9 @@ def test_a_plan_is_booked_and_shown_to_the_next_one(config: Path) -> None:
 def test_whoever_is_locked_comes_to_rest_within_a_second(running: Gateway, config: Path) -> None:
     running.say("omni move 5 m speed 0.05 m/s")
     running.wait_for("driving")
-    assert "Bob may not." in good("explain", "Bob", "omni arm home", config=config)  # it is taken
+    refused = rosic("explain", "Bob", "omni arm home", "-c", config)  # it is taken
+    assert refused.status == 1
+    assert "Bob may not." in refused.out
 
     begun_s = time.monotonic()
     [said] = answers(config.parent / "rosic-data", Ask(Verb.LOCK, ("Ada",)))
