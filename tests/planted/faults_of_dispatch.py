@@ -24,7 +24,7 @@ OF_DISPATCH = (
     Fault(
         name="a clock that was set back is not noticed at dispatch",
         file="organiser/organiser.py",
-        guard="(self.in_doubt or not",
+        guard="(doubt or not",
         without="(not",
         caught_by=(f"{BETWEEN}::test_a_clock_that_is_set_back",),
     ),

@@ -13,7 +13,7 @@ from rosic.core.order import Ending
 from rosic.core.parcel import Parcel
 from rosic.core.robot import Busy, Link, Profile
 from rosic.core.skill import Skill
-from rosic.core.stopboard import StopBoard
+from rosic.core.stopboard import StopBoard, not_known_yet
 from rosic.core.view import Sight
 from rosic.errors import NothingToSee, OrderVoid, RobotOffline, RobotUnreachable, StoreFault
 from rosic.linker.linker import Linker, PolicyMoved
@@ -61,7 +61,9 @@ class Two:
         names = ("omni", "kuka1")
         profiles = {name: replace(PROFILE, id=name, busy=busy) for name in names}
         self.robots = {n: MemoryRobot(p, Gate(n), self.clock) for n, p in profiles.items()}
-        self.linker = Linker(self.robots, StopBoard(names, {}), latch or MemoryLatch(), self.clock)
+        self.linker = Linker(
+            self.robots, StopBoard(names, {}, not_known_yet()), latch or MemoryLatch(), self.clock
+        )
         self.books = {name: OrderBook(profile, self.clock) for name, profile in profiles.items()}
         self.happened: list[str] = []
         self.doing = {name: self.entry(name) for name in names}
@@ -114,7 +116,7 @@ async def stopped(kind: type[MemoryRobot], latch: Latch) -> tuple[Linker, StopBo
     """A robot that was stopped, durably, for the first time."""
     clock = ManualClock()
     robot = kind(PROFILE, Gate("omni"), clock)
-    board = StopBoard(["omni"], {})
+    board = StopBoard(["omni"], {}, not_known_yet())
     linker = Linker({"omni": robot}, board, latch, clock)
     halting = linker.stop(["omni"], "p1")
     assert await halting.latched

@@ -12,7 +12,7 @@ from rosic.core.gate import Gate
 from rosic.core.order import Ending, Order, Outcome, Report, Stage
 from rosic.core.robot import Busy, Link, Profile
 from rosic.core.skill import Skill
-from rosic.core.stopboard import StopBoard
+from rosic.core.stopboard import StopBoard, not_known_yet
 from rosic.errors import OrderVoid, RobotBusy
 from rosic.linker.linker import Linker, PolicyMoved
 from rosic.linker.mailbox import Mailbox
@@ -224,7 +224,7 @@ class LinkerBench(Bench):
 
     def __init__(self, busy: Busy) -> None:
         super().__init__(busy)
-        self.board = StopBoard(["r"], {})
+        self.board = StopBoard(["r"], {}, not_known_yet())
         self.latch = MemoryLatch()
         self.linker = Linker({"r": self.robot}, self.board, self.latch, self.clock)
         self.linker.epoch = 1

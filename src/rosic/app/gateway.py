@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from rosic.app.languages import LANGUAGES, catalogue, whose
 from rosic.app.parts import Parts, Settings
 from rosic.app.placing.access import Access
-from rosic.app.placing.authority import Authority, key_of
+from rosic.app.placing.authority import Authority
 from rosic.app.placing.enlisted import KIND as ENLISTED
 from rosic.app.placing.enlisted import with_enlisted
 from rosic.app.placing.enlisting import Enlisting, Ways
@@ -151,15 +151,14 @@ class Gateway:
         time = HighWater(parts.clock)
         authoriser = Authoriser(Directory(), parts.clock, parts.entropy)
         authority = await self._authority(authoriser, memory, time)
-        organiser = Organiser(
-            authority.draw_up(), profiles, board, time,
-            limit=settings.limit, lease_idle_s=settings.lease_idle_s,
-        )  # fmt: skip
-        limit_rates(organiser, profiles, settings.robot_limits, parts.store.note)
-        organiser.key_of = partial(key_of, authoriser)
         self.access = Access(
             authoriser, authority, parts.store, time, parts.entropy, place=settings.place
         )
+        organiser = Organiser(
+            authority.draw_up(), profiles, board, self.access.state,
+            limit=settings.limit, lease_idle_s=settings.lease_idle_s,
+        )  # fmt: skip
+        limit_rates(organiser, profiles, settings.robot_limits, parts.store.note)
         self.access.restore(memory, organiser, board)
         organiser.name_of = lambda principal: inert_words(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})

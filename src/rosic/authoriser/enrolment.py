@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
@@ -40,6 +40,18 @@ _KINDS: Final = {
 }
 
 
+class EnrolmentRules(NamedTuple):
+    """What enrolment goes by.
+
+    Attributes:
+        may_invite: Whether somebody may let a person in with that, at the moment.
+        limits: How often a code may be guessed.
+    """
+
+    may_invite: Callable[[PrincipalId, Given], bool]
+    limits: GuessLimits = GuessLimits()
+
+
 class Enrolment:
     """Redeems codes and asks admins.
 
@@ -59,7 +71,7 @@ class Enrolment:
         time: HighWater,
         entropy: Entropy,
         tally: Tally,
-        limits: GuessLimits | None = None,
+        rules: EnrolmentRules,
     ) -> None:
         self.invitations = Invitations(time, entropy)
         self.applicants = Applicants()
@@ -68,8 +80,8 @@ class Enrolment:
         self._locks = locks
         self._time = time
         self._tally = tally
-        self._guessing = Guessing(limits or GuessLimits())
-        self.may_invite: Callable[[PrincipalId, Given], bool] = _anybody
+        self._guessing = Guessing(rules.limits)
+        self.may_invite = rules.may_invite
 
     def restore(self, facts: Iterable[Fact]) -> None:
         """Take over what earlier runs wrote."""
@@ -285,7 +297,3 @@ class Enrolment:
 
     def _decided(self, act: str, by: PrincipalId, about: str) -> Decided:
         return Decided(act=act, by=by, about=about, at_ns=self._time.wall_ns())
-
-
-def _anybody(_principal: PrincipalId, _given: Given) -> bool:
-    return True

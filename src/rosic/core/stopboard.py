@@ -8,8 +8,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.deferred import Deferred
+from rosic.core.saying import said
+from rosic.errors import RobotStopped
+
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
@@ -42,13 +46,18 @@ class StopBoard(dict["RobotId", Stopped]):
 
     Attributes:
         barred: Returns why a robot must stay stopped, whoever asks; None if it need not. Asked
-            before anybody is told to resume it.
+            before anybody is told to resume it. Whoever knows is made later (`not_known_yet`).
         cancels: How often somebody has ended what they had under way: of one robot, or with no
             robot ("") of all. Empty as long as nobody has.
     """
 
-    def __init__(self, robots: Iterable[RobotId], found: dict[RobotId, tuple[int, bool]]) -> None:
-        self.barred: Callable[[RobotId], Refusal | None] = _not_barred
+    def __init__(
+        self,
+        robots: Iterable[RobotId],
+        found: dict[RobotId, tuple[int, bool]],
+        barred: Deferred[[RobotId], Refusal | None],
+    ) -> None:
+        self.barred = barred
         self.cancels: dict[tuple[PrincipalId, RobotId], int] = {}
         for robot in robots:
             self.enlist(robot, found.get(robot, (0, False)))
@@ -101,5 +110,12 @@ class StopBoard(dict["RobotId", Stopped]):
         return tuple(robot for robot, entry in self.items() if entry.latched)
 
 
-def _not_barred(_robot: RobotId) -> None:
-    """Bar no robot."""
+def not_known_yet() -> Deferred[[RobotId], Refusal | None]:
+    """Return what bars every robot until it is bound to whoever knows better."""
+    return Deferred(_starting)
+
+
+def _starting(_robot: RobotId) -> Refusal | None:
+    return RobotStopped(
+        said("ROSIC is still starting, so nothing is resumed yet. Try again in a moment.")
+    )

@@ -1,11 +1,19 @@
-"""What somebody has shown and confirmed, besides who they are."""
+"""What counts for a decision besides the rights: of one request, and of everybody's access."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
 import msgspec
 
-from rosic.core.identity import PrincipalId
+from rosic.contracts.clock import Clock
+from rosic.core.identity import KeyId, PrincipalId
 from rosic.core.roles import Assurance
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from rosic.core.asking import Key
 
 
 class Grounds(msgspec.Struct, frozen=True, kw_only=True):
@@ -25,3 +33,31 @@ class Grounds(msgspec.Struct, frozen=True, kw_only=True):
 
 
 NOTHING = Grounds()
+
+
+class CheckedClock(Clock, Protocol):
+    """A clock that knows when the machine's was set back.
+
+    Attributes:
+        behind: It was, and nobody has said yet that it is right: nothing new moves.
+    """
+
+    behind: bool
+
+
+class AccessState(NamedTuple):
+    """What the authoriser keeps and the organiser decides by: live views, never copies.
+
+    Attributes:
+        clock: By which rights, slots and leases end.
+        key_of: Returns a key as deciding sees it; None: there is none.
+        narrow: Keys that reach less than their principal's rights.
+        locked: Who is locked.
+        own_limits: Returns what somebody has set for themselves, as the texts of limits.
+    """
+
+    clock: CheckedClock
+    key_of: Callable[[KeyId], Key | None]
+    narrow: Collection[KeyId]
+    locked: Collection[PrincipalId]
+    own_limits: Callable[[PrincipalId], tuple[str, ...]]

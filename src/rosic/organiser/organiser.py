@@ -7,12 +7,12 @@ robots and slots. What is simply allowed is looked up; everything else goes thro
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 from msgspec.structs import replace as renewed
 
-from rosic.core.asking import Ask, Denied, Key, State
+from rosic.core.asking import Ask, Denied, State
 from rosic.core.decision import decide
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.lease import Lease, Leases
@@ -23,15 +23,13 @@ from rosic.core.saying import said
 from rosic.core.skill import Argument
 from rosic.errors import NotPermitted, TimeInDoubt
 from rosic.organiser.calendar import Calendar
-from rosic.organiser.grounds import NOTHING, Grounds
+from rosic.organiser.grounds import NOTHING, AccessState, Grounds
 from rosic.organiser.rates import Rates
 from rosic.organiser.refusing import CLOCK_SET_BACK, LOCKED, Refusing
 from rosic.organiser.words_rates import person_full
 
 if TYPE_CHECKING:
-    from rosic.contracts.clock import Clock
     from rosic.core.asking import Allowed, Decision
-    from rosic.core.identity import KeyId
     from rosic.core.rate import RateLimit
     from rosic.core.rights import Rights
     from rosic.core.robot import Profile, RobotId
@@ -43,7 +41,6 @@ Moment: TypeAlias = Callable[[PrincipalId, int], str]
 NameOf: TypeAlias = Callable[[PrincipalId], str]
 ArgumentsOf: TypeAlias = Callable[[Request], Mapping[str, Argument]]
 GroundsOf: TypeAlias = Callable[[], Grounds]
-KeyOf: TypeAlias = "Callable[[KeyId], Key | None]"
 
 
 class Organiser:
@@ -51,11 +48,9 @@ class Organiser:
 
     Attributes:
         rights: The present snapshot; replacing it is one assignment.
-        locked: Who is locked; kept by the authoriser.
-        in_doubt: The computer's clock was set back: nothing new moves.
+        locked, narrow, key_of: As in `AccessState`.
         locked_out: Hears of whoever was turned away because of it.
         released: Hears of a robot that was taken from whoever had it.
-        narrow: Keys that reach less than their principal's rights; kept by the authoriser.
         calendar: Whose time it is.
         leases: Who has each robot.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
@@ -67,20 +62,19 @@ class Organiser:
         rights: Rights,
         profiles: Mapping[RobotId, Profile],
         stops: StopBoard,
-        clock: Clock,
+        access: AccessState,
         *,
         limit: RateLimit,
         lease_idle_s: float,
     ) -> None:
+        clock = access.clock
         self.rights, self.calendar = rights, Calendar(clock)
-        self.locked: Collection[PrincipalId] = frozenset()
+        self.locked, self.narrow, self.key_of = access.locked, access.narrow, access.key_of
         self.locked_out: Callable[[PrincipalId], object] = _nothing
         self.released: Callable[[RobotId], object] = _nothing
-        self.lease_idle_s, self.wall_ns, self.in_doubt = lease_idle_s, clock.wall_ns, False
+        self.lease_idle_s, self.wall_ns = lease_idle_s, clock.wall_ns
         self.name_of: NameOf = str
         self.moment: Moment = lambda _who, _at_ns: said("some time ago")
-        self.key_of: KeyOf = _nothing
-        self.narrow: Collection[KeyId] = frozenset()
         self._slots: dict[RobotId, SlotRule] = {}
         self._stops, self._clock = stops, clock
         self.rates, self._idle_ns = Rates(clock, limit), int(lease_idle_s * 1e9)
@@ -89,6 +83,11 @@ class Organiser:
         for profile in profiles.values():
             self.enlist(profile)
         self._refusing = Refusing(self, profiles, stops)
+
+    @property
+    def in_doubt(self) -> bool:
+        """Whether the computer's clock was set back: nothing new moves."""
+        return self._clock.behind
 
     def remember_fences(self, fences: Mapping[RobotId, int]) -> None:
         """Start from the fences of the record (I13)."""
@@ -145,7 +144,7 @@ class Organiser:
             until_ns = self._open(caller, robot, lease, now_ns) if plain else 0
             if not until_ns:
                 until_ns = self._decide(caller, request, arguments_of(request), grounds_of())
-            if self.in_doubt and lease is not None:
+            if self._clock.behind and lease is not None:
                 raise TimeInDoubt(CLOCK_SET_BACK)
             acting.append((lease, until_ns))
             cost += skill.cost
@@ -280,8 +279,9 @@ class Organiser:
             raise self._refusing.denial(decision)
         self._refusing.check_agreed_since(self.rights.policy, order.permit.epoch, decision)
         fence, until_ns = order.permit.fence, self._until_ns(decision)
-        if fence and (self.in_doubt or not self.leases[order.robot].runs(fence)):
-            raise TimeInDoubt(CLOCK_SET_BACK) if self.in_doubt else self._refusing.over(order.robot)
+        doubt = self._clock.behind
+        if fence and (doubt or not self.leases[order.robot].runs(fence)):
+            raise TimeInDoubt(CLOCK_SET_BACK) if doubt else self._refusing.over(order.robot)
         return renewed(order.permit, new_fence=False, epoch=self.rights.epoch, until_ns=until_ns)
 
     def check_word(

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from rosic.authoriser.admission import Answer, Redeemed
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
-from rosic.authoriser.enrolment import Enrolment
+from rosic.authoriser.enrolment import Enrolment, EnrolmentRules
+from rosic.authoriser.guessing import GuessLimits
 from rosic.authoriser.highwater import HighWater
 from rosic.authoriser.invitation import Given, Wanted
 from rosic.authoriser.keys import KeyRing
@@ -24,7 +25,6 @@ from rosic.testing.clock import ManualClock, SeededEntropy
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.authoriser.guessing import GuessLimits
     from rosic.authoriser.invitation import Invitation
     from rosic.core.record import Record
 
@@ -62,7 +62,12 @@ class Office:
         self.authoriser = Authoriser(self.directory, self.clock, entropy)
         self.authoriser.count = self.tally.count
         self.enrolment = Enrolment(
-            self.directory, self.locks, self.time, entropy, self.tally, limits
+            self.directory,
+            self.locks,
+            self.time,
+            entropy,
+            self.tally,
+            EnrolmentRules(lambda _who, _given: True, limits or GuessLimits()),
         )
         self.stepup = StepUp(self.time, entropy, self.tally, place="lab")
         self.keys = KeyRing(self.time, entropy, self.tally)

@@ -8,7 +8,7 @@ from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from rosic.core.message import ChatKind
 from rosic.core.roles import DEFAULT_ROLES, Role, Rulebook
-from rosic.core.stopboard import StopBoard
+from rosic.core.stopboard import StopBoard, not_known_yet
 from rosic.pipeline.stopped_by import restore, stopped_by
 from tests.rooms.pipeline.place import PEOPLE, VI, Place
 
@@ -168,11 +168,11 @@ async def test_several_that_are_stopped_may_be_resumed_at_once() -> None:
 
 
 async def test_it_is_known_after_a_restart_whose_own_order_was_stopped() -> None:
-    board = StopBoard(["omni", "kuka1"], {})
+    board = StopBoard(["omni", "kuka1"], {}, not_known_yet())
     for robot in board:
         board.stop(robot, "p1", 7)
     board["omni"].own = "p1"
     facts = [stopped_by(robot, board) for robot in board]
-    later = StopBoard(["omni", "kuka1"], {"omni": (1, True), "kuka1": (1, True)})
+    later = StopBoard(["omni", "kuka1"], {"omni": (1, True), "kuka1": (1, True)}, not_known_yet())
     restore(later, facts)
     assert (later["omni"].own, later["kuka1"].own) == ("p1", "")

@@ -20,7 +20,7 @@ from rosic.core.common_start import TOO_LATE_NS, begins_ns
 from rosic.core.gate import Gate
 from rosic.core.order import Order, Stage
 from rosic.core.robot import Busy
-from rosic.core.stopboard import StopBoard
+from rosic.core.stopboard import StopBoard, not_known_yet
 from rosic.errors import OrderVoid
 from rosic.linker.linker import Linker
 from rosic.robots.memory import MemoryRobot
@@ -265,7 +265,7 @@ async def test_what_is_late_is_not_handed_to_the_robot(clock_of: str) -> None:
 
     clock, kind = ManualClock(), FLEET[0]
     robot = Recording(kind, Gate(kind.id), clock)
-    board = StopBoard((kind.id,), {})
+    board = StopBoard((kind.id,), {}, not_known_yet())
     linker = Linker({kind.id: robot}, board, MemoryLatch(), clock)
     order = OrderBook(kind, clock).order("wave")
     order = replace(order, permit=replace(order.permit, epoch=linker.epoch))

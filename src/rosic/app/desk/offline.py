@@ -13,7 +13,7 @@ from rosic.app.desk.naming import CONFIGURED, people_lines, people_listed
 from rosic.app.desk.operator_desk import OperatorDesk
 from rosic.app.documents.profiles import known_units
 from rosic.app.placing.access import Access
-from rosic.app.placing.authority import Authority, key_of
+from rosic.app.placing.authority import Authority
 from rosic.app.placing.enlisted import KIND as ENLISTED
 from rosic.app.placing.enlisted import with_enlisted
 from rosic.app.placing.holding import Around, holdings_of
@@ -29,7 +29,7 @@ from rosic.core.language import Vocabulary, clean
 from rosic.core.rate import RateLimit
 from rosic.core.roles import DEFAULT_ROLES, Assurance, Rulebook
 from rosic.core.saying import plain
-from rosic.core.stopboard import StopBoard
+from rosic.core.stopboard import StopBoard, not_known_yet
 from rosic.organiser.organiser import Organiser
 from rosic.organiser.zones import UNIVERSAL
 from rosic.pipeline.containers.clerks import books_kept
@@ -149,14 +149,13 @@ class Alone:
         authority = Authority(rulebook, robots, known_units(), time)
         authority.restore(memory, roles)
         stops = await self._stops(memory, profiles)
-        organiser = Organiser(
-            authority.draw_up(), profiles, StopBoard(profiles, stops),
-            time, limit=RateLimit(), lease_idle_s=1.0,
-        )  # fmt: skip
-        organiser.key_of = lambda key: key_of(authoriser, key)
-        organiser.name_of = lambda who: clean(authoriser.directory.name(who))
         place = "rosic" if config is None else config.name
         access = Access(authoriser, authority, store, time, entropy, place=place)
+        organiser = Organiser(
+            authority.draw_up(), profiles, StopBoard(profiles, stops, not_known_yet()),
+            access.state, limit=RateLimit(), lease_idle_s=1.0,
+        )  # fmt: skip
+        organiser.name_of = lambda who: clean(authoriser.directory.name(who))
         access.restore(memory, organiser)
         around = Around(access, authoriser, organiser, profiles, clock, _nobody_hears, Habits())
         return Books(

@@ -6,17 +6,20 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING
 
+from rosic.app.placing.authority import key_of
 from rosic.app.placing.people import person_of
-from rosic.authoriser.enrolment import Enrolment
+from rosic.authoriser.enrolment import Enrolment, EnrolmentRules
 from rosic.authoriser.keys import KeyRing
 from rosic.authoriser.locks import Locks
 from rosic.authoriser.misuse import Misuse, MisuseLimits
 from rosic.authoriser.security import Security
 from rosic.authoriser.stepup import StepUp
 from rosic.authoriser.tally import Tally
+from rosic.core.deferred import Deferred
 from rosic.core.record import Enrolled, KeyIssued, KeyRevoked
 from rosic.core.slot import SERIES, SLOT
 from rosic.errors import Refusal
+from rosic.organiser.grounds import AccessState
 from rosic.organiser.petitions import PETITION, Petitions
 from rosic.organiser.rates import KIND as RATE
 from rosic.organiser.rolebook import ROLE
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
     from rosic.app.placing.authority import Authority
     from rosic.authoriser.authoriser import Authoriser
     from rosic.authoriser.highwater import HighWater
+    from rosic.authoriser.invitation import Given
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
@@ -41,6 +45,11 @@ if TYPE_CHECKING:
 ADMIN = "admin"
 
 
+def _nobody_invites(_principal: PrincipalId, _given: Given) -> bool:
+    """Let nobody in: who may is not known yet."""
+    return False
+
+
 class Access:
     """The authoriser's and the organiser's books, and the way in which they change.
 
@@ -49,6 +58,7 @@ class Access:
         enrolment, keys, locks, stepup, misuse, tally, time, security, waiting, petitions: The
             books.
         cards: Live cards of earlier runs, for whoever shows them.
+        may_invite: Whether somebody may let a person in with that; nobody, until it is bound.
     """
 
     def __init__(
@@ -61,7 +71,11 @@ class Access:
         self.tally = Tally()
         self.locks = Locks(self.time)
         self.keys = KeyRing(self.time, entropy, self.tally)
-        self.enrolment = Enrolment(authoriser.directory, self.locks, self.time, entropy, self.tally)
+        self.may_invite: Deferred[[PrincipalId, Given], bool] = Deferred(_nobody_invites)
+        self.enrolment = Enrolment(
+            authoriser.directory, self.locks, self.time, entropy, self.tally,
+            EnrolmentRules(self.may_invite),
+        )  # fmt: skip
         self.stepup = StepUp(self.time, entropy, self.tally, place=place)
         self.misuse = Misuse(
             time, MisuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
@@ -79,10 +93,22 @@ class Access:
         authoriser.wall_ns = time.wall_ns
         authoriser.ends_of = self.keys.ends_ns
 
+    @property
+    def state(self) -> AccessState:
+        """Return what deciding rests on besides the rights."""
+        authoriser, authority = self._authoriser, self._authority
+        return AccessState(
+            clock=self.time,
+            key_of=partial(key_of, authoriser),
+            narrow=authoriser.directory.narrowed,
+            locked=self.locks.everybody(),
+            own_limits=lambda who: authority.roster.own_limits(who),  # noqa: PLW0108 - set later
+        )
+
     def restore(self, memory: Memory, organiser: Organiser, board: StopBoard | None = None) -> None:
         """Take over what earlier runs wrote, and say who keeps what from now on."""
         authority, changes = self._authority, self.changes
-        self.time.when_behind = partial(self._set_back, organiser, board)
+        self.time.when_behind = partial(self._set_back, board)
         self.time.when_ahead = partial(self._paused, organiser)
         keepers = {
             "high-water": self.time.apply,
@@ -115,12 +141,9 @@ class Access:
         changes.watch(KeyIssued, self._issued)
         changes.watch(KeyRevoked, self._revoked)
         changes.after(authority.enforce)
-        organiser.locked = self.locks.everybody()
         organiser.locked_out = lambda _principal: self.tally.count("locked")
-        organiser.narrow = self._authoriser.directory.narrowed
 
-    def _set_back(self, organiser: Organiser, board: StopBoard | None, behind: bool) -> None:
-        organiser.in_doubt = behind
+    def _set_back(self, board: StopBoard | None, behind: bool) -> None:
         if board is not None and not behind:
             board.not_later(self.time.wall_ns())
         self._authority.moved()

@@ -73,12 +73,14 @@ class Fleeting:
         self._clock = clock
         attempting = Attempting(rooms, hands, clock)
         recalling = Recalling(rooms, hands, clock)
-        self.dispatching = Dispatching(rooms, changes, clock, attempting, recalling)
+        self.dispatching = Dispatching(
+            rooms, changes, clock, attempting, recalling,
+            lambda: any(map(catching_up, hands.reach.messengers)),
+        )  # fmt: skip
         self.watching = Watching(rooms, self.dispatching, clock)
         self.telling = Telling(rooms, hands.reach, self.dispatching)
         self.dispatching.tell = self.telling.tell
         self.dispatching.changed = self._changed
-        self.dispatching.behind = lambda: any(map(catching_up, hands.reach.messengers))
         self._usage = Usage(clock.monotonic_ns)
         self._hands = hands
         self.overview = Overview(rooms, self.dispatching, self.watching, self.telling, self._usage)
@@ -99,7 +101,7 @@ class Fleeting:
         self._furnish_missions(tasks, memory, settings, pipeline)
         robots = self.robots = RobotClerk(rooms, dispatching, self._hands.stop_lane)
         robots.employ(office)
-        rooms.board.barred = robots.barred
+        rooms.board.barred.bind(robots.barred)
         pipeline.resuming.begins = robots.begins
         pausing = PauseClerk(rooms, dispatching, pipeline.lives, pipeline.resuming)
         pausing.employ(office)

@@ -203,7 +203,7 @@ class Furnishing:
             ended=ended,
         )
         powers = Powers(registry)
-        access.enrolment.may_invite = powers.may_admit
+        access.may_invite.bind(powers.may_admit)
         self.notices = Notices(registry, powers)
         doorstep = Doorstep(self._teller, messengers, clock, entropy, count=access.tally.count)
         self.admitting = Admitting(registry, powers, doorstep, menu=self._menu)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.gate import Gate
-from rosic.core.stopboard import StopBoard
+from rosic.core.stopboard import StopBoard, not_known_yet
 from rosic.pipeline.stopped_by import KIND as STOPPED_BY
 from rosic.pipeline.stopped_by import restore
 
@@ -55,7 +55,7 @@ def board_of(
         found: What the latch says.
         memory: What the record says.
     """
-    board = StopBoard(profiles, stops_of(found, memory.generations))
+    board = StopBoard(profiles, stops_of(found, memory.generations), not_known_yet())
     restore(board, memory.facts.get(STOPPED_BY, ()))
     return board
 

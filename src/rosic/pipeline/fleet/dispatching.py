@@ -62,7 +62,7 @@ class Dispatching:
 
     def __init__(
         self, rooms: Rooms, changes: Changes, clock: Clock, attempting: Attempting,
-        recalling: Recalling,
+        recalling: Recalling, behind: Callable[[], bool],
     ) -> None:  # fmt: skip
         self.fleet = FleetState()
         self.letters = Letters()
@@ -74,7 +74,7 @@ class Dispatching:
         self.patience = Patience()
         self.tell: Callable[[Task, Task], object] = _unheard
         self.changed: Callable[[], object] = _nothing
-        self.behind: Callable[[], bool] = _up_to_date
+        self.behind = behind
         self._rooms = rooms
         self._changes = changes
         self._clock = clock
@@ -342,7 +342,3 @@ def _unheard(_before: Task, _after: Task) -> None:
 
 def _nothing() -> None:
     return None
-
-
-def _up_to_date() -> bool:
-    return False

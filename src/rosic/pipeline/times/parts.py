@@ -25,19 +25,6 @@ from rosic.pipeline.reach import Reach
 Handover: TypeAlias = Callable[[RobotId, str], Awaitable[bool]]
 
 
-def nobody_stays(_: PrincipalId, __: Slot) -> bool:
-    """Say that nobody goes on in somebody else's time."""
-    return False
-
-
-def never_ends(_: PrincipalId, __: RobotId) -> None:
-    """Say that a right has no end."""
-
-
-def never_barred(_: RobotId) -> None:
-    """Say that a robot need not stay stopped."""
-
-
 class Sides(msgspec.Struct, frozen=True, kw_only=True):
     """What other rooms say, each as a question; none of them waits for anything but `handover`.
 
@@ -65,9 +52,9 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
     lease: Callable[[RobotId], Lease]
     ready: Callable[[RobotId], bool]
     handover: Handover
-    barred: Callable[[RobotId], Refusal | None] = never_barred
-    may_stay: Callable[[PrincipalId, Slot], bool] = nobody_stays
-    right_ends_ns: Callable[[PrincipalId, RobotId], int | None] = never_ends
+    barred: Callable[[RobotId], Refusal | None]
+    may_stay: Callable[[PrincipalId, Slot], bool]
+    right_ends_ns: Callable[[PrincipalId, RobotId], int | None]
 
 
 class Times(msgspec.Struct, frozen=True, kw_only=True):

@@ -14,7 +14,7 @@ import msgspec
 
 from rosic.app.documents.profiles import known_units
 from rosic.app.placing.access import Access
-from rosic.app.placing.authority import Authority, key_of
+from rosic.app.placing.authority import Authority
 from rosic.app.placing.people import remember
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
@@ -26,7 +26,7 @@ from rosic.core.message import Button, ChatKind, Outbound
 from rosic.core.rate import RateLimit
 from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
 from rosic.core.roles import DEFAULT_ROLES, Grant, Role, Rulebook
-from rosic.core.stopboard import StopBoard
+from rosic.core.stopboard import StopBoard, not_known_yet
 from rosic.errors import Refusal, Unrecognised
 from rosic.messengers.memory import MemoryMessenger
 from rosic.organiser.organiser import Organiser
@@ -125,12 +125,11 @@ class Hall:
         self.organiser = Organiser(
             self.authority.rights,
             {profile.id: profile for profile in FLEET},
-            StopBoard([profile.id for profile in FLEET], {}),
-            self.clock,
+            StopBoard([profile.id for profile in FLEET], {}, not_known_yet()),
+            self.access.state,
             limit=RateLimit(),
             lease_idle_s=30.0,
         )
-        self.organiser.key_of = partial(key_of, self.authoriser)
         vocabulary = Vocabulary.build(FLEET, known_units())
         containers = Containers(vocabulary, self.store, self.clock, {})
         self.teller = Teller(containers, self.clock)
@@ -166,7 +165,7 @@ class Hall:
     def _employ(self, entropy: SeededEntropy) -> None:
         registry = self.registry
         self.powers = Powers(registry)
-        self.enrolment.may_invite = self.powers.may_admit
+        self.access.may_invite.bind(self.powers.may_admit)
         doorstep = Doorstep(self.teller, (self.chat,), self.clock, entropy, count=self.tally.count)
         self.admitting = Admitting(registry, self.powers, doorstep, menu=self.menu)
         self.joining = Joining(

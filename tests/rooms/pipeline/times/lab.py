@@ -162,6 +162,7 @@ class Lab:
                 handover=self._handover,
                 barred=self.barred.get,
                 may_stay=lambda who, _: who in self.seniors,
+                right_ends_ns=lambda _who, _robot: None,
             ),
             lease_idle_s=IDLE_S,
         )
