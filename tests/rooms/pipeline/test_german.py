@@ -34,7 +34,7 @@ def test_what_german_help_says_to_type_is_understood(name: str) -> None:
         assert hears_cancel(german) == ()
         return
     assert meant(german) == meant(f"/{name}")
-    assert meant(german.removeprefix("/").upper()) == meant(name)
+    assert meant(german.removeprefix("/").capitalize()) == meant(name)
     assert meant(f"{german} omni") == meant(f"/{name} omni")
 
 
