@@ -69,7 +69,7 @@ bounded = $(BIN)/python -m tests.bounded $(1)
 
 # ---- the environment ----
 
-# One environment, two sizes: core runs ROSIC, dev also tests it. Their pins agree, so the small one grows into the large
+# One environment, two sizes: core runs ROSIC with Telegram and pictures, dev also tests it. Their pins agree, so the small one grows into the large
 # one in place. A stamp is younger than everything it was installed from.
 $(VENV)/.core: requirements/core.txt pyproject.toml src/rosic/__init__.py
 	@$(environment)
@@ -118,8 +118,8 @@ texts: $(VENV)/.dev
 requirements:
 	@test -x $(BIN)/uv || $(MAKE) $(VENV)/.dev
 	$(compile) --extra dev $(if $(UPGRADE),--upgrade) --output-file requirements/dev.txt
-	$(compile) --constraint requirements/dev.txt --no-annotate --output-file requirements/core.txt
-	$(compile) --constraint requirements/dev.txt --no-annotate --extra telegram --output-file requirements/telegram.txt
+	$(compile) --constraint requirements/dev.txt --no-annotate --extra telegram --extra pictures \
+	    --output-file requirements/core.txt
 
 clean:
 	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .import_linter_cache .hypothesis

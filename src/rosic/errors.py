@@ -40,6 +40,11 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+def how_to_install(extra: str) -> str:
+    """Return the line that installs an optional part, for an installed ROSIC and for a checkout."""
+    return f"pip install 'rosic[{extra}]' (in a checkout: .venv/bin/pip install -e '.[{extra}]')"
+
+
 class RosicError(Exception):
     """The root. Never raised itself.
 

@@ -174,5 +174,5 @@ def test_without_ros_it_says_how_to_get_it(tmp_path: Path, command: tuple[str, .
 
     assert ran.status == 2
     assert ran.err.startswith("rosic: ROS 2 cannot be used by this Python")
-    assert "pip install rosic[ros2]" in ran.err
+    assert "pip install 'rosic[ros2]' (in a checkout: " in ran.err
     assert len(ran.err.splitlines()) == 1

@@ -204,4 +204,4 @@ def test_without_the_solver_it_says_how_to_get_it(
     said = place.good("schedule plan", file)
 
     assert "This is the order of arrival." in said
-    assert 'pip install "rosic[schedule]"' in said
+    assert "pip install 'rosic[schedule]' (in a checkout: " in said

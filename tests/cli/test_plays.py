@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import pytest
+from PIL import Image
 
 from rosic.app.plays.brisk import BriskClock
 from rosic.app.plays.curtain import Curtain
@@ -16,6 +17,7 @@ from rosic.app.plays.play import OffScript
 from rosic.app.plays.playing import Wish, play
 from rosic.app.plays.repertoire import NAMES, play_named
 from rosic.core.message import Chat, Outbound
+from rosic.pictures.style import SEVERAL
 from rosic.robots.simulated.theatre import theatre_of
 from rosic.system import SystemClock, SystemEntropy
 from tests.cli.running import ROSIC, Ran, environment, rosic
@@ -29,11 +31,12 @@ PLACE = re.compile(r"^  (?P<shown>.+?): .* x (?P<x>-?[\d.]+) m · y (?P<y>-?[\d.
 
 
 @pytest.fixture(scope="module")
-def ran() -> dict[str, Ran]:
+def ran(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Ran]:
     """Run every play at once, four times as fast, as a person does."""
+    files = {"TMPDIR": str(tmp_path_factory.mktemp("pictures"))}
 
     def run(name: str) -> Ran:
-        return rosic("demo", name, "--plain", "--fast", within_s=WITHIN_S)
+        return rosic("demo", name, "--plain", "--fast", within_s=WITHIN_S, env=files)
 
     with ThreadPoolExecutor(len(NAMES)) as pool:
         return dict(zip(NAMES, pool.map(run, NAMES), strict=True))
@@ -47,12 +50,30 @@ def test_a_play_ends_by_itself_and_sums_up_what_was_told(ran: dict[str, Ran], na
     assert "\x1b" not in out
     told, _, summary = out.partition(SUMMARY)
     assert "did not go as written" not in out
-    assert int(number(r"orders +(\d+)", summary)) == told.count(": accepted")
+    assert int(number(r"(\d+) orders? accepted: ", summary)) == told.count(": accepted")
     for ending, words in (("done", r": done \d\d:"), ("cancelled", ": stopped before it ended ")):
         found = re.search(rf"(\d+) {ending}", summary.splitlines()[1])
         assert int(found[1] if found else 0) == len(re.findall(words, told)), ending
     assert "doing" not in summary, "nothing moves any more"
     assert summary.count(": at rest · ") + summary.count(": stopped by ") == robots(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "went"), [("one-to-one", 1), ("class", 0), ("fleet", 3), ("shift", 3), ("swarm", 5)]
+)
+def test_a_play_ends_with_a_picture_of_what_moved(
+    ran: dict[str, Ran], name: str, went: int
+) -> None:
+    file = re.search(r"A picture of what moved\. It lies in (\S+): only you", ran[name].out)
+    assert file
+    with Image.open(file[1]) as picture:
+        pixels = {pixel for _, pixel in picture.convert("RGB").getcolors(1 << 20)}
+    shown = [colour for colour in SEVERAL if colour in pixels]
+    if went:
+        assert shown == list(SEVERAL[:went]), "one colour for each robot that went somewhere"
+    else:
+        assert not set(SEVERAL) <= pixels
+        assert len(pixels) > 1_000, "the arm itself, which goes nowhere"
 
 
 def robots(name: str) -> int:
@@ -76,11 +97,16 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     assert late
     assert float(late[1]) > 4.2
 
-    assert "19 robot-taken" in lesson
-    assert "Student 1 (1), Student 2 (1), Teacher (1)" in lesson
+    assert (
+        "21 requests refused: 19 because the robot was somebody else's at that time, "
+        "1 because a value was out of its bounds, "
+        "1 because taking it over from somebody had to be said."
+    ) in lesson
+    who = "Student 1 (1 order), Student 2 (1 order), Teacher (1 order)"
+    assert f"KUKA iiwa worked for {who}." in lesson
     assert "You can have it then." in lesson
 
-    assert "moved 1 time\n" in fleet
+    assert "moved 1 time.\n" in fleet
     assert fleet.count("moved 1 time") == 1
     assert fleet.count("The task goes to another robot. 1 of 2 steps are done and stay so.") == 1
     assert "Restock the shelves is begun as restock-5 · 3 tasks" in fleet
@@ -88,10 +114,13 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     assert re.search(r"of 3 robots are free\.\n(.*\n){3,4} +as of .*\n +\[ Look again \]", fleet)
     last = fleet.index(": goto, x 0.00 m, y 0.00 m · task 7: accepted")
     assert max(fleet.index(f"Task {n} (goto x=0.6") for n in (5, 6)) < last, "when both are there"
-    assert fleet.partition(SUMMARY)[2].count("done, 1 of 1 steps done") == 4
+    assert fleet.partition(SUMMARY)[2].count("done, 1 of 1 step done") == 4
 
     # Of three steps; how many were begun before the hand-over depends on the machine's pace.
-    assert re.search(r"had by    Carrier 1: North manager \([12]\), Night manager \([12]\)", shift)
+    assert re.search(
+        r"Carrier 1 worked for North manager \([12] orders?\), Night manager \([12] orders?\)",
+        shift,
+    )
 
     helped = re.search(r"(Rover \d) helps (Rover \d) \(stuck in the mud\)\.", swarm)
     assert helped
@@ -99,7 +128,7 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     assert f"Task 2 (goto x=3.5 y=-0.5): {helped[2]} goes on with it." in swarm
     assert re.search(r'Crazyflie 1 shares seen: .*"a coat"\}\n +\[ Silence Crazyflie 1 \]', swarm)
     assert f"{helped[2]} has taken on: Careful (speed 0.2 m/s)." in swarm
-    assert "stopped   Crazyflie 1, Crazyflie 2, Crazyflie 3, Rover 1, Rover 2" in swarm
+    assert "Stopped: Crazyflie 1, Crazyflie 2, Crazyflie 3, Rover 1, Rover 2." in swarm
     assert swarm.partition(SUMMARY)[2].count("z 0.00 m") == 3
 
 
@@ -130,7 +159,7 @@ async def test_a_play_that_goes_wrong_says_so_and_fails(
     assert await play(odd, Wish(plain=True), clock, SystemEntropy()) == 1
     out = capsys.readouterr().out
     assert "This did not go as written. Nobody came." in out
-    assert "orders    1 on the record: 1 done" in out
+    assert "1 order accepted: 1 done." in out
 
 
 def test_what_is_longer_than_the_terminal_is_broken_between_words(
@@ -158,8 +187,8 @@ def test_a_newcomer_acts_as_somebody_with_their_rights() -> None:
     assert (done.status, done.err) == (0, "")
     assert "You are: South manager." in done.out
     assert 'I do not know "carrier1".' in done.out
-    assert "orders    1 on the record: 1 done" in done.out
-    assert "had by    Carrier 3: South manager (1)" in done.out
+    assert "1 order accepted: 1 done." in done.out
+    assert "Carrier 3 worked for South manager (1 order)." in done.out
 
 
 @pytest.mark.limit(300)
@@ -169,8 +198,8 @@ def test_tasks_and_missions_of_piped_lines_are_done_before_it_sums_up() -> None:
     assert (done.status, done.err) == (0, "")
     told, _, summary = done.out.partition(SUMMARY)
     assert "] Look again" in told
-    assert summary.count("task ") == summary.count("done, ") == 4
-    assert "orders    5 on the record: 5 done" in summary
+    assert summary.count("Task ") == summary.count(": done, ") == 4
+    assert "5 orders accepted: 5 done." in summary
 
 
 @pytest.mark.limit(300)
@@ -186,7 +215,7 @@ def test_drones_that_hover_are_ready_for_a_common_start_and_for_tasks() -> None:
     assert "moving without a task" not in shown, "they hover"
     told, _, summary = done.out.partition(SUMMARY)
     assert told.count(": formation, 0.60 m line: accepted") == 3
-    assert "task 1    done, 1 of 1 steps done" in summary
+    assert "Task 1: done, 1 of 1 step done." in summary
 
 
 @pytest.mark.limit(300)

@@ -26,11 +26,12 @@ from rosic.core.view import (
     Subject,
     Tube,
     Way,
+    Ways,
 )
 from rosic.errors import NothingToSee
 from rosic.pictures.axes import ticks, written
 from rosic.pictures.draw import draw
-from rosic.pictures.style import ACCENT, ALERT, GOOD
+from rosic.pictures.style import ACCENT, ALERT, GOOD, SEVERAL
 
 if TYPE_CHECKING:
     from rosic.contracts.painter import Painter
@@ -41,6 +42,7 @@ GRID = Grid(
 )
 CURVE = Curve("omni: battery", "%", tuple((i - 60.0, 80 - i / 10) for i in range(60)), 20.0)
 WAY = Way("omni: move", tuple(Pose(i / 10, 0.2, yaw_rad=0) for i in range(10)))
+WAYS = Ways("swarm", (WAY, Way("cf1", (Pose(0, 0), Pose(0.4, 0.9)))))
 ROOM = Scene(
     (Box((0, 0, 0.5), (1, 1, 1), (200, 30, 30)), Ball((0, -1, 0.3), 0.2, (30, 30, 200)),
      Tube((1, 0, 0), (1, 0, 1), 0.1, (30, 200, 30))),
@@ -73,7 +75,7 @@ def middle(found: list[tuple[int, int]]) -> tuple[float, float]:
     return sum(x for x, _ in found) / len(found), sum(y for _, y in found) / len(found)
 
 
-@pytest.mark.parametrize("subject", [GRID, CURVE, WAY, ROOM, Clip((ROOM, ROOM), 0.2)])
+@pytest.mark.parametrize("subject", [GRID, CURVE, WAY, WAYS, ROOM, Clip((ROOM, ROOM), 0.2)])
 @pytest.mark.parametrize("low", [False, True])
 def test_everything_has_a_low_quality_that_is_smaller(subject: Subject, *, low: bool) -> None:
     image = opened(draw(subject, low=low))
@@ -101,6 +103,17 @@ def test_a_turned_map_is_shown_with_its_own_axes_upright() -> None:
     x, y = middle(places(opened(drawing), ACCENT))
     assert abs(x / drawing.width - 0.75) < 0.03
     assert abs(y / (drawing.height - 34) - 0.75) < 0.05
+
+
+def test_ways_of_several_robots_have_a_colour_each_and_end_where_the_robot_is() -> None:
+    image = opened(draw(WAYS))
+    one, other = (places(image, colour) for colour in SEVERAL[:2])
+    assert len(one) > 300
+    assert len(other) > 300
+    assert max(x for x, _ in one) > max(x for x, _ in other), "to 0.9 m against 0.4 m"
+    assert min(y for _, y in other) < min(y for _, y in one), "up to 0.9 m against 0.2 m"
+    with pytest.raises(NothingToSee):
+        draw(Ways("nobody", (Way("cf1", (Pose(nan, 0),)),)))
 
 
 def test_a_path_is_shown_and_its_end_marked() -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from rosic.contracts.adapter import stops_itself
 from rosic.core.gate import Gate
-from rosic.errors import ConfigurationError
+from rosic.errors import ConfigurationError, how_to_install
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -132,7 +132,7 @@ def _load(group: str, kind: str, what: str) -> object:
     except ModuleNotFoundError as missing:
         raise ConfigurationError(
             f"The {what} {kind!r} needs {missing.name}, which is not installed.",
-            hint=f"Install it with: pip install 'rosic[{kind}]'",
+            hint=f"Install it with: {how_to_install(kind)}",
         ) from missing
 
 

@@ -7,7 +7,7 @@ import sys
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.errors import ConfigurationError
+from rosic.errors import ConfigurationError, how_to_install
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -30,7 +30,7 @@ async def stand_in() -> AsyncIterator[Control]:
     except ImportError as missing:
         raise ConfigurationError(
             "This bench needs the stand-in for Telegram.",
-            hint="Install it with: pip install 'rosic[telegram,testing]'.",
+            hint=f"Install it with: {how_to_install('telegram,testing')}.",
         ) from missing
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-m", "rosic.testing.telegram", "--token", TOKEN,

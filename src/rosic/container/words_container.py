@@ -115,7 +115,7 @@ TOO_MANY_ARCHIVES: Final = said(
 )
 NO_SPREADSHEET: Final = said(
     "A spreadsheet cannot be made on this computer yet. Its owner can install what "
-    "it takes: pip install 'rosic[export]'."
+    "it takes: pip install 'rosic[export]', in a checkout .venv/bin/pip install -e '.[export]'."
 )
 ERASED: Final = "(erased)"
 CUT: Final = "… (cut)"

@@ -199,6 +199,17 @@ class Way(msgspec.Struct, frozen=True, gc=False, tag="way"):
     vertical: bool = False
 
 
+class Ways(msgspec.Struct, frozen=True, gc=False, tag="ways"):
+    """Where several robots went, in one frame.
+
+    Attributes:
+        ways: At least one; the title of each is the name of its robot.
+    """
+
+    title: str
+    ways: tuple[Way, ...]
+
+
 class Clip(msgspec.Struct, frozen=True, gc=False, tag="clip"):
     """Frames one after another.
 
@@ -211,7 +222,7 @@ class Clip(msgspec.Struct, frozen=True, gc=False, tag="clip"):
     every_s: float
 
 
-Subject: TypeAlias = Content | Curve | Way | Clip
+Subject: TypeAlias = Content | Curve | Way | Ways | Clip
 
 
 class Drawing(msgspec.Struct, frozen=True, gc=False):

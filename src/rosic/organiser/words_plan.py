@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.civil import WEEKDAYS, weekday_of
+from rosic.errors import how_to_install
 from rosic.organiser.allocation import Note, Why
 from rosic.organiser.zones import UNIVERSAL, Zone, zone_named
 
@@ -19,7 +20,7 @@ UTC = zone_named(UNIVERSAL)
 NOTES = {
     Note.NO_SOLVER: (
         "This is the order of arrival. Weighing all wishes together needs one more library: "
-        'pip install "rosic[schedule]"'
+        f"{how_to_install('schedule')}"
     ),
     Note.TOO_MANY: (
         "This is the order of arrival: there are too many possibilities to weigh. "

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.saying import said
-from rosic.core.view import Clip, Curve, Encoded, Grid, Raster, Scene, Way
+from rosic.core.view import Clip, Curve, Encoded, Grid, Raster, Scene, Way, Ways
 from rosic.errors import NothingToSee
 from rosic.pictures.charts import chart
 from rosic.pictures.encoding import animation, exact, graphic, photograph, shrunk
 from rosic.pictures.frames import decoded, raster
 from rosic.pictures.maps import grid_map
 from rosic.pictures.scenes import scene_image
-from rosic.pictures.ways import way
+from rosic.pictures.ways import way, ways_together
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -32,6 +32,8 @@ def draw(subject: Subject, *, low: bool = False, say: Say = str) -> Drawing:
         return graphic(chart(subject, low=low, say=say), low=low)
     if isinstance(subject, Way):
         return graphic(way(subject, low=low, say=say), low=low)
+    if isinstance(subject, Ways):
+        return graphic(ways_together(subject, low=low, say=say), low=low)
     if isinstance(subject, Grid):
         return graphic(grid_map(subject, low=low, say=say), low=low)
     if isinstance(subject, Clip):

@@ -22,6 +22,15 @@ ACCENT: Colour = (38, 102, 214)
 ACCENT_SOFT: Colour = (211, 225, 248)
 ALERT: Colour = (207, 63, 63)
 GOOD: Colour = (36, 142, 91)
+SEVERAL: tuple[Colour, ...] = (
+    ACCENT,
+    ALERT,
+    GOOD,
+    (138, 75, 175),
+    (196, 117, 12),
+    (17, 130, 145),
+)
+"""One for each of several; from the seventh on they come again."""
 FINER = 2  # drawn so many times larger, then made smaller: smooth edges
 LONGEST_TEXT = 80
 

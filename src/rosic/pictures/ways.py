@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from rosic.core.saying import said
 from rosic.errors import NothingToSee
 from rosic.pictures.axes import nice_step, ticks, widened, written
-from rosic.pictures.style import ACCENT, FAINT, GOOD, INK, PAPER, RULE, Sheet
+from rosic.pictures.style import ACCENT, FAINT, GOOD, INK, PAPER, RULE, SEVERAL, Sheet
 
 if TYPE_CHECKING:
     from PIL import Image
 
-    from rosic.core.view import Colour, Pose, Way
+    from rosic.core.view import Colour, Pose, Way, Ways
     from rosic.pictures.style import Say
 
 SIZE, LOW_SIZE = (640, 640), (400, 400)
@@ -96,6 +96,50 @@ def way(ways: Way, *, low: bool, say: Say = str) -> Image.Image:
     if ways.vertical:
         _height(sheet, poses, (MARGIN, height - below + 22, width - 24, height - 22))
     return sheet.finished()
+
+
+def ways_together(together: Ways, *, low: bool, say: Say = str) -> Image.Image:
+    """Draw where several robots went, each in a colour of its own with its name at the end."""
+    drawn = [
+        (way_.title, poses)
+        for way_ in together.ways
+        if (poses := [pose for pose in way_.points[-MOST_POINTS:] if _finite(pose)])
+    ]
+    if not drawn:
+        raise NothingToSee(said("There is nothing to draw yet."))
+    width, height = LOW_SIZE if low else SIZE
+    sheet = Sheet(width, height, say=say)
+    sheet.text((18, 14), together.title, size=17)
+    xs = [pose.x_m for _, poses in drawn for pose in poses]
+    ys = [pose.y_m for _, poses in drawn for pose in poses]
+    plot = Plot(
+        sheet,
+        (MARGIN, 62, width - 24, height - 42),
+        widened(min(xs), max(xs), LEAST_M),
+        widened(min(ys), max(ys), LEAST_M),
+    )
+    plot.rule("x, m", "y, m")
+    for number, (name, poses) in enumerate(drawn):
+        colour = SEVERAL[number % len(SEVERAL)]
+        places = [plot.at(pose.x_m, pose.y_m) for pose in poses]
+        sheet.line(places, colour, 3.0)
+        sheet.dot(places[0], 5.0, PAPER, colour)
+        nose(sheet, places[-1], poses[-1].yaw_rad, colour=colour)
+        _named(sheet, name, places[-1], colour)
+    return sheet.finished()
+
+
+def _named(sheet: Sheet, name: str, at: tuple[float, float], colour: Colour) -> None:
+    """Write a name beside a point, on the side where there is room for it."""
+    x, y = at
+    left = x > sheet.width / 2
+    sheet.text(
+        (x - 14 if left else x + 14, y - 12),
+        name,
+        size=13,
+        colour=colour,
+        anchor="rs" if left else "ls",
+    )
 
 
 def nose(

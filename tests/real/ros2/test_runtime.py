@@ -134,7 +134,10 @@ def test_without_ros_one_sentence_says_how_to_get_it() -> None:
     )
     name, _, sentence = done.stdout.strip().partition(" ")
     assert name == RosMissing.__name__, done.stderr
-    assert sentence.endswith("Source your ROS 2 distribution, or run `pip install rosic[ros2]`.")
+    assert sentence.endswith(
+        "Source your ROS 2 distribution, or run pip install 'rosic[ros2]' "
+        "(in a checkout: .venv/bin/pip install -e '.[ros2]')."
+    )
 
 
 def test_a_process_that_forgets_to_close_still_ends_well(graph: RosGraph) -> None:

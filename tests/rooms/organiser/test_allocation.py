@@ -226,7 +226,7 @@ def test_without_scipy_the_order_of_arrival_and_the_name_of_the_extra() -> None:
 
     assert ran.stdout.splitlines()[-1] == (
         "This is the order of arrival. Weighing all wishes together needs one more library: "
-        'pip install "rosic[schedule]"'
+        "pip install 'rosic[schedule]' (in a checkout: .venv/bin/pip install -e '.[schedule]')"
     )
     assert " to " in ran.stdout.splitlines()[3]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.record import Claimed, Concluded, Refused, Stopped
 from rosic.stores.memory import MemoryStore
@@ -15,6 +15,22 @@ if TYPE_CHECKING:
     from rosic.core.identity import CommandId
     from rosic.core.record import Record
     from rosic.core.robot import RobotId
+
+
+# By the code of the refusal (`rosic.errors`): what a play's script can meet, in words.
+WHY: Final = {
+    "expired": "it came too late",
+    "not-permitted": "that person has no right to it",
+    "not-understood": "the robot or command is not known to that person",
+    "out-of-bounds": "a value was out of its bounds",
+    "robot-busy": "the robot was busy",
+    "robot-offline": "the robot was not there",
+    "robot-stopped": "the robot was stopped",
+    "robot-taken": "the robot was somebody else's at that time",
+    "take-over": "taking it over from somebody had to be said",
+    "too-many-requests": "there were too many at once",
+}
+ELSE: Final = "of something else"
 
 
 class LedgerStore(MemoryStore):
@@ -68,12 +84,10 @@ class LedgerStore(MemoryStore):
         """
         ends = Counter(self.endings.get(cid, "not ended") for cid in self.claims)
         told = ", ".join(f"{count} {ending}" for ending, count in sorted(ends.items()))
-        yield f"orders    {len(self.claims)} on the record: {told or 'none'}"
-        codes = Counter(self.refusals.values())
-        told = ", ".join(f"{count} {code}" for code, count in sorted(codes.items()))
-        yield f"refused   {len(self.refusals)}{f': {told}' if told else ''}"
+        yield f"{counted(len(self.claims), 'order')} accepted: {told or 'none'}."
+        yield self._told_refusals()
         stopped = dict.fromkeys(robots.get(stop.robot, stop.robot) for stop in self.stops.values())
-        yield f"stopped   {', '.join(stopped) or 'nobody'}"
+        yield f"Stopped: {', '.join(stopped)}." if stopped else "No robot was stopped."
         for robot, shown in robots.items():
             had = Counter(
                 names.get(claim.principal, "?")
@@ -81,5 +95,17 @@ class LedgerStore(MemoryStore):
                 if claim.robot == robot
             )
             if had:
-                whose = ", ".join(f"{name} ({count})" for name, count in had.items())
-                yield f"had by    {shown}: {whose}"
+                whose = ", ".join(f"{name} ({counted(n, 'order')})" for name, n in had.items())
+                yield f"{shown} worked for {whose}."
+
+    def _told_refusals(self) -> str:
+        if not self.refusals:
+            return "Nobody was refused anything."
+        reasons = Counter(WHY.get(code, ELSE) for code in self.refusals.values())
+        told = ", ".join(f"{count} because {why}" for why, count in reasons.most_common())
+        return f"{counted(len(self.refusals), 'request')} refused: {told}."
+
+
+def counted(number: int, what: str) -> str:
+    """Return a number with its noun: ``1 order``, ``3 orders``."""
+    return f"{number} {what}{'s' * (number != 1)}"

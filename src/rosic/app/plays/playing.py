@@ -25,10 +25,13 @@ from rosic.app.plays.ledger import LedgerStore
 from rosic.app.plays.play import OffScript
 from rosic.app.plays.seat import Seat
 from rosic.app.plays.stage import Chats, Stage
+from rosic.app.plays.trails import Trails
 from rosic.app.plays.voices import SpeakingRobot
 from rosic.app.quiet import PIPED, until_done, until_quiet
 from rosic.core.identity import ROBOT, Address
 from rosic.core.rate import RateLimit
+from rosic.errors import how_to_install
+from rosic.messengers.terminal.drawer import Drawer
 from rosic.messengers.terminal.messenger import is_terminal
 from rosic.robots.simulated.theatre import theatre_of
 from rosic.stores.latch import MemoryLatch
@@ -79,6 +82,7 @@ async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
     if seat is not None:
         _set_up(seat, gateway, clock)
     stage = Stage(told, gateway, chats, curtain, clock)
+    trails = Trails(gateway, theatre_of(clock))
     status = 0
     try:
         curtain.title(f"rosic demo {told.name}: {told.about}")
@@ -87,10 +91,10 @@ async def play(told: Play, wish: Wish, clock: Clock, entropy: Entropy) -> int:
             if seat is not None and not ending.over.done():
                 status = await _sit_down(stage, wish, seat, ending) or status
         if status != INTERRUPTED:
-            curtain.title("What happened, by the record and by the robots")
-            curtain.plain("\n".join(stage.summary(store, curtain.now_s())))
+            await _sum_up(stage, store, trails)
         return status
     finally:
+        trails.close()
         if status == INTERRUPTED:
             await _break_off(stage, curtain)
         else:
@@ -102,6 +106,19 @@ def _curtain(told: Play, wish: Wish, now_s: Callable[[], float]) -> Curtain:
     columns = shutil.get_terminal_size().columns if is_terminal(sys.stdout) else 0
     names = (person.name for person in told.people)
     return Curtain(names, now_s, colour=colour, columns=columns)
+
+
+async def _sum_up(stage: Stage, store: LedgerStore, trails: Trails) -> None:
+    """Say what happened, and draw what moved into a file."""
+    curtain, name = stage.curtain, stage.play.name
+    curtain.title("What happened, by the record and by the robots")
+    curtain.plain("\n".join(stage.summary(store, curtain.now_s())))
+    draw = painter()
+    if draw is None:
+        curtain.plain(f"For a picture of what moved: {how_to_install('pictures')}")
+        return
+    picture = await asyncio.to_thread(trails.picture, f"rosic demo {name}", f"demo-{name}", draw)
+    curtain.plain(f"A picture of what moved. {await Drawer().put(picture)}")
 
 
 async def _break_off(stage: Stage, curtain: Curtain) -> None:

@@ -6,6 +6,7 @@ import re
 from typing import TYPE_CHECKING, Final, TypeVar
 
 from rosic.app.desk.operating import Operating
+from rosic.app.plays.ledger import counted
 from rosic.app.plays.play import OffScript
 from rosic.app.plays.voices import SpeakingRobot
 from rosic.app.quiet import until_quiet
@@ -196,19 +197,19 @@ class Stage:
     def summary(self, record: LedgerStore, took_s: float) -> Iterator[str]:
         """Yield what happened, from the record and from the robots."""
         rooms = self.gateway.rooms
-        yield f"took      {took_s:.0f} s"
+        yield f"It took {took_s:.0f} s."
         directory = rooms.authoriser.directory
         known = [p for person in self.play.people for p in directory.named(person.name)]
         names = {person.id: person.name for person in known}
         robots = {robot: profile.shown for robot, profile in rooms.profiles.items()}
         yield from record.lines(names, robots)
         yield from self._tasks()
-        yield "robots now"
+        yield "The robots now:"
         yield from (f"  {line}" for line in Operating(self.gateway).status())
 
     def _tasks(self) -> Iterator[str]:
         fleet = self.gateway.furnishing.fleet
         for task in fleet.dispatching.fleet.tasks.values():
-            steps = f"{task.done} of {task.steps} steps done"
-            moved = f", moved {task.moves} time{'s' * (task.moves != 1)}" if task.moves else ""
-            yield f"task {task.id:<5}{task.state.name.lower()}, {steps}{moved}"
+            steps = f"{task.done} of {counted(task.steps, 'step')} done"
+            moved = f", moved {counted(task.moves, 'time')}" if task.moves else ""
+            yield f"Task {task.id}: {task.state.name.lower()}, {steps}{moved}."

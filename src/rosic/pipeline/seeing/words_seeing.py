@@ -15,7 +15,7 @@ SHOWN_VALUES = 8
 
 NO_PAINTER = said(
     "Pictures cannot be drawn here: Pillow is missing. The operator installs it with "
-    "pip install 'rosic[pictures]'."
+    "pip install 'rosic[pictures]', in a checkout .venv/bin/pip install -e '.[pictures]'."
 )
 NO_FILES = said("This messenger cannot show pictures.")
 BROKEN = said("The picture could not be made. The log says why.")

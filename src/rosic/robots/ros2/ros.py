@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, TypeAlias
 
+from rosic.errors import how_to_install
 from rosic.robots.ros2.faults import RosMissing
 
 # rclpy and its messages carry no types that hold from one distribution to the next; what crosses
 # this border is checked by value, in `messages`.
 RosObject: TypeAlias = Any
 
-_HOW_TO_GET_IT = "Source your ROS 2 distribution, or run `pip install rosic[ros2]`."
+_HOW_TO_GET_IT = f"Source your ROS 2 distribution, or run {how_to_install('ros2')}."
 
 _MODULES = (
     "rclpy",

@@ -17,6 +17,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rosic.errors import how_to_install
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -30,7 +32,7 @@ def why_missing() -> str | None:
     """Return the sentence that says how to get ROS 2; None when it is here."""
     if find_spec("rclpy") is not None:
         return None
-    return "ROS 2 is not here: source your distribution, or run `pip install rosic[ros2]`."
+    return f"ROS 2 is not here: source your distribution, or run {how_to_install('ros2')}."
 
 
 def environment_for_another_python(environ: Mapping[str, str] | None = None) -> dict[str, str]:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
-from rosic.errors import ConfigurationError
+from rosic.errors import ConfigurationError, how_to_install
 from rosic.robots.ros2.faults import RosMissing
 from rosic.robots.ros2.names import check_node_name
 
@@ -94,7 +94,7 @@ def check_tools() -> None:
     if find_spec("rosidl_generator_py") is None or find_spec("rosidl_adapter") is None:
         raise RosMissing(
             "The ROS 2 generators cannot be used by this Python.",
-            hint="Run `pip install rosic[ros2]`, or build rosic_interfaces with colcon.",
+            hint=f"Run {how_to_install('ros2')}, or build rosic_interfaces with colcon.",
         )
     for tool in ("gcc", "g++"):
         if shutil.which(tool) is None:
