@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.app.languages import LANGUAGES, catalogue, whose
+from rosic.app.opening import Opening
 from rosic.app.parts import Parts, Settings
 from rosic.app.placing.access import Access
 from rosic.app.placing.authority import Authority
@@ -115,9 +116,9 @@ class Gateway:
             if self._know_enlisted(memory):
                 vocabulary = self._vocabulary()
             await self._compose(memory, vocabulary)
-            for robot in self.robots.values():
-                await robot.open(partial(self._robot_says, robot.profile))
-                self._opened.append(robot)
+            await Opening(self._robot_says, self._tell_admins, self._opened).all(
+                self.robots.values()
+            )
             await self._recover(memory)
         except BaseException:
             await self.close()
@@ -324,6 +325,9 @@ class Gateway:
         seen = not hasattr(self, "seeing") or self.seeing.studio.quiet
         told = told and seen and self.pipeline.arrears.quiet and self.pipeline.cancels.quiet
         return told and self.stop_lane.quiet and not len(self.pipeline.lives)
+
+    def _tell_admins(self, text: str) -> None:
+        self.furnishing.reach.tell(self.furnishing.admins(), text)
 
     def _robot_says(self, profile: Profile, text: str) -> None:
         """Bring a robot's own words to everybody who chose it, as inert text (Algorithm 8)."""

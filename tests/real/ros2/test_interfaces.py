@@ -84,10 +84,20 @@ def gripper(folder: Path) -> Package:
 @pytest.mark.usefixtures("graph")
 async def test_a_foreign_package_is_built_once_for_all_who_ask(tmp_path: Path) -> None:
     package, cache = gripper(tmp_path / "source"), tmp_path / "cache"
+    told: list[tuple[str, float]] = []
     with ThreadPoolExecutor(3) as pool:
-        asked = [pool.submit(ensure_built, package, cache) for _ in range(3)]
+        asked = [
+            pool.submit(ensure_built, package, cache, lambda *step: told.append(step))
+            for _ in range(3)
+        ]
         built = {future.result() for future in asked}
     assert len(built) == 1
+    assert {name for name, _ in told} == {"control_msgs"}
+    fractions = [fraction for _, fraction in told]
+    assert len(fractions) > 10
+    assert 0 < min(fractions) < 0.1
+    assert max(fractions) == fractions[-1] == 1.0
+    assert fractions.count(1.0) == 1, "only who built it said so"
     assert [path.name for path in cache.iterdir() if path.is_dir()] == [built.pop().name]
     stamp = next(cache.glob("control_msgs-*")).stat().st_mtime_ns
     assert (

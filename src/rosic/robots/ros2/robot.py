@@ -137,7 +137,7 @@ class Ros2Robot:
         parts = list(self._parts())
         types = set().union(*(part.types() for part in parts))
         try:
-            runtime = await self._station.enter(types, self._look)
+            runtime = await self._station.enter(types, self._look, say)
             for part in parts:
                 await part.open(runtime)
         except ConfigurationError as error:

@@ -7,6 +7,7 @@ import logging
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary, proxy
 
+from rosic.core.saying import said
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.faults import NotSent
 from rosic.robots.ros2.graph import Snapshot, snapshot
@@ -20,12 +21,14 @@ if TYPE_CHECKING:
     from typing import TypeAlias
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import Say
 
     Watcher: TypeAlias = Callable[[Snapshot], None]
 
 _log = logging.getLogger(__name__)
 
 LOOK_EVERY_S = 1.0
+SAY_EVERY_NS = 20 * 10**9
 
 
 class Station:
@@ -39,19 +42,21 @@ class Station:
         self._entering = asyncio.Lock()
         self._looking: asyncio.Task[None] | None = None
 
-    async def enter(self, types: Iterable[str], watcher: Watcher) -> RosRuntime:
+    async def enter(self, types: Iterable[str], watcher: Watcher, say: Say) -> RosRuntime:
         """Take part, with the first who does opening the node; `leave` must follow.
 
         Args:
             types: What the robot's profile names.
             watcher: Called with what is on the graph, every `LOOK_EVERY_S`.
+            say: Told how far building is, where interfaces have to be built first.
 
         Raises:
             ConfigurationError: There is no ROS 2 here, or a type that cannot be built.
         """
         async with self._entering:
             wanted = self._types.union(types)
-            await asyncio.to_thread(find_interfaces, wanted - self._types)
+            told = BuildProgress(say, self._clock.monotonic_ns)
+            await asyncio.to_thread(find_interfaces, wanted - self._types, told)
             registry = TypeRegistry(wanted)
             if self._runtime is None:
                 self._runtime = await self._opened(registry)
@@ -93,6 +98,44 @@ class Station:
                 for watcher in tuple(self._watchers):
                     watcher(seen)
             await self._clock.sleep(LOOK_EVERY_S)
+
+
+class BuildProgress:
+    """Passes on how far building is: to the log each tenth, to whoever is told now and then.
+
+    Args:
+        say: Called on the event loop that made this.
+        now_ns: A monotonic clock.
+    """
+
+    def __init__(self, say: Say, now_ns: Callable[[], int]) -> None:
+        self._say = say
+        self._now_ns = now_ns
+        self._loop = asyncio.get_running_loop()
+        self._told_ns: int | None = None
+        self._tenths: dict[str, int] = {}
+
+    def __call__(self, package: str, fraction: float) -> None:
+        """Take in one step; from any thread."""
+        self._loop.call_soon_threadsafe(self._take, package, fraction)
+
+    def _take(self, package: str, fraction: float) -> None:
+        tenths = int(fraction * 10)
+        if tenths <= self._tenths.get(package, -1):
+            return
+        self._tenths[package] = tenths
+        percent = tenths * 10
+        _log.info("building the ROS interfaces %s, once: %d %%", package, percent)
+        now_ns = self._now_ns()
+        if self._told_ns is None or now_ns - self._told_ns >= SAY_EVERY_NS:
+            self._told_ns = now_ns
+            self._say(
+                said(
+                    "building the ROS interfaces {package}, once: {percent} %",
+                    package=package,
+                    percent=percent,
+                )
+            )
 
 
 def others_under(seen: Snapshot, namespace: str) -> bool:

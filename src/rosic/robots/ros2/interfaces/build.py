@@ -12,16 +12,23 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TypeAlias
 
 from rosic.errors import ConfigurationError, how_to_install
 from rosic.robots.ros2.faults import RosMissing
 from rosic.robots.ros2.names import check_node_name
 
 KINDS = ("msg", "srv", "action")
+
+Progress: TypeAlias = Callable[[str, float], None]
+"""Called with a package and the fraction that is built, in (0, 1]; on several threads."""
+GENERATING = 0.4
+"""Of the whole time, about; the rest is compiling."""
 
 GENERATOR = Path(__file__).with_name("generate.py")
 DISPATCH = Path(__file__).with_name("dispatch.c")
@@ -54,6 +61,10 @@ _LIBRARIES = (
     "rcutils",
     "fastcdr",
 )
+
+
+def unheard(_package: str, _fraction: float) -> None:
+    """Nobody asked how far it is."""
 
 
 @dataclass(frozen=True)
@@ -104,13 +115,16 @@ def check_tools() -> None:
             )
 
 
-def build(package: Package, output: Path, workers: int | None = None) -> None:
+def build(
+    package: Package, output: Path, workers: int | None = None, progress: Progress = unheard
+) -> None:
     """Build ``package`` so that it can be imported with ``output`` on the path.
 
     Args:
         package: What to build. It may use any package that ROS 2 came with.
         output: An empty folder; the sources of the build stay in ``output/_build``.
         workers: How many processes at a time; as many as there are processors by default.
+        progress: Told how far it is, from one of several threads; see `Progress`.
 
     Raises:
         ConfigurationError: An interface file is wrong, or something is missing; the sentence
@@ -118,7 +132,7 @@ def build(package: Package, output: Path, workers: int | None = None) -> None:
     """
     files = package.files()
     check_tools()
-    work = _Workshop(package, files, output / "_build")
+    work = _Workshop(package, files, output / "_build", progress)
     with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
         work.generate(pool)
         objects = work.compile(pool)
@@ -128,13 +142,19 @@ def build(package: Package, output: Path, workers: int | None = None) -> None:
     )
     (target / "__init__.py").touch()
     work.link(objects, target)
+    progress(package.name, 1.0)
 
 
 class _Workshop:
     """One build under way."""
 
-    def __init__(self, package: Package, files: list[Path], folder: Path) -> None:
+    def __init__(
+        self, package: Package, files: list[Path], folder: Path, progress: Progress
+    ) -> None:
         self.package = package
+        self._progress = progress
+        self._done: list[None] = []  # appending is atomic, adding to a number is not
+        self._to_do = 0
         self.folder = folder
         self._files = files
         self._prefix = Path(sys.prefix)
@@ -149,6 +169,7 @@ class _Workshop:
 
     def generate(self, pool: ThreadPoolExecutor) -> None:
         """Write C and Python."""
+        self._to_do = 2 + len(_TEMPLATES)
         self._step("idl", {"source": str(self.package.source)}, self.folder / "idl")
         self._step("description", self._dependencies())
         described: dict[str, object] = {
@@ -191,6 +212,12 @@ class _Workshop:
             self._environment,
             f"The interfaces of {self.package.name} could not be generated",
         )
+        self._advance(0.0, GENERATING)
+
+    def _advance(self, from_: float, share: float) -> None:
+        """Say how far it is: ``from_``, and that share of the whole as far as it is done."""
+        self._done.append(None)
+        self._progress(self.package.name, from_ + share * len(self._done) / self._to_do)
 
     def _idl_names(self) -> list[str]:
         return [f"{file.parent.name}/{file.stem}.idl" for file in self._files]
@@ -233,6 +260,7 @@ class _Workshop:
             self._together("dispatch.c", [DISPATCH]),
             *c_files,
         ]
+        self._done, self._to_do = [], len(units) + 1
         return list(pool.map(self._compile, units))
 
     def _together(self, name: str, sources: list[Path]) -> Path:
@@ -260,6 +288,7 @@ class _Workshop:
             self._environment_for_tools,
             f"The interfaces of {self.package.name} could not be compiled",
         )
+        self._advance(GENERATING, 1.0 - GENERATING)
         return target
 
     def _include(self) -> list[str]:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.interfaces import build as building
-from rosic.robots.ros2.interfaces.build import Package, build
+from rosic.robots.ros2.interfaces.build import Package, Progress, build, unheard
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -56,7 +56,9 @@ def default_cache() -> Path:
     return Path(home) / "rosic" / "interfaces"
 
 
-def ensure_built(package: Package = OWN, cache: Path | None = None) -> Path:
+def ensure_built(
+    package: Package = OWN, cache: Path | None = None, progress: Progress = unheard
+) -> Path:
     """Return a folder from which ``package`` can be imported, and build it unless it is there.
 
     Takes seconds the first time and milliseconds afterwards; several processes may ask at once,
@@ -65,6 +67,7 @@ def ensure_built(package: Package = OWN, cache: Path | None = None) -> Path:
     Args:
         package: What is wanted.
         cache: Where results are kept; by default `default_cache`.
+        progress: Told how far building is, where it has to be built by this process.
 
     Raises:
         RosMissing: There are no generators here; source a distribution that has the package.
@@ -80,7 +83,7 @@ def ensure_built(package: Package = OWN, cache: Path | None = None) -> Path:
         cache.mkdir(mode=_PRIVATE, parents=True, exist_ok=True)
         with _lock(cache / f"{package.name}.lock"):
             if not (built / package.name).is_dir():
-                _build_into(package, cache, built)
+                _build_into(package, cache, built, progress)
     except OSError as error:
         raise ConfigurationError(
             f"Built ROS interfaces cannot be kept in {cache}: {error.strerror}.",
@@ -89,20 +92,22 @@ def ensure_built(package: Package = OWN, cache: Path | None = None) -> Path:
     return built
 
 
-def make_importable(package: Package = OWN, cache: Path | None = None) -> None:
+def make_importable(
+    package: Package = OWN, cache: Path | None = None, progress: Progress = unheard
+) -> None:
     """Make sure that ``package`` can be imported by this process, as `ensure_built` does.
 
     A package that the sourced distribution offers is used as it is.
     """
     if find_spec(package.name) is not None:
         return
-    sys.path.append(str(ensure_built(package, cache)))
+    sys.path.append(str(ensure_built(package, cache, progress)))
     importlib.invalidate_caches()
 
 
-def _build_into(package: Package, cache: Path, built: Path) -> None:
+def _build_into(package: Package, cache: Path, built: Path, progress: Progress) -> None:
     with tempfile.TemporaryDirectory(dir=cache, prefix=f".{package.name}-") as scratch:
-        build(package, Path(scratch))
+        build(package, Path(scratch), progress=progress)
         shutil.rmtree(Path(scratch) / "_build")
         whole = Path(scratch) / "whole"
         whole.mkdir()
