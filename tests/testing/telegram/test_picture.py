@@ -41,8 +41,9 @@ def places(svg: str) -> Iterator[tuple[float, float]]:
             left = float(one.get("x", 0))
             yield left, left + float(one.attrib["width"])
         elif one.tag == f"{SVG}text" and "textLength" in one.attrib:
-            left = float(one.attrib["x"])
-            yield left, left + float(one.attrib["textLength"])
+            long, x = float(one.attrib["textLength"]), float(one.attrib["x"])
+            left = x - long / 2 if one.get("text-anchor") == "middle" else x
+            yield left, left + long
 
 
 @given(TEXTS, st.floats(20, 400))
@@ -79,6 +80,17 @@ def test_nothing_sticks_out_and_the_transcript_is_in_the_picture(
     assert all(left >= 0 and right <= WIDTH for left, right in places(svg))
     assert in_picture(svg) == shown
     assert draw(in_picture(svg)) == svg
+
+
+@given(st.lists(BUBBLES, max_size=6), st.text(max_size=60))
+def test_every_line_says_how_long_it_is_so_that_no_font_carries_it_out(
+    bubbles: list[Bubble], title: str
+) -> None:
+    svg = ET.fromstring(draw(Transcript(title, tuple(bubbles), below=title)))  # noqa: S314
+    for line in svg.iter(f"{SVG}text"):
+        shown = line.text or ""
+        if len(shown) > 2 and width_of(shown, 1.0):  # a number in a disc has room
+            assert line.get("textLength"), shown
 
 
 def test_markup_in_a_message_stays_text() -> None:

@@ -29,6 +29,7 @@ TEXT, LINE = 15, 20
 SMALL, KEY_TEXT, KEY_HIGH, KEY_GAP = 11, 13.5, 36, 4
 HEAD, QUOTE = 54, 40
 BADGE: Final = 9
+BOLDER: Final = 1.08  # bold letters are about so much wider
 
 FONT = "Helvetica, Arial, 'Liberation Sans', Roboto, sans-serif"
 PAPER, INK, FAINT, ACCENT = "#dfe7ee", "#16202a", "#6b7781", "#2f7fd6"
@@ -96,7 +97,7 @@ class _Drawing:
 
     def _frame(self, height: int) -> list[str]:
         shown = self._shown
-        title = cut(shown.title, 17, WIDTH - 80)
+        title = cut(shown.title, 17 * BOLDER, WIDTH - 80)
         below = cut(shown.below, 13, WIDTH - 80)
         initial = _plain(shown.title[:1].upper())
         return [
@@ -105,7 +106,10 @@ class _Drawing:
             f'<circle cx="32" cy="27" r="18" fill="{ACCENT}"/>',
             f'<text x="32" y="33" font-size="17" text-anchor="middle" fill="#fff">{initial}</text>',
             _bold(title, (60, 24), 17, INK),
-            f'<text x="60" y="42" font-size="13" fill="{FAINT}">{_plain(below)}</text>',
+            (
+                f'<text x="60" y="42" font-size="13" fill="{FAINT}"{_as_long(below, 13)}>'
+                f"{_plain(below)}</text>"
+            ),
         ]
 
     # ---- one message ----
@@ -202,10 +206,10 @@ class _Drawing:
         left, top, width = where
         fill, ink = looks
         self._rect((left, top, width, KEY_HIGH), 9, fill)
-        label = _plain(cut(key.label, KEY_TEXT, width - 12))
+        label = cut(key.label, KEY_TEXT, width - 12)
         self._parts.append(
             f'<text x="{_n(left + width / 2)}" y="{_n(top + 23)}" font-size="{KEY_TEXT}" '
-            f'text-anchor="middle" fill="{ink}">{label}</text>'
+            f'text-anchor="middle" fill="{ink}"{_as_long(label, KEY_TEXT)}>{_plain(label)}</text>'
         )
         if key.tap:
             self._badge(key.tap, left + width - 5, top + 5)
@@ -238,17 +242,22 @@ class _Drawing:
             return
         x = at[0] + width_of(text[: len(text) - len(said)], size)
         self._parts.append(
-            f'<text x="{_n(x)}" y="{_n(at[1])}" font-size="{size}" fill="{fill}" '
-            f'textLength="{_n(width_of(said, size))}" lengthAdjust="spacingAndGlyphs">'
-            f"{_plain(said)}</text>"
+            f'<text x="{_n(x)}" y="{_n(at[1])}" font-size="{size}" fill="{fill}"'
+            f"{_as_long(said, size)}>{_plain(said)}</text>"
         )
 
 
 def _bold(text: str, at: tuple[float, float], size: float, fill: str) -> str:
     return (
         f'<text x="{_n(at[0])}" y="{_n(at[1])}" font-size="{size}" font-weight="bold" '
-        f'fill="{fill}">{_plain(text)}</text>'
+        f'fill="{fill}"{_as_long(text, size * BOLDER)}>{_plain(text)}</text>'
     )
+
+
+def _as_long(text: str, size: float) -> str:
+    """Return the attributes that keep a line as long as it was reckoned, whatever the font is."""
+    long = width_of(text, size)
+    return f' textLength="{_n(long)}" lengthAdjust="spacingAndGlyphs"' if long else ""
 
 
 def _plain(text: str) -> str:
