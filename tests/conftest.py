@@ -66,6 +66,7 @@ SECONDS = {
     "tests/journeys/test_buttons.py": 35,
     "tests/journeys/test_first_time.py": 35,
     "tests/real/ros2/test_my_robot_page.py": 35,
+    "tests/real/ros2/test_ten_minutes_page.py": 30,
     "tests/real/ros2/test_others.py": 35,
     "tests/rooms/stores/test_sifting.py": 35,
     "tests/real/ros2/test_topics.py": 30,
