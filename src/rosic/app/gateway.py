@@ -116,9 +116,8 @@ class Gateway:
             if self._know_enlisted(memory):
                 vocabulary = self._vocabulary()
             await self._compose(memory, vocabulary)
-            await Opening(self._robot_says, self._tell_admins, self._opened).all(
-                self.robots.values()
-            )
+            opening = Opening(self._robot_says, self.furnishing, self._opened)
+            await opening.all(self.robots.values())
             await self._recover(memory)
         except BaseException:
             await self.close()
@@ -325,9 +324,6 @@ class Gateway:
         seen = not hasattr(self, "seeing") or self.seeing.studio.quiet
         told = told and seen and self.pipeline.arrears.quiet and self.pipeline.cancels.quiet
         return told and self.stop_lane.quiet and not len(self.pipeline.lives)
-
-    def _tell_admins(self, text: str) -> None:
-        self.furnishing.reach.tell(self.furnishing.admins(), text)
 
     def _robot_says(self, profile: Profile, text: str) -> None:
         """Bring a robot's own words to everybody who chose it, as inert text (Algorithm 8)."""

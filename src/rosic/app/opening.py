@@ -9,6 +9,7 @@ from rosic.core.saying import joined, said
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from rosic.app.placing.furnishing import Furnishing
     from rosic.contracts.robot import Robot
     from rosic.core.robot import Profile
 
@@ -18,18 +19,18 @@ class Opening:
 
     Args:
         says: What becomes of a robot's words once people are heard.
-        tell_admins: Brings a sentence to whoever looks after people here.
+        furnishing: Knows who looks after people here, and how to reach them.
         opened: Every robot that was opened is put here, in order.
     """
 
     def __init__(
         self,
         says: Callable[[Profile, str], None],
-        tell_admins: Callable[[str], object],
+        furnishing: Furnishing,
         opened: list[Robot],
     ) -> None:
         self._says = says
-        self._tell_admins = tell_admins
+        self._furnishing = furnishing
         self._opened = opened
         self._waiting = True
         self._told = False
@@ -46,6 +47,9 @@ class Opening:
         self._waiting = False
         if self._told:
             self._tell_admins(said("All robots are prepared. From now on I listen."))
+
+    def _tell_admins(self, text: str) -> None:
+        self._furnishing.reach.tell(self._furnishing.admins(), text)
 
     def _mouth(self, profile: Profile) -> Callable[[str], None]:
         def says(text: str) -> None:
