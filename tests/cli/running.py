@@ -120,14 +120,19 @@ class Gateway:
 
 @contextmanager
 def gateway(
-    config: Path, env: Mapping[str, str] | None = None, *, ready: bool = True
+    config: Path,
+    env: Mapping[str, str] | None = None,
+    *,
+    ready: bool = True,
+    begin_anew: bool = False,
 ) -> Iterator[Gateway]:
     """Let a gateway run while inside."""
     log, out = config.with_suffix(".err"), config.with_suffix(".out")
     with log.open("w") as err, out.open("w") as told:
         hears, says = os.pipe()
         files = (hears, told.fileno(), err.fileno())
-        process = Warmed(["run", "-c", str(config)], files, None, environment(env))
+        anew = ["--begin-anew"] if begin_anew else []
+        process = Warmed(["run", "-c", str(config), *anew], files, None, environment(env))
         process.stdin = os.fdopen(says, "w")
         os.close(hears)
         running = Gateway(process, log, out)

@@ -11,6 +11,8 @@ ROOT_KEY = "tests/rooms/stores/test_rootkey.py"
 SECOND_PERSON = "tests/rooms/pipeline/test_second_person.py"
 OPENING = "tests/rooms/stores/test_opening.py"
 
+LOST_RECORD = "tests/rooms/stores/test_lost_record.py"
+
 OF_KEEPING = (
     Fault(
         name="I5 a resume that failed leaves the latch open on disk",
@@ -105,5 +107,33 @@ OF_KEEPING = (
         caught_by=(
             "tests/rooms/pipeline/test_agreed_acts.py::test_an_agreement_counts_for_whoever_asked_for_it_alone",
         ),
+    ),
+    Fault(
+        name="I13 a record that is older than its mark is taken",
+        file="stores/record_mark.py",
+        guard="if found.number < known.number:",
+        without="if False:",
+        caught_by=(f"{LOST_RECORD}::test_a_record_of_another_run_is_older",),
+    ),
+    Fault(
+        name="I13 a lost record is begun anew by itself",
+        file="stores/record_mark.py",
+        guard="if begun and not self._begin_anew:",
+        without="if False:",
+        caught_by=(f"{LOST_RECORD}::test_a_lost_record_is_not_begun_anew_by_itself",),
+    ),
+    Fault(
+        name="I9 an order is claimed in a file that is gone",
+        file="stores/record_guard.py",
+        guard="lost = self._kept.lost()",
+        without='lost = ""',
+        caught_by=(f"{LOST_RECORD}::test_nothing_is_claimed_while_a_file_is_gone",),
+    ),
+    Fault(
+        name="the lock holds by its file alone",
+        file="stores/folder.py",
+        guard="            self._lock_itself()\n",
+        without="",
+        caught_by=(f"{LOST_RECORD}::test_the_lock_holds_though_its_file_is_gone",),
     ),
 )

@@ -75,6 +75,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         robot_limit: Of robots that are added while it runs; None: they have none.
         missions: What several robots do when somebody says so.
         room: For files that people keep.
+        begin_anew: Said on the command line: a record that was lost is begun anew.
     """
 
     path: Path
@@ -93,6 +94,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     room: Room
     missions: tuple[Mission, ...] = ()
     robot_limit: RateLimit | None = None
+    begin_anew: bool = False
 
 
 class ReadConfig(NamedTuple):

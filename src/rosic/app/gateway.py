@@ -28,6 +28,7 @@ from rosic.app.placing.newcomers import newcomers_of
 from rosic.app.placing.owing import owe_over_crashes
 from rosic.app.placing.painting import furnish_seeing
 from rosic.app.placing.people import remember, seed
+from rosic.app.placing.record_watch import record_watch_of
 from rosic.app.placing.retention import Ledger, Retention
 from rosic.app.placing.saving import limit_rates, save, save_now_and_then
 from rosic.authoriser.authoriser import Authoriser
@@ -205,6 +206,7 @@ class Gateway:
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
         self.among = fellowship_of(self, parts, self._teller, memory)
+        self.record_watch = record_watch_of(parts.store, parts.clock, self.furnishing)
         ways = Ways(self._opened.append, self._robot_says)
         self.enlisting = Enlisting(self, self._settings, parts, memory, ways)
         settled, now_ns = self.pipeline.arrears.settled, time.wall_ns()
@@ -251,15 +253,15 @@ class Gateway:
         self._listening = [
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
-        minder = Minder(self.access, self.authority, self.furnishing, self.holding,
-                        self.access.time, self._daily)  # fmt: skip
+        access, rates, parts = self.access, self.rooms.organiser.rates, self._parts
+        minder = Minder(
+            access, self.authority, self.furnishing, self.holding, access.time, self._daily
+        )
         keeping = [
             asyncio.create_task(self.furnishing.keeper.run()), asyncio.create_task(minder.run()),
             asyncio.create_task(self.seeing.sampler.run()), asyncio.create_task(self.alarms.run()),
-            asyncio.create_task(self.among.run()),
-            asyncio.create_task(
-                save_now_and_then(self.rooms.organiser.rates, self._parts.store, self._parts.clock)
-            ),
+            asyncio.create_task(self.among.run()), asyncio.create_task(self.record_watch.run()),
+            asyncio.create_task(save_now_and_then(rates, parts.store, parts.clock)),
         ]  # fmt: skip
         self.furnishing.fleet.run()
         try:
@@ -273,9 +275,9 @@ class Gateway:
             await self._fall_deaf()
 
     async def _daily(self) -> None:
-        store, calendar = self._parts.store, self.rooms.organiser.calendar
+        store = self._parts.store
         retention = Retention(
-            self._settings.keep, calendar, self.access.changes,
+            self._settings.keep, self.rooms.organiser.calendar, self.access.changes,
             store if isinstance(store, Ledger) else None, self.access.time.wall_ns,
         )  # fmt: skip
         await self.holding.tidy()

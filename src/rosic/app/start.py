@@ -22,14 +22,13 @@ from rosic.core.secret import Secret
 from rosic.errors import ConfigurationError
 from rosic.stores.database import DatabaseStore
 from rosic.stores.latch import FileLatch
+from rosic.stores.record_mark import STOPS
 
 if TYPE_CHECKING:
     from rosic.app.config import Config, MessengerSettings
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.messenger import Messenger
-
-STOPS = "stops"
 
 log = logging.getLogger("rosic.gateway")
 
@@ -74,7 +73,9 @@ def parts_of(config: Config, latch: FileLatch, clock: Clock, entropy: Entropy) -
     return Parts(
         messengers=messengers,
         robot_factory=robot_factory,
-        store=DatabaseStore(config.data, clock=clock),
+        store=DatabaseStore(
+            config.data, clock=clock, kept=latch.kept, begin_anew=config.begin_anew
+        ),
         latch=latch,
         clock=clock,
         entropy=entropy,

@@ -6,6 +6,8 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from rosic.app import loop
 from rosic.app.config import Config, load_config
 from rosic.app.face import face_of
@@ -24,6 +26,10 @@ if TYPE_CHECKING:
 ABOUT = """Start the gateway of a configuration file, and keep it running until SIGTERM or Ctrl-C.
 Then robots are brought to rest, what is untold is told, and it ends within 5 seconds."""
 
+BEGIN_ANEW = """take the data folder as it is, though its record was lost, emptied or put back
+from an older copy: what was decided meanwhile is forgotten, whoever was revoked or locked since may
+come in again, and without a record everybody whom the configuration names is let in anew"""
+
 
 def run(arguments: Sequence[str]) -> int:
     """Run the gateway. Return 0 after a signal, 1 when it could not start or go on.
@@ -33,8 +39,9 @@ def run(arguments: Sequence[str]) -> int:
     """
     parser = argparse.ArgumentParser(prog="rosic run", description=ABOUT)
     parser.add_argument("-c", "--config", metavar="FILE", default=CONFIG)
+    parser.add_argument("--begin-anew", action="store_true", help=BEGIN_ANEW)
     options = parser.parse_args(arguments)
-    config = load_config(options.config)
+    config = replace(load_config(options.config), begin_anew=options.begin_anew)
     log_to_standard_error(config.log_level.value, face_of(), secrets_of(config))
     try:
         loop.run(_serve(config))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from pathlib import PurePath
 from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
@@ -13,6 +14,7 @@ from rosic.core.saying import said
 from rosic.errors import StoreFault
 from rosic.stores import history, reading, sqlite, tables
 from rosic.stores.folder import Folder
+from rosic.stores.kept_files import KeptFiles
 from rosic.stores.lane import Lane
 from rosic.stores.scribe import CARD, CLAIM, PLACED, WORDS
 from rosic.stores.settings import Settings
@@ -165,10 +167,22 @@ class DatabaseStore:
     Args:
         folder: Of one gateway; made for its owner only when it does not exist.
         clock: Says how old a command is.
+        kept: Knows the files of the folder that must not vanish meanwhile.
+        begin_anew: A record that was lost is begun anew, one that is older than it should be is
+            taken as it is: for the owner to say.
     """
 
-    def __init__(self, folder: Path, *, clock: Clock, settings: Settings = DEFAULTS) -> None:
-        self._folder = Folder(folder)
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        clock: Clock,
+        settings: Settings = DEFAULTS,
+        kept: KeptFiles | None = None,
+        begin_anew: bool = False,
+    ) -> None:
+        self._kept = KeptFiles() if kept is None else kept
+        self._folder = Folder(folder, self._kept, begin_anew=begin_anew)
         self._clock = clock
         self._settings = settings
         self._writer: ReadingWriter | None = None
@@ -179,9 +193,13 @@ class DatabaseStore:
         """Notes that could not be kept since opening; the record holds the same number."""
         return 0 if self._writer is None else self._writer.lost
 
+    def lost_file(self) -> str:
+        """Return the name of a file that is gone or was replaced; empty while all are there."""
+        return PurePath(self._kept.lost()).name
+
     async def open(self) -> Memory:
         """Open, migrate, check, and return what was; see ``contracts.store``."""
-        writer = ReadingWriter(self._folder, self._settings, self._clock)
+        writer = ReadingWriter(self._folder, self._settings, self._clock, self._kept)
         lane: Lane[tuple[Record, ...]] = Lane(
             "rosic-record",
             writer.settle,

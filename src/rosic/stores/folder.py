@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosic.errors import ConfigurationError
+from rosic.stores.record_mark import DATABASE, RecordMark
 from rosic.stores.rootkey import ROOT_KEY, root_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from rosic.stores.kept_files import KeptFiles
     from rosic.stores.sealing import Root
 
 LOCK = "gateway.lock"
-DATABASE = "rosic.db"
 
 
 class Folder:
@@ -23,11 +26,18 @@ class Folder:
 
     Args:
         path: Made, for its owner only, when it does not exist.
+        kept: Knows the lock from now on.
+        begin_anew: See `RecordMark`.
+
+    Attributes:
+        mark: What shows that the record is the newest.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, kept: KeptFiles, *, begin_anew: bool) -> None:
         self.path = path
-        self._lock: int | None = None
+        self.mark = RecordMark(path, begin_anew=begin_anew)
+        self._kept = kept
+        self._locks: list[int] = []
 
     @property
     def database(self) -> Path:
@@ -48,24 +58,41 @@ class Folder:
                 f"The data folder {self.path} cannot be written ({error.strerror}).",
                 hint="Give it to the user who runs ROSIC, or name another folder.",
             ) from error
+        self._locks.append(lock)
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._lock_itself()
         except OSError as error:
             other = os.read(lock, 32).decode(errors="replace").strip() or "unknown"
-            os.close(lock)
+            self.give_back()
             raise ConfigurationError(
                 f"Another gateway is already running on this data (process {other}).",
                 hint="Stop it first, or give this one a data folder of its own.",
             ) from error
         os.ftruncate(lock, 0)
         os.pwrite(lock, f"{os.getpid()}\n".encode(), 0)
-        self._lock = lock
+        self._kept.know(self.path / LOCK, lock)
+
+    def _lock_itself(self) -> None:
+        """Lock the folder, too: its lock file may be removed while it is held.
+
+        Raises:
+            OSError: Another gateway has it.
+        """
+        folder = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        self._locks.append(folder)
+        try:
+            fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if error.errno in {errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES}:
+                raise  # else: this kind of disk locks files only
 
     def give_back(self) -> None:
         """Let another gateway in."""
-        if self._lock is not None:
-            os.close(self._lock)
-            self._lock = None
+        self._kept.forget(self.path / LOCK)
+        while self._locks:
+            with suppress(OSError):
+                os.close(self._locks.pop())
 
     def root(self) -> Root:
         """Return the root key; made when there is nothing yet that it could belong to.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import threading
 from typing import TYPE_CHECKING
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores import slots
+from rosic.stores.kept_files import KeptFiles
 from rosic.stores.lane import Job, Lane
 from rosic.stores.rootkey import create
 from rosic.stores.slots import Damaged, State
@@ -49,6 +51,7 @@ class FileLatch:
         robots_max: Room in a new file.
         robots_min: An existing one with less room is made anew with as much, before anything
             moves; one with more keeps what it has.
+        kept: Knows the file while it is open.
         wait_for_disk: Returns when what was written to a descriptor would survive a power cut.
     """
 
@@ -58,9 +61,11 @@ class FileLatch:
         *,
         robots_max: int = 4096,
         robots_min: int = 0,
+        kept: KeptFiles | None = None,
         wait_for_disk: Callable[[int], None] = os.fdatasync,
     ) -> None:
         self._path = path
+        self.kept = KeptFiles() if kept is None else kept
         self._wait_for_disk = wait_for_disk
         self._robots_max = max(robots_max, robots_min)
         self._robots_min = robots_min
@@ -122,6 +127,7 @@ class FileLatch:
 
     def _let_go(self) -> None:
         if self._file is not None:
+            self.kept.forget(self._path)
             os.close(self._file)
             self._file = None
 
@@ -144,6 +150,7 @@ class FileLatch:
                 except BaseException:
                     os.close(descriptor)
                     raise
+                self.kept.know(self._path, descriptor)
                 self._file = descriptor
             return self._file
 
@@ -182,6 +189,8 @@ class FileLatch:
                 self._accept(job)
             self._overwrite(descriptor)
             self._wait_for_disk(descriptor)
+            if self.kept.is_lost(self._path):
+                raise FileNotFoundError(errno.ENOENT, "gone or replaced", str(self._path))
         except (OSError, Damaged) as error:
             for job in jobs:
                 if job.error is None:

@@ -12,6 +12,7 @@ from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, StoreFault
+from rosic.stores.record_mark import Mark
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -162,6 +163,19 @@ def damaged() -> ConfigurationError:
         "The record is damaged.",
         hint="Keep the file, then start with a copy of it or with an empty data folder.",
     )
+
+
+def mark_of(connection: Connection) -> Mark:
+    """Return what a record says of itself; see `record_mark`."""
+    said = pragma(connection, "application_id"), pragma(connection, "user_version")
+    identity, number = (value if isinstance(value, int) else 0 for value in said)
+    return Mark(identity, number)
+
+
+def write_mark(cursor: DBAPICursor, mark: Mark) -> None:
+    """Have a record say something else of itself, as a part of the cursor's transaction."""
+    cursor.execute(f"PRAGMA application_id={mark.identity:d}")
+    cursor.execute(f"PRAGMA user_version={mark.number:d}")
 
 
 def forget_erased(connection: Connection) -> None:

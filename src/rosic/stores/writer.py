@@ -9,13 +9,21 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.record import Claimed, Decided, Memory, Record, Refused, Resumed, Stopped
+from rosic.core.record import (
+    Claimed,
+    Decided,
+    Memory,
+    Record,
+    Refused,
+    Resumed,
+    Stopped,
+)
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, Repeated, RosicError, StoreFault
 from rosic.stores import reading, schema, sqlite, tables, upkeep
 from rosic.stores.decisions import Decisions
 from rosic.stores.insertion import Insertion
-from rosic.stores.lane import Job
+from rosic.stores.record_guard import Calls, RecordGuard
 from rosic.stores.scribe import Scribe
 from rosic.stores.sealing import Root, Unreadable
 from rosic.stores.statements import Find
@@ -26,11 +34,11 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.stores.folder import Folder
+    from rosic.stores.kept_files import KeptFiles
+    from rosic.stores.lane import Job
     from rosic.stores.settings import Settings
 
 log = logging.getLogger("rosic.stores")
-
-Calls = list[Job[tuple[Record, ...]]]
 
 OWN = ""  # the container whose key shows that the root key belongs to this record
 
@@ -42,9 +50,10 @@ class Writer:
         lost: Notes that could not be kept, since this writer was made.
     """
 
-    def __init__(self, folder: Folder, settings: Settings, clock: Clock) -> None:
+    def __init__(self, folder: Folder, settings: Settings, clock: Clock, kept: KeptFiles) -> None:
         self.lost = 0
         self._folder = folder
+        self._guard = RecordGuard(folder, kept, clock)
         self._settings = settings
         self._clock = clock
         self._engine = sqlite.engine_for(folder.database, settings)
@@ -80,6 +89,7 @@ class Writer:
             raise
 
     def _open(self) -> Memory:
+        self._folder.mark.look()
         root = self._root = self._folder.root()
         sqlite.make_file(self._folder.database)
         connection = self._engine.connect()
@@ -88,10 +98,16 @@ class Writer:
             sqlite.check_whole(connection)
         with connection.begin():
             schema.check(connection)
+            if schema.present(connection) is None:
+                self._folder.mark.refuse_empty(f"{self._folder.database.name} is empty")
+        mark = self._folder.mark.compare(sqlite.mark_of(connection))
         sqlite.make_durable(connection, self._settings)
         with connection.begin():
             schema.upgrade(connection)
             self._check_root(connection, root)
+            sqlite.write_mark(cursor_of(connection), mark)
+        self._folder.mark.write(mark)
+        self._guard.begin(mark)
         with connection.begin():
             self._scribe = self._new_scribe(connection, root)
             memory = reading.Reader(connection, root).memory()
@@ -126,9 +142,11 @@ class Writer:
         if self._late:
             self.settle([])
         self._disconnect()
+        self._guard.ended()
         self._folder.give_back()
 
     def _disconnect(self) -> None:
+        self._guard.disconnected()
         if self._connection is not None:
             sqlite.close(self._connection)
         self._connection = self._scribe = None
@@ -138,9 +156,11 @@ class Writer:
         if self._root is None:
             raise StoreFault(said("The record is closed. Nothing was written."))
         if self._connection is None:
+            self._guard.check_database()
             connection = self._engine.connect()
             try:
                 sqlite.make_durable(connection, self._settings)
+                self._guard.connected()
             except BaseException:
                 sqlite.close(connection)
                 raise
@@ -169,20 +189,27 @@ class Writer:
 
     def _commit(self, group: Calls) -> None:
         """Write a group in one transaction; if it does not fit, all of it that does."""
+        group = self._guard.check(group)
         connection, scribe = self._connected()
-        missed = self._unrecorded
+        missed, mark = self._unrecorded, self._guard.next_mark(group)
         try:
             with sqlite.transaction(connection) as cursor:
                 batch = scribe.rows([job.content for job in group])
                 self._insertion.run(cursor, batch)
                 self._record_gap(cursor, missed)
+                if mark is not None:
+                    sqlite.write_mark(cursor, mark)
             scribe.remember(batch)
+            self._guard.has_marked(mark)
         except Exception as error:
             if not is_unfit(error):
                 raise
             with connection.begin():
                 self._divide(connection, scribe, group)
                 self._record_gap(cursor_of(connection), missed)
+        self._guard.check(
+            group
+        )  # what was written into a file that nobody will read is not written
         self._failing = False
         if missed:
             self.miss(0, recorded=missed)

@@ -15,8 +15,8 @@ import pytest
 from rosic.core.record import Letter
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import DATABASE
 from rosic.stores.latch import FileLatch
+from rosic.stores.record_mark import DATABASE
 from rosic.testing.clock import ManualClock
 from rosic.testing.records import ADA, OMNI, a_claim, a_stop
 

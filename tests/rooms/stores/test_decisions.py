@@ -11,8 +11,8 @@ import pytest
 
 from rosic.errors import Repeated, StoreFault
 from rosic.stores.database import AT_ONCE, DatabaseStore
-from rosic.stores.folder import DATABASE
 from rosic.stores.memory import MemoryStore
+from rosic.stores.record_mark import DATABASE
 from rosic.stores.settings import Settings
 from rosic.testing.clock import ManualClock
 from rosic.testing.records import ADA, a_claim, a_decision, a_fact, an_enrolment

@@ -14,8 +14,8 @@ from rosic.core.record import Letter
 from rosic.errors import Repeated, StoreFault
 from rosic.stores import sqlite
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import DATABASE
 from rosic.stores.memory import MemoryStore
+from rosic.stores.record_mark import DATABASE
 from rosic.stores.settings import Settings
 from rosic.stores.statements import TakePairs
 from rosic.stores.tables import facts

@@ -17,7 +17,8 @@ from rosic.core.record import Memory
 from rosic.errors import ConfigurationError
 from rosic.stores import reading, schema, sqlite, tables
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import DATABASE, LOCK
+from rosic.stores.folder import LOCK
+from rosic.stores.record_mark import DATABASE
 from rosic.stores.rootkey import ROOT_KEY
 from rosic.stores.sealing import Root
 from rosic.stores.settings import Settings
@@ -283,8 +284,6 @@ async def test_opening_looks_at_open_commands_only(tmp_path: Path) -> None:
 
 
 async def test_an_empty_folder_and_an_empty_file_are_new_records(tmp_path: Path) -> None:
-    (tmp_path / ROOT_KEY).write_bytes(bytes(range(32)))
-    (tmp_path / ROOT_KEY).chmod(0o600)
     (tmp_path / DATABASE).touch(0o600)
     store = a_store(tmp_path)
     assert await store.open() == Memory()

@@ -13,8 +13,8 @@ from nacl.bindings import crypto_aead_xchacha20poly1305_ietf_encrypt as encrypt
 from rosic.core.record import Concluded, Enrolled, Letter, Placed
 from rosic.errors import ConfigurationError
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import DATABASE
 from rosic.stores.latch import FileLatch
+from rosic.stores.record_mark import DATABASE
 from rosic.stores.rootkey import ROOT_KEY
 from rosic.stores.sealing import NONCE_BYTES, ROOM_BYTES, Root, Sealer, Unreadable
 from rosic.testing.clock import ManualClock

@@ -12,8 +12,8 @@ import pytest
 from rosic.core.record import Letter, Record
 from rosic.errors import Repeated
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import DATABASE
 from rosic.stores.memory import MemoryStore
+from rosic.stores.record_mark import DATABASE
 from rosic.stores.settings import Settings
 from rosic.testing.clock import ManualClock
 from rosic.testing.records import (

@@ -12,7 +12,7 @@ import pytest
 from rosic.core.record import Fact, Letter
 from rosic.errors import Repeated, StoreFault
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import DATABASE
+from rosic.stores.record_mark import DATABASE
 from rosic.stores.settings import Settings
 from rosic.testing.clock import ManualClock
 from rosic.testing.records import (

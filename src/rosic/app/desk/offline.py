@@ -18,7 +18,6 @@ from rosic.app.placing.enlisted import KIND as ENLISTED
 from rosic.app.placing.enlisted import with_enlisted
 from rosic.app.placing.holding import Around, holdings_of
 from rosic.app.placing.people import remember, seed
-from rosic.app.start import STOPS
 from rosic.authoriser.authoriser import Authoriser
 from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
@@ -35,9 +34,9 @@ from rosic.organiser.zones import UNIVERSAL
 from rosic.pipeline.containers.clerks import books_kept
 from rosic.pipeline.containers.parts import Vault
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import DATABASE
 from rosic.stores.latch import FileLatch
 from rosic.stores.memory import MemoryStore
+from rosic.stores.record_mark import STOPS, was_begun
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterable, Sequence
@@ -126,7 +125,7 @@ class Alone:
     @asynccontextmanager
     async def _opened(self, seeding: Seeding) -> AsyncIterator[Books]:
         """Open the data. What only looks makes no data where there is none."""
-        there = seeding is Seeding.WRITTEN or (self._data / DATABASE).exists()
+        there = seeding is Seeding.WRITTEN or was_begun(self._data)
         store: Store = DatabaseStore(self._data, clock=self._clock) if there else MemoryStore()
         memory = await store.open()
         try:

@@ -14,6 +14,7 @@ import msgspec
 from rosic.app.desk.asked import Verb
 from rosic.app.desk.operator_desk import body_of
 from rosic.app.placing.enlisted import Wanted
+from rosic.app.placing.record_watch import lost
 from rosic.core import words
 from rosic.core.identity import OPERATOR
 from rosic.core.order import Rest
@@ -47,12 +48,14 @@ class Operating:
         self._desk = desk
 
     def status(self, names: Sequence[str] = ()) -> tuple[str, ...]:
-        """Return a line for each robot.
+        """Return a line for each robot, after what keeps all of them from moving.
 
         Raises:
             NotUnderstood: There is no robot and no group of that name.
         """
-        return tuple(self._status(robot) for robot in self._robots(names))
+        file = self._gateway.record_watch.lost_file()
+        first = (str(lost(file)),) if file else ()
+        return (*first, *(self._status(robot) for robot in self._robots(names)))
 
     def _status(self, robot: RobotId) -> str:
         rooms = self._gateway.rooms

@@ -9,6 +9,7 @@ from rosic.app.adapters import shared_spaces
 from rosic.app.desk.control import Ask, NotRunning, Verb, ask_gateway
 from rosic.app.doctor.findings import Finding, Verdict
 from rosic.app.doctor.machine import examine_clock, examine_disk
+from rosic.app.doctor.record import examine_record
 from rosic.app.doctor.surroundings import examine_messengers, examine_ros
 from rosic.app.doctor.trying import try_robot
 from rosic.errors import RosicError
@@ -40,6 +41,8 @@ async def examine(
     """
     for finding in examine_disk(config.data if config else Path.cwd()):
         yield finding
+    if config is not None:
+        yield await examine_record(config.data)
     yield await examine_clock(clock)
     kinds = {profile.link.kind for profile in config.robots} if config else set()
     yield examine_ros(needed=ROS_LINK in kinds)

@@ -203,7 +203,8 @@ async def try_robot(
         known = ", ".join(p.id for p in config.robots)
         yield Finding(name, Verdict.LOOK, f"there is no such robot; there are: {known}")
         return
-    store, latch = DatabaseStore(config.data, clock=clock), latch_of(config)
+    latch = latch_of(config)
+    store = DatabaseStore(config.data, clock=clock, kept=latch.kept)
     memory = await store.open()
     try:
         n, fence = memory.numbers.get(name, (0, 0))

@@ -21,7 +21,7 @@ from rosic.core.identity import Address, AuthorisationKey
 from rosic.core.message import ChatKind
 from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
 from rosic.pipeline.containers import inspecting
-from rosic.stores.folder import DATABASE
+from rosic.stores.record_mark import DATABASE
 from rosic.testing.clock import ManualClock
 from tests.rooms.pipeline.containers.ward import Ward, a_ward
 from tests.rooms.pipeline.place import ADA, BO
