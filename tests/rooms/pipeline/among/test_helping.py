@@ -296,7 +296,7 @@ async def test_help_that_was_accepted_long_ago_or_unheard_takes_no_robot_off_its
         ident = await asked(here)
         old_ns = here.clock.wall_ns() - 60 * 1_000_000_000
         told = await here.say(f"/assist {ident} cf1", account=BO, chat=BO, sent_ns=old_ns)
-        assert "You sent this while I could not listen" in told
+        assert "Your command is 60 seconds old: it reached me late" in told
         assert tasks.adjusted == []
         await here.say(f"/assist {ident} cf1", account=BO, chat=BO, message="now")
         assert tasks.adjusted == [("cf1", "omni")]
