@@ -48,7 +48,7 @@ class Organiser:
 
     Attributes:
         rights: The present snapshot; replacing it is one assignment.
-        locked, narrow, key_of: As in `AccessState`.
+        locked, narrow, key_of, own_limits: As in `AccessState`.
         locked_out: Hears of whoever was turned away because of it.
         released: Hears of a robot that was taken from whoever had it.
         calendar: Whose time it is.
@@ -69,7 +69,7 @@ class Organiser:
     ) -> None:
         clock = access.clock
         self.rights, self.calendar = rights, Calendar(clock)
-        self.locked, self.narrow, self.key_of = access.locked, access.narrow, access.key_of
+        _, self.key_of, self.narrow, self.locked, self.own_limits = access
         self.locked_out: Callable[[PrincipalId], object] = _nothing
         self.released: Callable[[RobotId], object] = _nothing
         self.lease_idle_s, self.wall_ns = lease_idle_s, clock.wall_ns

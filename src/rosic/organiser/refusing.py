@@ -235,6 +235,18 @@ class Refusing:
         limit = denied.limit
         within = bound_of(limit.said) if limit is not None else said("a limit")
         what, shown = _spoken(denied.ask.skill), self._shown(denied.ask.robot)
+        own = self._organiser.own_limits(denied.ask.principal)
+        if limit is not None and any(each in limit.said for each in own):
+            return OutOfBounds(
+                said(
+                    "{shown}: {what} is allowed with {within} by your own settings. Nothing was "
+                    "done. To change that: /settings speed",
+                    shown=shown,
+                    what=what,
+                    within=within,
+                ),
+                offers=within_limits(denied, self._profiles[denied.ask.robot].skills),
+            )
         return OutOfBounds(
             said(
                 "{shown}: for you, {what} is allowed with {within}. Nothing was done. {who}",

@@ -22,11 +22,12 @@ from rosic.pipeline.replies import ASK_FIRST, CONFIRMED
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from rosic.core.identity import PrincipalId
+    from rosic.core.identity import Caller
     from rosic.core.language import Line, Reader
     from rosic.core.message import Button, Chat
     from rosic.core.robot import RobotId
     from rosic.core.skill import Argument
+    from rosic.pipeline.lowering import Lowering
     from rosic.pipeline.rooms import Rooms
 
 DIGEST_BYTES: Final = 16
@@ -67,20 +68,21 @@ class Act(NamedTuple):
 class Agreements:
     """Binds buttons to what they would do, and sees at the tap that it is still the same."""
 
-    def __init__(self, rooms: Rooms, reader: Reader) -> None:
+    def __init__(self, rooms: Rooms, reader: Reader, lowering: Lowering) -> None:
         self._rooms = rooms
+        self._lowering = lowering
         self._reader = reader
 
-    def of(self, line: Do) -> Act:
-        """Return what a line comes to now.
+    def of(self, line: Do, caller: Caller) -> Act:
+        """Return what a line comes to now for somebody.
 
         Raises:
             NotUnderstood, OutOfBounds: It cannot be carried out as it was said.
         """
-        parts = tuple(self._parts(line))
+        parts = tuple(self._parts(line, caller))
         return Act(self.named(line), self._shown(line.group, parts), parts, self._digest(parts))
 
-    def bind(self, button: Button, principal: PrincipalId, chat: Chat) -> Button:
+    def bind(self, button: Button, caller: Caller, chat: Chat) -> Button:
         """Return a button bound to what it lets robots do for somebody in a chat, if anything.
 
         What it says names its robot from now on: that must not hang on what is chosen when it is
@@ -93,10 +95,10 @@ class Agreements:
         rooms = self._rooms
         lines = self._reader.lines(
             command,
-            rooms.container.selected(principal, chat),
-            rooms.organiser.visible(principal),
+            rooms.container.selected(caller.principal, chat),
+            rooms.organiser.visible(caller.principal),
         )
-        parts = self._all(lines)
+        parts = self._all(lines, caller)
         if not parts:
             return button
         first = lines[0]
@@ -106,13 +108,13 @@ class Agreements:
             button, label=label, command=f"{CONFIRMED * sure}{named}", act=self._digest(parts)
         )
 
-    def check(self, lines: Sequence[Line], act: bytes) -> None:
+    def check(self, caller: Caller, lines: Sequence[Line], act: bytes) -> None:
         """See that what a tap says lets robots do exactly what it agreed to.
 
         Raises:
             Expired: It would be something else, or it was agreed to under other rules.
         """
-        parts = self._all(lines)
+        parts = self._all(lines, caller)
         if not parts:
             return  # no robot does anything because of it, or it is refused for what it says
         now = self._digest(parts)
@@ -135,10 +137,10 @@ class Agreements:
             )
         )
 
-    def is_current(self, act: Act, line: Do) -> bool:
+    def is_current(self, act: Act, line: Do, caller: Caller) -> bool:
         """Whether a line comes to the same as before, under the same rules."""
         try:
-            return self.of(line).digest == act.digest
+            return self.of(line, caller).digest == act.digest
         except Refusal:
             return False
 
@@ -158,20 +160,21 @@ class Agreements:
 
     # ---- what it comes to ----
 
-    def _all(self, lines: Sequence[Line]) -> tuple[Part, ...]:
+    def _all(self, lines: Sequence[Line], caller: Caller) -> tuple[Part, ...]:
         """Return what lines let robots do; nothing of one that is refused for what it says."""
-        return tuple(part for line in lines for part in self._possible(line))
+        return tuple(part for line in lines for part in self._possible(line, caller))
 
-    def _possible(self, line: Line) -> tuple[Part, ...]:
+    def _possible(self, line: Line, caller: Caller) -> tuple[Part, ...]:
         try:
-            return tuple(self._parts(line))
+            return tuple(self._parts(line, caller))
         except Refusal:
             return ()
 
-    def _parts(self, line: Line) -> Iterator[Part]:
+    def _parts(self, line: Line, caller: Caller) -> Iterator[Part]:
         if isinstance(line, Errand) and line.verb in TOGETHER:
-            yield from self._together(line)
+            yield from self._together(line, caller)
         elif isinstance(line, Do):
+            line, _ = self._lowering.of(caller, line)
             for robot, skill in zip(line.robots, line.skills, strict=True):
                 asked = Request(
                     b"", robot, skill, line.spoken, line.text, 0, 0, 0, 0, line.group
@@ -179,7 +182,7 @@ class Agreements:
                 values = self._rooms.container.complete(asked)
                 yield Part(robot, skill.id, values.arguments, values.words)
 
-    def _together(self, line: Errand) -> Iterator[Part]:
+    def _together(self, line: Errand, caller: Caller) -> Iterator[Part]:
         """Yield what a command to several robots lets each of them do."""
         name, _, what = line.rest.strip().partition(" ")
         vocabulary = self._rooms.vocabulary
@@ -187,7 +190,7 @@ class Agreements:
             members = (one,) if one in self._rooms.profiles else vocabulary.members(one)
             for robot in members:
                 for step in self._reader.lines(what, robot, frozenset({robot})):
-                    yield from self._possible(step)
+                    yield from self._possible(step, caller)
 
     def _digest(self, parts: Sequence[Part]) -> bytes:
         """Return what stands for an act: what is done, and the number of the rules."""

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
     from rosic.core.skill import Argument
     from rosic.pipeline.agreement import Agreements
+    from rosic.pipeline.lowering import Lowering
 
 SMALLER, LARGER = "−", "+"  # noqa: RUF001 - a minus sign is as wide as a plus
 CHOSEN = "• "
@@ -47,15 +48,21 @@ NOTHING_TO_DO = said("There is nothing to do again here yet.")
 class Choosing:
     """Asks before anything that was tapped moves a robot, and lets its values be changed first."""
 
-    def __init__(self, reader: Reader, habits: Habits, agreements: Agreements) -> None:
+    def __init__(
+        self, reader: Reader, habits: Habits, agreements: Agreements, lowering: Lowering
+    ) -> None:
         self._reader = reader
         self._agreements = agreements
+        self._lowering = lowering
         self._habits = habits
 
-    def ask(self, command: str, visible: frozenset[RobotId], selected: str = "") -> Reply:
+    def ask(
+        self, caller: Caller, command: str, visible: frozenset[RobotId], selected: str = ""
+    ) -> Reply:
         """Return the question whether a command is meant, with its values to step through.
 
         Args:
+            caller: Who is asked: what is proposed stays within their limits.
             command: As typed; after `TRAIL`, from what it was changed, and the menu it came from.
             visible: What the person may see.
             selected: Who is meant where the command names nobody.
@@ -72,7 +79,7 @@ class Choosing:
             raise NotUnderstood(NOTHING_TO_DO)
         if line.group:
             said_whole = command if line.group in command.casefold() else f"{line.group} {command}"
-            return _question(self._agreements.of(line).shown, said_whole, (), trail)
+            return _question(self._agreements.of(line, caller).shown, said_whole, (), trail)
         vocabulary, robot = self._reader.vocabulary, line.robots[0]
         compiled, given = place(vocabulary, robot, line.skills[0], line.spoken)
         arguments: dict[str, Argument] = {}
@@ -85,6 +92,7 @@ class Choosing:
                     )
                 )  # fmt: skip
             arguments[parameter.name] = value
+        arguments |= self._lowering.within(caller, robot, compiled, arguments, given)[0]
         shown = vocabulary.robots[robot].shown
         title = joined(": ", (shown, show(vocabulary, robot, line.skills[0], arguments)))
         steppers = _steppers(robot, compiled, arguments, trail)
@@ -99,7 +107,7 @@ class Choosing:
         last = self._habits.last(caller.principal, chat)
         if last is None:
             raise NotUnderstood(NOTHING_TO_DO)
-        return self.ask(last[1], visible, last[0])
+        return self.ask(caller, last[1], visible, last[0])
 
     def favourites(
         self, principal: PrincipalId, robot: RobotId, visible: frozenset[RobotId]

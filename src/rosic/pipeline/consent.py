@@ -65,14 +65,14 @@ class Request(msgspec.Struct):
 class Resolver(Protocol):
     """Says what words come to; see `rosic.pipeline.agreement.Agreements`."""
 
-    def of(self, line: Do) -> Act:
-        """Return what a line comes to now.
+    def of(self, line: Do, caller: Caller) -> Act:
+        """Return what a line comes to now for somebody.
 
         Raises:
             NotUnderstood, OutOfBounds: It cannot be carried out as it was said.
         """
 
-    def is_current(self, act: Act, line: Do) -> bool:
+    def is_current(self, act: Act, line: Do, caller: Caller) -> bool:
         """Whether a line comes to the same as before, under the same rules."""
 
 
@@ -106,7 +106,7 @@ class Consent:
             NotUnderstood, OutOfBounds: What was said cannot be carried out.
         """
         if needed.need == Need.CONFIRMATION.value:
-            act = self._agreements.of(line)
+            act = self._agreements.of(line, caller)
             question = said("{act}? It moves only if you confirm it.", act=act.shown)
             return Reply(question, _do_it(f"{CONFIRMED}{act.command}", act))
         if needed.need == Need.SECOND_PERSON.value:
@@ -122,7 +122,7 @@ class Consent:
         return Reply(needed.sentence)
 
     def _ask_others(self, caller: Caller, line: Do, needed: FirstNeeded) -> str:
-        act = self._agreements.of(line)
+        act = self._agreements.of(line, caller)
         asks = self._wanting(caller, act, needed)
         others = self._others(caller, asks)
         if not others:
@@ -227,7 +227,7 @@ class Consent:
         Raises:
             Expired: It is not; whoever asked is told.
         """
-        if self._agreements.is_current(request.act, request.line):
+        if self._agreements.is_current(request.act, request.line, request.caller):
             return
         del self._requests[number]
         act = request.act.shown

@@ -122,7 +122,7 @@ class Desk:
             return None
         if not skill:
             return self._use(caller, chat, Use(robot))
-        return self._choosing.ask(f"{robot} {skill}", visible)
+        return self._choosing.ask(caller, f"{robot} {skill}", visible)
 
     def _start(self, caller: Caller, visible: frozenset[RobotId]) -> Reply:
         """Say whether somebody may command anything now, and with what they may begin."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from rosic.authoriser.buttons import Redeemed
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
-    from rosic.core.identity import Address, Caller, CommandId, PrincipalId
+    from rosic.core.identity import Address, Caller, CommandId
     from rosic.core.message import Chat, Inbound
     from rosic.pipeline.desk import Reply
     from rosic.pipeline.rooms import Rooms
@@ -43,7 +43,7 @@ AGAIN_NS = 600_000_000_000
 """Whoever is unknown and goes on writing is told so again after so long, and no sooner."""
 
 
-Bind: TypeAlias = "Callable[[Button, PrincipalId, Chat], Button]"
+Bind: TypeAlias = "Callable[[Button, Caller, Chat], Button]"
 
 
 class Replies:
@@ -95,7 +95,9 @@ class Replies:
     ) -> tuple[tuple[Button, ...], ...]:
         issue, bind = self._authoriser.buttons.issue, self._bind_act
         who, chat = caller.principal, inbound.chat
-        return tuple(tuple(issue(bind(b, who, chat), who, chat.id) for b in row) for row in buttons)
+        return tuple(
+            tuple(issue(bind(b, caller, chat), who, chat.id) for b in row) for row in buttons
+        )
 
     def hand_over(
         self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply

@@ -32,12 +32,13 @@ class Said:
             nothing.
         confirmed: A button said it that asked whether it is meant.
         second: Who else has agreed to it.
+        note: What is said beside its orders: that a default was lowered; mostly empty.
         proven: It was asked whether they have shown a second factor lately, and they have.
     """
 
     __slots__ = (
-        "act", "arrived_ns", "asked", "caller", "confirmed", "inbound", "messenger", "proven",
-        "second", "stepup",
+        "act", "arrived_ns", "asked", "caller", "confirmed", "inbound",
+        "messenger", "note", "proven", "second", "stepup",
     )  # fmt: skip
 
     def __init__(
@@ -49,6 +50,7 @@ class Said:
         stepup: SteppedUp,
     ) -> None:
         self.act = b""
+        self.note = ""
         self.confirmed = self.proven = False
         self.second: PrincipalId | None = None
         self.stepup = stepup

@@ -14,7 +14,15 @@ from rosic.core.language import Do, Errand, Halt, Misunderstood, Reader, Resume,
 from rosic.core.life import ENGLISH, wording_in
 from rosic.core.message import ChatKind, Standing
 from rosic.core.saying import in_language, said
-from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, Repeated, Unrecognised
+from rosic.errors import (
+    Expired,
+    FirstNeeded,
+    NotUnderstood,
+    OutOfBounds,
+    Refusal,
+    Repeated,
+    Unrecognised,
+)
 from rosic.pipeline.agreement import Agreements
 from rosic.pipeline.audience import Audience
 from rosic.pipeline.cancel import CancelLane
@@ -24,6 +32,7 @@ from rosic.pipeline.desk import Desk
 from rosic.pipeline.edited_messages import EditedMessages
 from rosic.pipeline.expiring import Expiring
 from rosic.pipeline.lives import Lives
+from rosic.pipeline.lowering import Lowering
 from rosic.pipeline.office import Asked
 from rosic.pipeline.reception import Reception, may_bring_a_code
 from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_id
@@ -87,13 +96,14 @@ class Pipeline:
         self._turns = Turns()
         self._requesting = Requesting(rooms, clock)
         self._followed: OrderedDict[CommandId, None] = OrderedDict()
-        self.agreements = Agreements(rooms, self._reader)
+        self._lowering = Lowering(rooms, self._requesting, clock)
+        self.agreements = Agreements(rooms, self._reader, self._lowering)
         self._replies = Replies(rooms, teller, clock, self.agreements.bind)
         self._expiring = Expiring(teller, clock)
         self._edited = EditedMessages(rooms, self._reader, self._replies, self._addressed)
         self.resuming = resuming = stop_lane.resuming
         self.habits = Habits()
-        self._choosing = Choosing(self._reader, self.habits, self.agreements)
+        self._choosing = Choosing(self._reader, self.habits, self.agreements, self._lowering)
         self.arrears = self._replies.arrears
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience = Audience(organiser)
@@ -173,7 +183,7 @@ class Pipeline:
             self._replies.say(messenger, inbound, NOTHING_DONE)
         elif command.startswith(ASK_FIRST):
             visible = self._rooms.organiser.visible(caller.principal)
-            reply = self._choosing.ask(command[1:], visible)
+            reply = self._choosing.ask(caller, command[1:], visible)
             self._replies.offer(messenger, inbound, caller, reply.text, reply.buttons)
         else:
             if command.startswith(CONFIRMED):
@@ -198,7 +208,7 @@ class Pipeline:
         )
         lines = self._reader.lines(text, selected, visible)
         if inbound.nonce is not None:
-            self.agreements.check(lines, said.act)
+            self.agreements.check(caller, lines, said.act)
         for number, line in enumerate(lines):
             if number:
                 await asyncio.sleep(0)  # each line is a step: a stop does not wait for twenty
@@ -320,15 +330,17 @@ class Pipeline:
 
     async def _command(self, said: Said, line: Do, cid: CommandId) -> None:
         """CHECKPERMISSIONS, PROCESSCOMMAND; RELAYCOMMAND goes on in a life of its own."""
-        organiser, inbound = self._rooms.organiser, said.inbound
+        organiser, inbound, caller = self._rooms.organiser, said.inbound, said.caller
         if self.cancels.last:
-            self.cancels.check(said.caller, inbound)
-        now_ns = self._clock.monotonic_ns()
-        requests = self._requesting.requests(said, line, cid, now_ns)
-        organiser.charge(said.caller)  # not for what was sent in vain while nobody listened
-        permits = organiser.admit(said.caller, requests, self._arguments_of, said.grounds)
+            self.cancels.check(caller, inbound)
+        requests = self._requesting.requests(said, line, cid, self._clock.monotonic_ns())
+        organiser.charge(caller)  # not for what was sent in vain while nobody listened
+        try:
+            permits = organiser.admit(caller, requests, self._arguments_of, said.grounds)
+        except OutOfBounds as over:
+            line, requests, permits = self._lowering.admit(said, line, cid, over)
         if said.proven and any(organiser.wants_proof(request) for request in requests):
-            self.reception.proof_used(said.caller.principal, inbound.chat)
+            self.reception.proof_used(caller.principal, inbound.chat)
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
         origin = ReplyTo(said.messenger.name, inbound.chat, reply_id(inbound), title)
         try:
@@ -339,8 +351,7 @@ class Pipeline:
             organiser.abandon(permits)
             raise
         said.asked += line.robots
-        name = line.group or line.robots[0]
-        self.habits.note(said.caller.principal, inbound.chat, name, line.text)
+        self.habits.note(caller.principal, inbound.chat, line.group or line.robots[0], line.text)
         if len(orders) > 1:
             orders = begin_together(orders, self._clock.monotonic_ns())
         self._begin(said, line, orders)
@@ -362,6 +373,8 @@ class Pipeline:
         for order in orders:
             shown = self._shown[order.robot]
             what = order.words if catalogue is None else in_language(order.words, catalogue)
+            if said.note:
+                what = f"{what}, {in_language(said.note, catalogue)}"
             life = card.add(order.cid, shown, f"{shown}: {what}", now_ns)
             self.audience.note(order.robot, messenger, chat, caller.principal)
             self.lives.begin(order, said, card, life)

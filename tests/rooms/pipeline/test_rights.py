@@ -328,7 +328,7 @@ async def test_whose_cap_on_speed_is_damaged_goes_slowly_and_hears_of_it_once() 
         assert [chat for chat, text in told if "you go slowly" in text] == [BO]
         said = await place.say("omni drive speed=0.3", account=BO, chat=BO, message="n1")
         assert place.acted() == 0
-        assert "speed <= 0.1 m/s. Nothing was done." in said
+        assert "speed <= 0.1 m/s by your own settings. Nothing was done." in said
         await place.say("omni drive speed=0.1", account=BO, chat=BO, message="n2")
         assert place.acted() == 1
         await place.say("/settings speed none", account=BO, chat=BO, message="n3")
