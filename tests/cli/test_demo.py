@@ -13,15 +13,17 @@ import subprocess
 import sys
 import termios
 import time
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.cli.running import ROSIC, environment, rosic
+from tests.cli.running import ROSIC, environment, rosic, write_config
 from tests.pace import pace
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from pathlib import Path
 
 SCRIPT = """omni move forward 0.5 m
 kuka1 grasp
@@ -126,13 +128,13 @@ def test_bad_lines_are_answered_and_hold_nothing_up() -> None:
 class Hand:
     """A person at a terminal: what they type, and everything that was drawn."""
 
-    def __init__(self) -> None:
+    def __init__(self, *arguments: str) -> None:
         self.drawn = ""
         self._master, slave = pty.openpty()
         # A real terminal has a size, and tells where its cursor is when asked; this one does not.
         fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 100, 0, 0))
         self.process = subprocess.Popen(  # noqa: S603 - our own command
-            [*ROSIC, "demo"],
+            [*ROSIC, *(arguments or ("demo",))],
             stdin=slave,
             stdout=slave,
             stderr=slave,
@@ -145,8 +147,8 @@ class Hand:
     def type(self, text: str) -> None:
         os.write(self._master, text.encode())
 
-    def see(self, text: str, within_s: float = 60) -> None:
-        """Read until a text was drawn since the last look; colours are left out."""
+    def see(self, text: str, within_s: float = 60) -> str:
+        """Read until a text was drawn since the last look; return it all, without colours."""
         end_s = time.monotonic() + within_s * pace()
         while text not in plain(self.drawn):
             assert time.monotonic() < end_s, f"no {text!r} in {plain(self.drawn)!r}"
@@ -155,8 +157,9 @@ class Hand:
                     self.drawn += os.read(self._master, 65536).decode(errors="replace")
                 except OSError:
                     break  # the other side has closed
-        assert text in plain(self.drawn)
-        self.drawn = ""
+        drawn, self.drawn = plain(self.drawn), ""
+        assert text in drawn
+        return drawn
 
     def close(self) -> None:
         self.process.kill()
@@ -196,12 +199,31 @@ def test_by_hand_it_completes_asks_and_leaves(hand: Hand) -> None:
     assert hand.process.wait(60) == 0
 
 
-def test_ctrl_c_clears_a_line_and_leaves_an_empty_one(hand: Hand) -> None:
+def test_tab_completes_with_the_blank_that_follows(hand: Hand) -> None:
     hand.see("\n>")
+    hand.type("omni mov")
+    hand.see("Move in a straight line")
+    hand.type("\t10 cm lef")
+    hand.see("direction")
+    hand.type("\t\r")
+    drawn = hand.see("moved 0.10 m left")
+    assert re.search(r"driving (5|6)\d %", drawn), "a drive says how far it is"
+
+
+def test_the_first_ctrl_c_brings_every_robot_to_rest_and_a_second_one_leaves(hand: Hand) -> None:
+    hand.see("\n>")
+    hand.type("omni move 5 m\r")
+    hand.see("received by the robot")
     hand.type("omni tu")
     hand.see("Turn on the spot")
-    hand.type("\x03status\r")
-    hand.see("x 0.00 m")
+    hand.type("\x03")
+    drawn = hand.see("Ctrl-C again ends ROSIC.")
+    assert "STOP sent to " in drawn
+    assert "omni at rest" in " ".join(drawn.split())
+    hand.type("status omni\r")
+    hand.see("stopped")
+    hand.type("\x03")
+    hand.see("Ctrl-C again ends ROSIC.")
     hand.type("\x03")
     hand.see("Left.")
     assert hand.process.wait(60) == 0
@@ -212,3 +234,39 @@ def test_a_signal_ends_it(hand: Hand) -> None:
     hand.process.send_signal(signal.SIGTERM)
 
     assert hand.process.wait(60) == 0
+
+
+@contextmanager
+def _run(folder: Path) -> Iterator[Hand]:
+    hand = Hand("run", "-c", str(write_config(folder)))
+    try:
+        assert "Ctrl-C stops every robot." in hand.see("\n>", within_s=120)
+        yield hand
+    finally:
+        hand.close()
+
+
+def test_at_the_prompt_of_a_gateway_ctrl_c_stops_and_what_is_typed_then_is_heard(
+    tmp_path: Path,
+) -> None:
+    with _run(tmp_path) as hand:
+        hand.type("omni move 5 m speed 0.05 m/s\r")
+        hand.see("driving")
+        hand.type("\x03")
+        assert "omni at rest" in " ".join(hand.see("Ctrl-C again ends ROSIC.").split())
+        hand.type("resume omni\r")
+        hand.see("omni is ready again.")
+        hand.type("omni move 5 m speed 0.05 m/s\r")
+        hand.see("driving")
+        hand.type("stop\r")
+        hand.see("STOP: omni at rest")
+        hand.type("\x03")
+        hand.see("Ctrl-C again ends ROSIC.")
+        hand.type("\x03")
+        assert hand.process.wait(60 * pace()) == 0
+
+
+def test_ctrl_d_ends_a_gateway_whose_only_messenger_is_the_terminal(tmp_path: Path) -> None:
+    with _run(tmp_path) as hand:
+        hand.type("\x04")
+        assert hand.process.wait(60 * pace()) == 0

@@ -22,10 +22,17 @@ CLOSE_WITHIN_S = 4.3
 log = logging.getLogger("rosic.gateway")
 
 
-def on_signals(leave: Callable[[], object]) -> None:
-    """Call this when somebody asks this process to end: SIGTERM, SIGINT or SIGHUP."""
-    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
-        asyncio.get_running_loop().add_signal_handler(number, leave)
+def on_signals(leave: Callable[[], object], interrupt: Callable[[], object] | None = None) -> None:
+    """Call ``leave`` when somebody asks this process to end: SIGTERM, SIGINT or SIGHUP.
+
+    Args:
+        leave: Ends it.
+        interrupt: Called for SIGINT instead, where somebody sits at a terminal.
+    """
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        loop.add_signal_handler(number, leave)
+    loop.add_signal_handler(signal.SIGINT, leave if interrupt is None else interrupt)
 
 
 async def close_in_time(

@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 import logging
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rosic.app.adapters import robot_factory
 from rosic.app.closing import close_in_time, on_signals
+from rosic.app.console import console_of, mind_console
 from rosic.app.desk.operating import Operating
 from rosic.app.documents.profiles import known_units, read_profile, shipped_profiles
 from rosic.app.face import face_of
@@ -39,7 +40,8 @@ Try, for example:
   kuka1 grasp force=20
   crazyflies takeoff 1 m
   stop
-Also: status, help, help omni. Tab completes; Ctrl-D leaves."""
+Also: status, help, help omni. Tab completes; Ctrl-C brings all to rest;
+Ctrl-D leaves."""
 
 
 class Script:
@@ -148,9 +150,13 @@ async def _until_over(
         left.set()
         messenger.ended.set()
 
-    on_signals(leave)
+    console = console_of((messenger,))
+    on_signals(leave, None if console is None else console.interrupt)
     listening = asyncio.create_task(gateway.run())
     ended = asyncio.create_task(messenger.ended.wait())
+    tasks: list[asyncio.Task[Any]] = [listening, ended]
+    if console is not None:
+        tasks.append(asyncio.create_task(mind_console(console, gateway, leave, ())))
     await asyncio.wait((listening, ended), return_when=asyncio.FIRST_COMPLETED)
     try:
         if listening.done():
@@ -158,6 +164,6 @@ async def _until_over(
         elif script is not None and not messenger.gone:
             await script.end(left)
     finally:
-        for task in (listening, ended):
+        for task in tasks:
             task.cancel()
-        await asyncio.gather(listening, ended, return_exceptions=True)
+        await asyncio.gather(*tasks, return_exceptions=True)

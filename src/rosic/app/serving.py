@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rosic.app import heap
 from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, on_signals
+from rosic.app.console import Console, console_of, mind_console
 from rosic.app.desk.books import books_of
 from rosic.app.desk.control import ControlServer, socket_path
 from rosic.app.desk.operating import Operating
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 CHECK_WITHIN_S = 5.0
 TELEGRAM, TERMINAL = "telegram", "terminal"
-GREETING = "Say help for what can be said here, and stop at any time. Ctrl-D leaves."
+GREETING = "Say help for what can be said here, and stop at any time; Ctrl-C stops every robot."
 CLOSE_AT_LEAST_S = 0.5
 
 log = logging.getLogger("rosic.gateway")
@@ -76,7 +77,8 @@ class Serving:
             RosicError: It could not start, or a messenger failed for good. Whatever was opened is
                 closed again, robots are at rest.
         """
-        on_signals(self._end)
+        console = console_of(self._parts.messengers)
+        on_signals(self._end, None if console is None else console.interrupt)
         try:
             if await self._open():
                 try:
@@ -121,6 +123,10 @@ class Serving:
         working = asyncio.create_task(self._work(desk))
         ending = asyncio.create_task(self._ended.wait())
         tasks = [working, ending]
+        if (console := console_of(self._parts.messengers)) is not None:
+            others = tuple(m.name for m in self._parts.messengers if not isinstance(m, Console))
+            minding = mind_console(console, self._gateway, self._end, others)
+            tasks.append(asyncio.create_task(minding))
         if isinstance(store := self._parts.store, Forgetful):
             tasks.append(asyncio.create_task(forget_daily(store, self._clock)))
         try:

@@ -40,6 +40,10 @@ _RUNNING = said("running")
 _LOOK = said("Please look.")
 
 
+SHOWN_PARTS = 4
+"""Where nothing can be changed that was said, progress is said anew with each quarter."""
+
+
 class Wording(msgspec.Struct, frozen=True):
     """The words of lives in one language, plain, so that no life has to translate them.
 
@@ -111,7 +115,11 @@ class Life:
         news = report.note != self._note or self._fraction is None
         self._note = report.note
         if report.fraction is not None:
-            self._fraction = max(report.fraction, self._fraction or 0.0)
+            before, self._fraction = self._fraction or 0.0, report.fraction
+            if report.fraction < before:
+                self._fraction = before
+            elif int(report.fraction * SHOWN_PARTS) > int(before * SHOWN_PARTS):
+                news = True
         return news
 
     def wording(self, outcome: Outcome, at_ns: int) -> str:

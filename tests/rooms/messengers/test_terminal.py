@@ -224,6 +224,17 @@ def test_numbers_begin_again_when_nothing_is_open() -> None:
     assert "[1] Do it  [2] Leave it" in choices.show("b", QUESTION, 1)
 
 
+def test_numbers_begin_again_with_what_is_said_next() -> None:
+    choices = Choices()
+    assert "[1]" in choices.show("a", QUESTION, 0)
+    choices.retire()
+    assert choices.take("1") is None, "somebody said something else since"
+    assert "[1]" in choices.show("b", QUESTION, 1)
+    taken = choices.take("1")
+    assert taken is not None
+    assert taken.message == "b"
+
+
 def test_numbers_stay_bounded() -> None:
     choices = Choices()
     shown = [choices.show(str(count), QUESTION, 0) for count in range(200)]
@@ -343,7 +354,7 @@ FLEET = [
     ("typed", "offered"),
     [
         ("", {"omni", "kuka1", "cf1", "crazyflies", "status", "stop", "resume", "use", "help",
-              "robots"}),
+              "cancel", "robots"}),
         ("cr", {"crazyflies"}),
         ("OM", {"omni"}),
         ("st", {"status", "stop"}),

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     from rosic.core.message import Button, Outbound
 
-# A button is good for 60 s. Its number means nothing else for twice that, so that a number typed
-# a moment too late never taps a button that has just been shown.
+# A button is good for 60 s. Until something else is said its number means nothing else for twice
+# that, so that a number typed a moment too late never taps a button that has just been shown.
 RESERVED_NS = 120_000_000_000
 AT_MOST = 99
 
@@ -51,6 +51,14 @@ class Choices:
         self._shown.pop(self._last, None)
         self._shown[self._last] = Choice(button, message, now_ns)
         return self._last
+
+    def retire(self) -> None:
+        """Let what was shown before be no choice any more: something else was said since.
+
+        What is answered to that begins with 1 again, and no number on the screen above means it.
+        """
+        self._shown.clear()
+        self._last = 0
 
     def take(self, text: str) -> Choice | None:
         """Return the button whose number was typed. Its neighbours are answered with it."""

@@ -18,7 +18,13 @@ from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal.choices import Choices
 from rosic.messengers.terminal.completing import Completer
 from rosic.messengers.terminal.drawer import FILE_BYTES, Drawer
-from rosic.messengers.terminal.screen import PlainScreen, Screen, standard_input, write
+from rosic.messengers.terminal.screen import (
+    Interrupted,
+    PlainScreen,
+    Screen,
+    standard_input,
+    write,
+)
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
@@ -43,6 +49,7 @@ class TerminalMessenger:
         plain: No colours, no prompt that redraws itself.
 
     Attributes:
+        interrupted: Set by each Ctrl-C; see `take_interrupts`.
         ended: Set when there is nothing more to read. `run` goes on: others may still talk.
         gone: What is shown reaches nobody any more; `ended` is set then, too.
         pace: Awaited after each line, before the next is read; for scripts.
@@ -65,6 +72,7 @@ class TerminalMessenger:
         plain: bool = False,
     ) -> None:
         self.name = name
+        self.interrupted = asyncio.Event()
         self.ended = asyncio.Event()
         self.gone = False
         self.pace: Callable[[], Awaitable[None]] | None = None
@@ -77,6 +85,7 @@ class TerminalMessenger:
         self._drawer = Drawer()
         self._chat = Chat(self.platform, CHAT)
         self._serial = 0
+        self._interrupts = 0
         # Ids must not come again in another run: the record remembers them (I1).
         self._run_id = f"{clock.wall_ns():x}-{os.getpid()}"
         self._since_ns = 0
@@ -103,9 +112,10 @@ class TerminalMessenger:
             raise first from first.__cause__  # whether a pipe broke is asked later
 
     async def _listen(self, screen: Screen, receive: Receive, group: asyncio.TaskGroup) -> None:
-        while (line := await screen.read()) is not None:
+        while (line := await self._next_line(screen)) is not None:
             if not line.strip():
                 continue
+            self._interrupts = 0
             inbound = self._inbound(line)
             if self.pace is not None:
                 await receive(inbound)
@@ -117,6 +127,28 @@ class TerminalMessenger:
             else:
                 self._waiting.put_nowait(inbound)
 
+    async def _next_line(self, screen: Screen) -> str | None:
+        try:
+            return await screen.read()
+        except Interrupted:
+            self.interrupt()
+            return ""
+
+    @property
+    def at_hand(self) -> bool:
+        """Whether somebody types, and no pipe."""
+        return is_terminal(sys.stdin)
+
+    def interrupt(self) -> None:
+        """Take a Ctrl-C: whoever follows `interrupted` decides what it means."""
+        self._interrupts += 1
+        self.interrupted.set()
+
+    def take_interrupts(self) -> int:
+        """Return how many Ctrl-C came since something was typed, and wait for the next anew."""
+        self.interrupted.clear()
+        return self._interrupts
+
     async def _hand_over(self, receive: Receive) -> None:
         while True:
             await receive(await self._waiting.get())
@@ -125,6 +157,8 @@ class TerminalMessenger:
         now_ns = self._clock.wall_ns()
         message = self._next_id()
         choice = self._choices.take(line)
+        if choice is None:
+            self._choices.retire()
         return Inbound(
             sender=Address(self.platform, self.account),
             chat=self._chat,

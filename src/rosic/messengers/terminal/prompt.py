@@ -14,7 +14,7 @@ from prompt_toolkit.history import InMemoryHistory
 from prompt_toolkit.output import ColorDepth
 from prompt_toolkit.patch_stdout import patch_stdout
 
-from rosic.messengers.terminal.screen import write
+from rosic.messengers.terminal.screen import Interrupted, write
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,9 +40,14 @@ class _Completing(ToolkitCompleter):
         document: Document,
         complete_event: CompleteEvent,  # noqa: ARG002 - its signature
     ) -> Iterator[ToolkitCompletion]:
+        # What goes on after a word goes on after its blank; after "=", at once.
+        blank = "" if document.text_after_cursor[:1].isspace() else " "
         for found in self.ours.complete(document.text_before_cursor):
             yield ToolkitCompletion(
-                found.text, start_position=-found.replaces, display_meta=found.meta
+                found.text if found.text.endswith("=") else f"{found.text}{blank}",
+                start_position=-found.replaces,
+                display=found.text,
+                display_meta=found.meta,
             )
 
 
@@ -76,7 +81,11 @@ class PromptScreen:
         self._above.__exit__(kind, error, at)
 
     async def read(self) -> str | None:
-        """Return the next line; None after Ctrl-D, Ctrl-C on an empty line, exit or quit."""
+        """Return the next line; None after Ctrl-D, exit or quit.
+
+        Raises:
+            Interrupted: After Ctrl-C, whatever had been typed.
+        """
         if self._raw is None:
             # Between two lines as well: a Ctrl-D that a terminal in its usual mode takes is lost.
             self._raw = ExitStack()
@@ -93,18 +102,15 @@ class PromptScreen:
             self._raw = None
 
     async def _line(self) -> str | None:
-        while True:
-            try:
-                line = await self._session.prompt_async(
-                    handle_sigint=False, set_exception_handler=False
-                )
-            except EOFError:
-                return None
-            except KeyboardInterrupt:
-                if self._session.default_buffer.text:
-                    continue
-                return None
-            return None if line.strip().casefold() in LEAVE else line
+        try:
+            line = await self._session.prompt_async(
+                handle_sigint=False, set_exception_handler=False
+            )
+        except EOFError:
+            return None
+        except KeyboardInterrupt as pressed:
+            raise Interrupted from pressed
+        return None if line.strip().casefold() in LEAVE else line
 
     def show(self, text: str) -> None:
         """Print above the prompt, broken between words where the terminal would break a word."""

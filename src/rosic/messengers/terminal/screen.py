@@ -18,11 +18,19 @@ LONGEST_LINE_BYTES = 262_144
 GONE = "The terminal is gone. The message was not shown."
 
 
+class Interrupted(Exception):
+    """Somebody pressed Ctrl-C; what they had typed so far is gone, and the next line is read."""
+
+
 class Screen(Protocol):
     """One place to read lines from and to show texts in. Entered while somebody listens."""
 
     async def read(self) -> str | None:
-        """Return the next line without its end, or None when there will be no more."""
+        """Return the next line without its end, or None when there will be no more.
+
+        Raises:
+            Interrupted: Ctrl-C was pressed. It can be read on.
+        """
         ...
 
     def show(self, text: str) -> None:

@@ -1,0 +1,104 @@
+"""The terminal at which somebody sits: Ctrl-C brings robots to rest, a second one ends."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
+
+from rosic.app.desk.operating import Operating
+from rosic.errors import MessengerFault
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from rosic.app.gateway import Gateway
+    from rosic.contracts.messenger import Messenger
+
+AGAIN: Final = "Ctrl-C again ends ROSIC. To let robots move again: resume all"
+NOT_HEARD: Final = (
+    "Nothing that is typed here is heard any more, stop included; ROSIC goes on for {others}. "
+    "Ctrl-C brings every robot to rest, and a second one ends it."
+)
+
+
+@runtime_checkable
+class Console(Protocol):
+    """A messenger that reads what somebody types at a terminal.
+
+    Attributes:
+        interrupted: Set by each Ctrl-C.
+        ended: Set when nothing more is read.
+    """
+
+    interrupted: asyncio.Event
+    ended: asyncio.Event
+
+    @property
+    def at_hand(self) -> bool:
+        """Whether a person sits there, and not a pipe."""
+        ...
+
+    def interrupt(self) -> None:
+        """Take a Ctrl-C that came as a signal."""
+        ...
+
+    def take_interrupts(self) -> int:
+        """Return how many Ctrl-C came since something was typed, and wait for the next anew."""
+        ...
+
+    def show(self, text: str) -> None:
+        """Show something that need not be part of a conversation."""
+        ...
+
+
+def console_of(messengers: Iterable[Messenger]) -> Console | None:
+    """Return the terminal at which somebody sits, if there is one."""
+    found = (one for one in messengers if isinstance(one, Console) and one.at_hand)
+    return next(found, None)
+
+
+async def mind_console(
+    console: Console, gateway: Gateway, leave: Callable[[], object], others: tuple[str, ...]
+) -> None:
+    """Follow what is pressed at a terminal, until somebody leaves by it.
+
+    Args:
+        console: The terminal.
+        gateway: Whose robots a first Ctrl-C brings to rest.
+        leave: Ends everything.
+        others: Names of the other messengers, for which it goes on after Ctrl-D.
+    """
+    ended = asyncio.create_task(console.ended.wait())
+    try:
+        while True:
+            pressed = asyncio.create_task(console.interrupted.wait())
+            await asyncio.wait((pressed, ended), return_when=asyncio.FIRST_COMPLETED)
+            pressed.cancel()
+            if console.interrupted.is_set():
+                if console.take_interrupts() > 1:
+                    leave()
+                    return
+                await _bring_to_rest(console, gateway)
+            elif ended.done() and not others:
+                leave()
+                return
+            elif ended.done():
+                _show(console, NOT_HEARD.format(others=" and ".join(others)))
+                ended = asyncio.create_task(asyncio.Event().wait())  # it ends once
+    finally:
+        ended.cancel()
+
+
+async def _bring_to_rest(console: Console, gateway: Gateway) -> None:
+    """Stop every robot; a second Ctrl-C does not wait for what is measured of the first."""
+    async for line in Operating(gateway).stop():
+        _show(console, line)
+        if console.interrupted.is_set():
+            return
+    _show(console, AGAIN)
+
+
+def _show(console: Console, text: str) -> None:
+    with suppress(MessengerFault):  # nobody reads it, and the robots come to rest all the same
+        console.show(text)

@@ -1,0 +1,108 @@
+"""What a Ctrl-C and a Ctrl-D mean at the terminal of a gateway."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING
+
+from rosic.app.console import AGAIN, Console, mind_console
+from tests.rooms.pipeline.place import Place
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+
+class Typed:
+    """A console whose keys a test presses."""
+
+    def __init__(self) -> None:
+        self.interrupted, self.ended = asyncio.Event(), asyncio.Event()
+        self.shown: list[str] = []
+        self.pressed = 0
+
+    @property
+    def at_hand(self) -> bool:
+        return True
+
+    def interrupt(self) -> None:
+        self.pressed += 1
+        self.interrupted.set()
+
+    def take_interrupts(self) -> int:
+        self.interrupted.clear()
+        return self.pressed
+
+    def show(self, text: str) -> None:
+        self.shown.append(text)
+
+
+@asynccontextmanager
+async def _minded(
+    console: Console, place: Place, others: tuple[str, ...]
+) -> AsyncIterator[asyncio.Event]:
+    left = asyncio.Event()
+    minding = asyncio.create_task(mind_console(console, place.gateway, left.set, others))
+    await place.quiet()
+    try:
+        yield left
+    finally:
+        minding.cancel()
+        await asyncio.gather(minding, return_exceptions=True)
+
+
+async def test_the_first_one_stops_everything_and_the_second_one_ends() -> None:
+    async with Place().open() as place:
+        place.robot("omni").work_s = 10_000.0
+        await place.say("omni move 1 m")
+        console = Typed()
+        async with _minded(console, place, ("telegram",)) as left:
+            console.interrupt()
+            await place.quiet()
+            assert all(robot.gate.latched for robot in place.gateway.robots.values())
+            assert console.shown[0].startswith("STOP sent to omni")
+            assert console.shown[1].startswith("STOP: omni at rest")
+            assert console.shown[-1] == AGAIN
+            assert not left.is_set()
+            console.interrupt()
+            await place.quiet()
+            assert left.is_set()
+
+
+async def test_something_typed_in_between_makes_it_the_first_again() -> None:
+    async with Place().open() as place:
+        console = Typed()
+        async with _minded(console, place, ()) as left:
+            console.interrupt()
+            await place.quiet()
+            console.pressed = 0  # a line was typed
+            console.interrupt()
+            await place.quiet()
+            assert not left.is_set()
+            assert console.shown.count(AGAIN) == 2
+
+
+async def test_the_end_of_the_only_messenger_leaves() -> None:
+    async with Place().open() as place:
+        console = Typed()
+        async with _minded(console, place, ()) as left:
+            console.ended.set()
+            await place.quiet()
+            assert left.is_set()
+
+
+async def test_where_others_go_on_it_says_that_nothing_typed_is_heard() -> None:
+    async with Place().open() as place:
+        console = Typed()
+        async with _minded(console, place, ("lab bot",)) as left:
+            console.ended.set()
+            await place.quiet()
+            assert not left.is_set()
+            assert console.shown[0].startswith("Nothing that is typed here is heard any more, stop")
+            assert "goes on for lab bot" in console.shown[0]
+            console.interrupt()
+            await place.quiet()
+            assert all(robot.gate.latched for robot in place.gateway.robots.values())
+            console.interrupt()
+            await place.quiet()
+            assert left.is_set()
