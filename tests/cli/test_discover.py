@@ -71,6 +71,11 @@ def test_a_draft_is_a_profile_with_careful_bounds(tmp_path: Path) -> None:
         "distance": ("m", 1), "speed": ("m/s", 0.2), "joint": ("", 10),
     }  # fmt: skip
     assert profile.watchdog_s is not None
+    assert profile.pose is not None
+    assert profile.pose.topic == "/omni/odom"
+    assert [(alert.when, alert.tell.value) for alert in profile.alerts] == [
+        ("offline", "operators")
+    ]
     assert "--try omni" in text
 
 

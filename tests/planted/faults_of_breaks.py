@@ -6,6 +6,7 @@ from tests.planted.faults import Fault
 
 STILL = "tests/robots/test_standing_still.py"
 AFTER = "tests/rooms/pipeline/test_after_a_break.py"
+AWAY = "tests/rooms/pipeline/test_absences.py"
 DEAD_MAN = "tests/core/test_deadman.py"
 
 OF_BREAKS = (
@@ -64,6 +65,15 @@ OF_BREAKS = (
         without="return End.TAKEN",
         caught_by=(
             f"{AFTER}::test_a_task_that_the_robots_own_side_ended_does_not_come_back_to_it",
+        ),
+    ),
+    Fault(
+        name="I7 nobody is told that a robot at work is not there any more",
+        file="app/placing/alarming.py",
+        guard=", self.absences.run()",
+        without="",
+        caught_by=(
+            f"{AWAY}::test_a_robot_that_vanishes_at_work_is_said_to_be_away_and_to_be_back",
         ),
     ),
 )

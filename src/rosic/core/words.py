@@ -28,6 +28,7 @@ MAY_NOT_COMMAND = said("You do not have permission to send and receive commands.
 INFORMATION = said("Here's the information you requested.")
 NO_INFORMATION = said("You do not have permission to access this information.")
 
+REST_UNMEASURED = said("whether it rests is not measured")
 NOTHING_VISIBLE = said(
     "There is no robot here for you yet. The admin of this place can change that."
 )
@@ -113,7 +114,7 @@ def status_line(
     profile: Profile, presence: Presence, *, holder: str, stopped_by: str | None, waiting: int
 ) -> str:
     """Return one robot's state in one line."""
-    parts = _state(presence, holder, stopped_by)
+    parts = _state(profile, presence, holder, stopped_by)
     if profile.unstoppable:
         parts.append(UNSTOPPABLE)
     if waiting:
@@ -129,11 +130,11 @@ def robot_line(profile: Profile, presence: Presence, holder: str, stopped_by: st
     typed = profile.shown.casefold() == profile.id
     name = profile.shown if typed else said("{shown} ({id})", shown=profile.shown, id=profile.id)
     return joined(
-        "", (name, ": ", joined(" · ", filter(None, _state(presence, holder, stopped_by))))
+        "", (name, ": ", joined(" · ", filter(None, _state(profile, presence, holder, stopped_by))))
     )
 
 
-def _state(presence: Presence, holder: str, stopped_by: str | None) -> list[str]:
+def _state(profile: Profile, presence: Presence, holder: str, stopped_by: str | None) -> list[str]:
     parts = [_link(presence)]
     if stopped_by is not None:
         parts.append(
@@ -145,8 +146,16 @@ def _state(presence: Presence, holder: str, stopped_by: str | None) -> list[str]
         parts.append(said("doing {what}", what=presence.doing.replace("_", " ")))
     elif presence.at_rest:
         parts.append(said("at rest"))
+    elif rest_unmeasured(profile, presence):
+        parts.append(REST_UNMEASURED)
     parts.append(said("taken by {holder}", holder=holder) if holder else said("free"))
     return parts
+
+
+def rest_unmeasured(profile: Profile, presence: Presence) -> bool:
+    """Tell whether a robot is heard, but not what shows whether it rests."""
+    measures = profile.at_rest is not None
+    return measures and presence.online is True and presence.at_rest is None
 
 
 def _link(presence: Presence) -> str:

@@ -101,8 +101,9 @@ def drafted(seen: Seen, fields: Fields) -> str:
         "telemetry": _telemetry(seen),
         "camera": _first(seen.said, IMAGE),
         "map": _first(seen.said, GRID),
-        "pose": _first(seen.said, LOCATED),
+        "pose": _first(seen.said, LOCATED) or _first(seen.said, ODOMETRY),
         "path": _first(seen.said, PLAN),
+        "alerts": _alerts(seen),
     }
     kept = {key: value for key, value in profile.items() if value not in (None, {})}
     body = yaml.safe_dump(kept, sort_keys=False, allow_unicode=True, width=110)
@@ -180,6 +181,13 @@ def _telemetry(seen: Seen) -> dict[str, Any]:
             telemetry[axis] = {"topic": name, "type": ODOMETRY, "field": field, "unit": "m"}
         break
     return telemetry
+
+
+def _alerts(seen: Seen) -> list[dict[str, str]] | None:
+    """Return an alarm for a robot that is not there, where anything of it can be heard."""
+    if _at_rest(seen) is None and not _telemetry(seen):
+        return None
+    return [{"name": "gone", "when": "offline", "for": "30 s", "tell": "operators"}]
 
 
 def _first(said: Mapping[str, str], kind: str) -> dict[str, str] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ from rosic.app.documents.shape import Finding
 from rosic.app.placing.people import Seed, named_in_file
 from rosic.contracts.messenger import watch_reactions
 from rosic.core.rule import read_run, rules_of
+from rosic.pipeline.alerts.absences import Absences
 from rosic.pipeline.alerts.alerting import Alerting
 from rosic.pipeline.alerts.book import ALARM, MUTE, RUN, Book
 from rosic.pipeline.alerts.circles import Circles
@@ -40,6 +42,7 @@ class Alarms:
         alerting: Looks and tells.
         reacting: Takes reactions to alarms for what they say.
         running: Gives the orders of rules.
+        absences: Says which robots at work are not there any more.
     """
 
     def __init__(self, rooms: Rooms, access: Access, clock: Clock, hands: Hands) -> None:
@@ -50,6 +53,7 @@ class Alarms:
         self.alerting = Alerting(rooms, access.changes, hands.reach, clock, book, circles)
         hands.reach.again = self.alerting.again
         self.reacting = Reacting(self.alerting, rooms.authoriser.directory, hands.reach)
+        self.absences = Absences(rooms, hands.reach, clock)
         self.running = Running(rooms, hands, access.changes, clock, book)
 
     def furnish(self, pipeline: Pipeline, memory: Memory, people: Iterable[Seed]) -> None:
@@ -75,7 +79,7 @@ class Alarms:
 
     async def run(self) -> None:
         """Follow the rules until cancelled."""
-        await self.alerting.run()
+        await asyncio.gather(self.alerting.run(), self.absences.run())
 
     def watch(self, messengers: Iterable[Messenger]) -> None:
         """Hear of reactions, where people react."""

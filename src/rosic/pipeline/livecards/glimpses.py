@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.robot import Slots
 from rosic.core.saying import joined
+from rosic.core.words import REST_UNMEASURED, rest_unmeasured
 from rosic.pipeline.livecards import words_livecards as words
 
 if TYPE_CHECKING:
@@ -87,6 +88,8 @@ class Glimpses:
             yield words.now(words.doing(presence.doing))
         elif presence.at_rest:
             yield words.now(words.at_rest())
+        elif rest_unmeasured(profile, presence):
+            yield words.now(REST_UNMEASURED)
 
     def _stopped(self, robot: RobotId, *, named: bool) -> str:
         entry = self._rooms.board[robot]

@@ -1,0 +1,101 @@
+"""Says that a robot at work is not there any more, and when it is back."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rosic.core.saying import said
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import Presence, RobotId
+    from rosic.pipeline.reach import Reach
+    from rosic.pipeline.rooms import Rooms
+
+EVERY_S: Final = 0.5
+AT_ONCE: Final = 500
+"""So many robots are looked at in one step of the event loop."""
+CONCERNED_NS: Final = 15_000_000_000
+"""Whoever's order has ended so long ago is not concerned any more: its link's deadline, and more,
+is over."""
+
+
+class _Worked(NamedTuple):
+    """For whom a robot works, or worked last, and when it was seen to."""
+
+    principal: PrincipalId
+    seen_ns: int
+
+
+class Absences:
+    """Follows robots that carry something out, and tells whoever asked for it."""
+
+    def __init__(self, rooms: Rooms, reach: Reach, clock: Clock) -> None:
+        self._rooms = rooms
+        self._reach = reach
+        self._clock = clock
+        self._worked: dict[RobotId, _Worked] = {}
+        self._away: dict[RobotId, PrincipalId] = {}
+
+    async def run(self) -> None:
+        """Look until cancelled."""
+        while True:
+            await self.look()
+            await self._clock.sleep(EVERY_S)
+
+    async def look(self) -> None:
+        """Look once."""
+        linker, now_ns = self._rooms.linker, self._clock.monotonic_ns()
+        for number, robot in enumerate(tuple(self._rooms.profiles)):
+            if number % AT_ONCE == AT_ONCE - 1:
+                await asyncio.sleep(0)
+            order = linker.current(robot)
+            if order is not None or robot in self._worked or robot in self._away:
+                works = order is not None and order.skill.actuates
+                who = order.permit.principal if order is not None and works else ""
+                self._see(robot, linker.presence(robot), _Worked(who, now_ns) if who else None)
+
+    def _see(self, robot: RobotId, presence: Presence, works: _Worked | None) -> None:
+        if robot in self._away:
+            if presence.online:
+                self._reach.tell((self._away.pop(robot),), back(self._shown(robot), presence))
+            return
+        if presence.online is not False:
+            self._note(robot, works)
+            return
+        worked = self._worked.pop(robot, None)
+        if worked is not None:
+            self._away[robot] = worked.principal
+            self._reach.tell((worked.principal,), away(self._shown(robot), presence), urgent=True)
+
+    def _note(self, robot: RobotId, works: _Worked | None) -> None:
+        known = self._worked.get(robot)
+        if works is not None:
+            self._worked[robot] = works
+        elif known is not None and self._clock.monotonic_ns() - known.seen_ns > CONCERNED_NS:
+            del self._worked[robot]
+
+    def _shown(self, robot: RobotId) -> str:
+        return self._rooms.profiles[robot].shown
+
+
+def away(shown: str, presence: Presence) -> str:
+    """Return that a robot is not there any more."""
+    if presence.age_s is None:
+        return said("{shown} is not there any more. Please look.", shown=shown)
+    return said(
+        "{shown} is not there any more, last heard {age_s:.0f} s ago. Please look.",
+        shown=shown,
+        age_s=presence.age_s,
+    )
+
+
+def back(shown: str, presence: Presence) -> str:
+    """Return that it is back, and what was measured of it."""
+    if presence.at_rest:
+        return said("{shown} is there again, at rest. Nothing goes on by itself.", shown=shown)
+    if presence.moves:
+        return said("{shown} is there again, and moves. Please look.", shown=shown)
+    return said("{shown} is there again; whether it rests is not measured yet.", shown=shown)
