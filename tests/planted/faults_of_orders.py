@@ -97,8 +97,8 @@ OF_ORDERS = (
     Fault(
         name="I16 a second person agrees to what is something else by then",
         file="pipeline/consent.py",
-        guard="        if self._agreements.is_current(request.act, request.line):\n",
-        without="        if True:\n",
+        guard="if self._agreements.is_current(request.act, request.line, request.caller):\n",
+        without="if True:\n",
         caught_by=(
             (
                 "tests/rooms/pipeline/test_second_person.py"
@@ -113,6 +113,15 @@ OF_ORDERS = (
         without="if True:",
         caught_by=(
             f"{AGREED}::test_an_order_that_waited_while_the_rules_changed_counts_as_agreed_to_no_more",
+        ),
+    ),
+    Fault(
+        name="what somebody has said is lowered in silence",
+        file="pipeline/lowering.py",
+        guard="if limit.parameter in given or not isinstance(value, int | float):",
+        without="if not isinstance(value, int | float):",
+        caught_by=(
+            "tests/rooms/pipeline/test_lowering.py::test_what_was_said_above_the_limit_is_refused_as_ever",
         ),
     ),
     Fault(
