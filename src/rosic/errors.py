@@ -67,6 +67,8 @@ class Refusal(RosicError):
         offers: Commands, written as the person would type them, that would be accepted instead.
         petition: The errand that asks somebody else for the right that is missing; empty when
             nobody could give it.
+        choices: What else can be tapped: a label, and the sign with which the same command is done
+            in another way.
         silent: True when the right answer is none.
         counted: True when it is in the security report already, as what it was.
     """
@@ -75,9 +77,13 @@ class Refusal(RosicError):
     silent: bool = False
     counted: bool = False
 
-    def __init__(self, sentence: str, *, offers: tuple[str, ...] = (), petition: str = "") -> None:
+    def __init__(
+        self, sentence: str, *, offers: tuple[str, ...] = (), petition: str = "",
+        choices: tuple[tuple[str, str], ...] = (),
+    ) -> None:  # fmt: skip
         super().__init__(sentence)
         self.offers = offers
+        self.choices = choices
         self.petition = petition
 
 

@@ -10,6 +10,7 @@ from tests.planted.faults import FAULTS
 from tests.planted.faults_of_alerts import OF_ALERTS
 from tests.planted.faults_of_among import OF_AMONG
 from tests.planted.faults_of_breaks import OF_BREAKS
+from tests.planted.faults_of_busy import OF_BUSY
 from tests.planted.faults_of_cancelling import OF_CANCELLING
 from tests.planted.faults_of_cards import OF_CARDS
 from tests.planted.faults_of_dispatch import OF_DISPATCH
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 ALL = (
     *FAULTS, *OF_ORDERS, *OF_DISPATCH, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *OF_AMONG, *OF_FLEET,
-    *OF_TASKS, *OF_KEEPING, *OF_BREAKS, *OF_CANCELLING, *MESSENGER_FAULTS,
+    *OF_TASKS, *OF_KEEPING, *OF_BREAKS, *OF_CANCELLING, *OF_BUSY, *MESSENGER_FAULTS,
 )  # fmt: skip
 
 

@@ -305,6 +305,11 @@ class Profile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         return any(skill.kind is MOTION for skill in self.skills.values())
 
     @property
+    def replaces(self) -> bool:
+        """Whether what it does may have to give way to another order."""
+        return self.busy is Busy.REPLACE or any(skill.to_safety for skill in self.skills.values())
+
+    @property
     def benchmarked(self) -> bool:
         """Whether anything is expected of it."""
         return any(skill.benchmark is not None for skill in self.skills.values())

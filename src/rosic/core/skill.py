@@ -205,6 +205,8 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         kind: The class, ``class`` in the file.
         words: Other names people use for it.
         lifetime_s: Instead of the class's.
+        to_safety: It brings the robot to safety, as landing does: accepted while the robot is busy,
+            in place of what runs and of what waits.
         cost: How much of a rate limit it takes: of the person's, the robot's, the role's.
         benchmark: How long it should take, with how much of the battery, how exactly.
     """
@@ -217,6 +219,7 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     words: tuple[str, ...] = ()
     parameters: dict[str, Parameter] = {}
     lifetime_s: float | None = None
+    to_safety: bool = False
     cost: float = 1.0
     topic: TopicBinding | None = None
     service: ServiceBinding | None = None

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from rosic.contracts.robot import deliver_of
 from rosic.core.gate import too_late
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
-from rosic.core.robot import Busy, Presence, Profile, RobotId
 from rosic.core.saying import said
 from rosic.errors import RobotOffline, RosicError, StoreFault
 from rosic.linker.mailbox import Mailbox, Waiting
@@ -21,12 +20,12 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Latch
     from rosic.core.identity import CommandId, PrincipalId
     from rosic.core.parcel import Parcel, Receipt
+    from rosic.core.robot import Presence, Profile, RobotId
     from rosic.core.stopboard import StopBoard
     from rosic.core.view import Sight, View
 
 
 CLEARED_WITHIN_S = 0.5
-REPLACE = Busy.REPLACE
 
 
 class PolicyMoved(RosicError):
@@ -57,6 +56,7 @@ class Linker:
 
     Attributes:
         epoch: Number of the present policy; an order admitted under another one is not relayed.
+        mailboxes: Of each robot; whoever looks at one only looks.
         cancels: Empty as long as nobody has ended what they had under way.
         wall_ns: By which slots, grants and keys end. Asking it may move the policy on, when the
             machine's clock was set back.
@@ -69,7 +69,7 @@ class Linker:
         self.cancels = stops.cancels
         self.wall_ns = clock.wall_ns
         self._robots = dict(robots)
-        self._mailboxes = {robot_id: Mailbox(robot, clock) for robot_id, robot in robots.items()}
+        self.mailboxes = {robot_id: Mailbox(robot, clock) for robot_id, robot in robots.items()}
         self._stops = stops
         self._latch = latch
         self._clock = clock
@@ -85,28 +85,28 @@ class Linker:
         Raises:
             RobotBusy: Not taken in; the robot has not moved because of it.
         """
-        return self._mailboxes[entry.order.robot].put(entry)
+        return self.mailboxes[entry.order.robot].put(entry)
 
     def next(self, robot_id: RobotId) -> Waiting | None:
         """End a turn. Return whose turn it is now; None frees the robot."""
-        return self._mailboxes[robot_id].next()
+        return self.mailboxes[robot_id].next()
 
     def clear(self, sentence: str) -> None:
         """Void everything that waits for any robot, with a reason."""
-        for mailbox in self._mailboxes.values():
+        for mailbox in self.mailboxes.values():
             mailbox.void(sentence)
 
     def void(self, robot_id: RobotId, sentence: str) -> None:
         """Void everything that waits for one robot, with a reason."""
-        self._mailboxes[robot_id].void(sentence)
+        self.mailboxes[robot_id].void(sentence)
 
     def withdraw(self, robot_id: RobotId, cid: CommandId, sentence: str) -> None:
         """Void one order if it waits for a robot, with a reason."""
-        self._mailboxes[robot_id].withdraw(cid, sentence)
+        self.mailboxes[robot_id].withdraw(cid, sentence)
 
     def take_out(self, robot_id: RobotId, principal: PrincipalId) -> list[Waiting]:
         """Take somebody's orders out that wait for a robot; whoever asked for it voids them."""
-        return self._mailboxes[robot_id].take_out(principal)
+        return self.mailboxes[robot_id].take_out(principal)
 
     def outdated(self, order: Order) -> bool:
         """Whether whoever gave an order has ended what they had under way since it was admitted."""
@@ -129,13 +129,13 @@ class Linker:
         if self.wall_ns() >= permit.until_ns or permit.epoch != self.epoch:
             raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
-        if robot.profile.busy is REPLACE:
+        if self.mailboxes[order.robot].replaces:
             return self._relay(robot, order, tell)
         return robot.execute(order, tell)
 
     async def _relay(self, robot: Robot, order: Order, tell: Tell) -> Outcome:
         """Relay an order that gives way to the next."""
-        mailbox = self._mailboxes[order.robot]
+        mailbox = self.mailboxes[order.robot]
         mailbox.running = task = asyncio.create_task(robot.execute(order, tell))
         try:
             await asyncio.wait((task,))
@@ -177,7 +177,7 @@ class Linker:
         """
         await asyncio.wait((latched,), timeout=CLEARED_WITHIN_S)
         for stop in stops:
-            self._mailboxes[stop.robot].clear(stop.generation)
+            self.mailboxes[stop.robot].clear(stop.generation)
             await asyncio.sleep(0)
 
     async def _write_latch(self, stops: Iterable[Stop]) -> bool:
@@ -231,11 +231,11 @@ class Linker:
         Raises:
             RobotBusy: It is at work, and does not take more.
         """
-        self._mailboxes[robot_id].check_free()
+        self.mailboxes[robot_id].check_free()
 
     def current(self, robot_id: RobotId) -> Order | None:
         """Return the order whose turn it is at a robot; None while it is free."""
-        entry = self._mailboxes[robot_id].current
+        entry = self.mailboxes[robot_id].current
         return None if entry is None else entry.order
 
     def look(self, robot: RobotId, sight: Sight) -> AsyncGenerator[View, None]:
@@ -265,13 +265,13 @@ class Linker:
 
     def entries(self, robot: RobotId) -> Iterator[Waiting]:
         """Go through what a robot does and what waits for it."""
-        return self._mailboxes[robot].entries()
+        return self.mailboxes[robot].entries()
 
     def waiting(self, robot: RobotId) -> int:
         """Return how many orders wait for a robot."""
-        return len(self._mailboxes[robot])
+        return len(self.mailboxes[robot])
 
     def enlist(self, robot: Robot) -> None:
         """Route to one more robot from now on."""
         self._robots[robot.profile.id] = robot
-        self._mailboxes[robot.profile.id] = Mailbox(robot, self._clock)
+        self.mailboxes[robot.profile.id] = Mailbox(robot, self._clock)

@@ -43,10 +43,13 @@ class Mailbox:
 
     Attributes:
         current: Whose turn it is; None while the robot is free.
-        running: Only with ``busy: replace``: what may be replaced.
+        replaces: Whether what runs may be replaced by what comes.
+        running: Only where it ``replaces``: what may be replaced.
     """
 
-    __slots__ = ("_clock", "_robot", "_waiting", "_wakes_ns", "_watch", "current", "running")
+    __slots__ = (
+        "_clock", "_robot", "_waiting", "_wakes_ns", "_watch", "current", "replaces", "running",
+    )  # fmt: skip
 
     def __init__(self, robot: Robot, clock: Clock) -> None:
         self._robot = robot
@@ -54,6 +57,7 @@ class Mailbox:
         self._waiting: deque[Waiting] = deque()
         self._watch: asyncio.Task[None] | None = None
         self._wakes_ns = 0
+        self.replaces = robot.profile.replaces
         self.current: Waiting | None = None
         self.running: asyncio.Task[Outcome] | None = None
 
@@ -72,6 +76,8 @@ class Mailbox:
             return True
         profile = self._robot.profile
         busy = QUEUE if entry.order.sequel else profile.busy
+        if entry.order.skill.to_safety:
+            busy = REPLACE  # whatever runs: a drone may always land
         if busy is REFUSE:
             self.check_free()
         if len(self._waiting) >= profile.queue_length:

@@ -17,7 +17,7 @@ from rosic.core.order import Request
 from rosic.core.saying import joined, said
 from rosic.core.words import NAMED_AT_MOST
 from rosic.errors import Expired, Refusal
-from rosic.pipeline.replies import ASK_FIRST, CONFIRMED
+from rosic.pipeline.replies import ASK_FIRST, MARKS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -90,8 +90,8 @@ class Agreements:
         """
         if button.act or button.command.startswith(ASK_FIRST):
             return button
-        sure = button.command.startswith(CONFIRMED)
-        command = button.command[1:] if sure else button.command
+        mark = button.command[:1] if button.command.startswith(MARKS) else ""
+        command = button.command.removeprefix(mark)
         rooms = self._rooms
         lines = self._reader.lines(
             command,
@@ -104,9 +104,7 @@ class Agreements:
         first = lines[0]
         named = self.named(first) if len(lines) == 1 and isinstance(first, Do) else command
         label = named if button.label == command else button.label
-        return replace(
-            button, label=label, command=f"{CONFIRMED * sure}{named}", act=self._digest(parts)
-        )
+        return replace(button, label=label, command=f"{mark}{named}", act=self._digest(parts))
 
     def check(self, caller: Caller, lines: Sequence[Line], act: bytes) -> None:
         """See that what a tap says lets robots do exactly what it agreed to.

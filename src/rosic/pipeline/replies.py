@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 LEAVE = "leave it"
 ASK_FIRST = "?"
 CONFIRMED = "!"
+# The same for a robot that is at work: behind what it does, or instead of that.
+AFTER, INSTEAD = ">", "^"
+BEHIND = (AFTER, INSTEAD)
+MARKS = (CONFIRMED, *BEHIND)
 # Between a command and those that it was before, the newest first; the oldest is the menu it came
 # from.
 TRAIL = "\x1f"
@@ -173,7 +177,11 @@ class Replies:
             await self._container.refuse(cid, caller, refusal, answer)
         except Repeated:
             return  # the same message was settled before
-        buttons = tuple((Button(offer, offer),) for offer in refusal.offers[:OFFERED_AT_MOST])
+        buttons: tuple[tuple[Button, ...], ...] = tuple(
+            (Button(offer, offer),) for offer in refusal.offers[:OFFERED_AT_MOST]
+        )
+        if refusal.choices:
+            buttons = (tuple(Button(*choice) for choice in refusal.choices), *buttons)
         if refusal.petition:
             buttons = (*buttons, (Button(ask_for_it(), refusal.petition),))
         outbound = Outbound(

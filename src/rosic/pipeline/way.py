@@ -25,6 +25,7 @@ from rosic.errors import (
 )
 from rosic.pipeline.agreement import Agreements
 from rosic.pipeline.audience import Audience
+from rosic.pipeline.busy import BusyRobots
 from rosic.pipeline.cancel import CancelLane
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.choosing import Choosing
@@ -35,7 +36,7 @@ from rosic.pipeline.lives import Lives
 from rosic.pipeline.lowering import Lowering
 from rosic.pipeline.office import Asked
 from rosic.pipeline.reception import Reception, may_bring_a_code
-from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, LEAVE, Replies, reply_id
+from rosic.pipeline.replies import ASK_FIRST, BEHIND, CONFIRMED, LEAVE, Replies, reply_id
 from rosic.pipeline.requesting import Requesting, line_id
 from rosic.pipeline.said import Said
 from rosic.pipeline.subjects import meant
@@ -106,7 +107,7 @@ class Pipeline:
         self._choosing = Choosing(self._reader, self.habits, self.agreements, self._lowering)
         self.arrears = self._replies.arrears
         self.lives = Lives(organiser, container, linker, teller, clock)
-        self.audience = Audience(organiser)
+        self.audience, self._busy = Audience(organiser), BusyRobots(rooms, self.lives)
         self.reception = Reception()
         self.cancels = CancelLane(
             rooms, self.lives, stop_lane, self._replies, self.reception.office, clock
@@ -189,6 +190,10 @@ class Pipeline:
             if command.startswith(CONFIRMED):
                 said.confirmed = True
                 command, said.second = self.reception.redeem(command[1:], caller, said.act)
+            elif command.startswith(BEHIND):
+                visible = self._rooms.organiser.visible(caller.principal)
+                lines = self._reader.lines(command[1:], "", visible)
+                command = self._busy.follow(said, command, lines)
             await self._lines(said, command)
 
     def _outdated(self, said: Said, void: Repeated) -> None:
@@ -344,8 +349,7 @@ class Pipeline:
         title = f"{line.group or self._shown[line.robots[0]]}: {line.text}"
         origin = ReplyTo(said.messenger.name, inbound.chat, reply_id(inbound), title)
         try:
-            if line.group:
-                self._check_all_free(requests)
+            self._busy.check(requests, caller.principal, line.text)
             orders = await self._rooms.container.prepare(permits, requests, origin)
         except BaseException:
             organiser.abandon(permits)
@@ -379,12 +383,6 @@ class Pipeline:
             self.audience.note(order.robot, messenger, chat, caller.principal)
             self.lives.begin(order, said, card, life)
         self._teller.show(card)
-
-    def _check_all_free(self, requests: list[Request]) -> None:
-        """Of a group, all begin or none: see that no one is at work."""
-        for request in requests:
-            if not request.sequel:
-                self._rooms.linker.check_free(request.robot)
 
     async def close(self) -> None:
         """End every life: robots come to rest, outcomes are written and told."""

@@ -276,7 +276,7 @@ async def test_a_busy_robot_refuses_and_says_what_it_does() -> None:
         place.robot("omni").work_s = 60.0
         await place.say("omni move 1 m")
         told = await place.say("omni wave")
-        assert "omni is busy: move." in told
+        assert "omni is busy: move, as you asked. This was not done." in told
         assert place.acted() == 1
 
 
