@@ -15,14 +15,19 @@ _HALVES: Final = {(0, 0): "█", (0, 1): "▀", (1, 0): "▄", (1, 1): " "}
 
 def qr_png(text: str) -> bytes:
     """Return a PNG picture, black on white, with its border."""
+    return drawn(qr_code(text))
+
+
+def drawn(code: segno.QRCode) -> bytes:
+    """Return the picture of a code that was made."""
     picture = BytesIO()
-    _made(text).save(picture, kind="png", scale=SCALE, border=QUIET, dark="#000", light="#fff")
+    code.save(picture, kind="png", scale=SCALE, border=QUIET, dark="#000", light="#fff")
     return picture.getvalue()
 
 
 def qr_text(text: str) -> str:
     """Return lines for a terminal that shows light characters on dark: two modules a character."""
-    rows = [tuple(row) for row in _made(text).matrix_iter(border=QUIET)]
+    rows = [tuple(row) for row in qr_code(text).matrix_iter(border=QUIET)]
     if len(rows) % 2:
         rows.append((0,) * len(rows[0]))
     return "\n".join(
@@ -31,5 +36,6 @@ def qr_text(text: str) -> str:
     )
 
 
-def _made(text: str) -> segno.QRCode:
+def qr_code(text: str) -> segno.QRCode:
+    """Return the code of a text: the longer half of making a picture."""
     return segno.make(text, micro=False, error="m")

@@ -36,6 +36,12 @@ def _start(quick: bool) -> Report:
     return measure(quick=quick)
 
 
+def _strangers(quick: bool) -> Report:
+    from rosic.bench.strangers import measure  # noqa: PLC0415 - only the bench that runs is loaded
+
+    return measure(quick=quick)
+
+
 def _telegram(quick: bool) -> Report:
     from rosic.bench.telegram import measure  # noqa: PLC0415 - only the bench that runs is loaded
 
@@ -54,6 +60,7 @@ BENCHES: dict[str, Callable[[bool], Report]] = {
     "schedule": _schedule,
     "start": _start,
     "stop": _stop,
+    "strangers": _strangers,
     "telegram": _telegram,
 }
 

@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.stopping import StopLane
     from rosic.pipeline.telling import Teller
 
-FOLLOWED_KEPT = 10_000
+FOLLOWED_KEPT, LONG = 10_000, 1_000
 FRESH = Standing.FRESH
 FAULT = said("Something went wrong here. It is not known what was done; please look.")
 NOTHING_DONE = said("Nothing was done.")
@@ -139,6 +139,8 @@ class Pipeline:
             self._replies.say(messenger, inbound, refusal.sentence)
             return
         try:
+            if len(heard) > LONG:
+                await asyncio.sleep(0)  # looking for a stop was a step
             await self._take(messenger, inbound, arrived_ns)
         finally:
             self._turns.give(inbound.chat)

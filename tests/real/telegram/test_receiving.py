@@ -33,6 +33,7 @@ async def test_messages_in_every_standing(server: FakeTelegram, gateway: Gateway
         server.say(lab, ada, "omni move 5 m", sender_chat=lab)
         server.say(news, None, "omni move 6 m")
         heard = await gateway.hear(6)
+    heard = sorted(heard, key=lambda inbound: inbound.chat.kind is ChatKind.CHANNEL)  # side by side
     assert [inbound.standing for inbound in heard] == [
         Standing.FRESH,
         Standing.EDITED,

@@ -102,7 +102,7 @@ def quote(text: str) -> str:
 
 def echo(text: str) -> str:
     """Return somebody's words as `quote` does, without the marks: for one name."""
-    words = " ".join(inert_text(text).split())
+    words = " ".join(inert_text(text[:NAME_LOOKED_AT]).split())
     return f"{words[:LONGEST_QUOTE]}…" if len(words) > LONGEST_QUOTE else words
 
 

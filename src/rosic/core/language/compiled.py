@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 # A bound that went through another unit and back still is the bound.
 TOLERANCE = 1e-9
+FOLDED_AT_MOST = 512
 
 # What a robot with the text link can do without its profile saying so.
 SAY = Skill(
@@ -109,8 +110,11 @@ class CompiledRobot(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def fold(text: str) -> str:
-    """Return a name as the grammar compares it: NFKC, small letters, single spaces."""
-    return " ".join(normalised(text).casefold().split())
+    """Return a name as the grammar compares it: NFKC, small letters, single spaces.
+
+    Of what is longer than any name no more is looked at.
+    """
+    return " ".join(normalised(text[:FOLDED_AT_MOST]).casefold().split())
 
 
 def longest_by_first_word(phrases: Iterator[str] | dict[str, CompiledSkill]) -> dict[str, int]:

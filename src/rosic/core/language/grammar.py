@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rosic.core.language.vocabulary import Vocabulary
 
 LONGEST_TEXT = 4096
+FOLDED_AT_MOST = 1024
 MOST_LINES = 20
 
 _ENDS = ".,;:!?"
@@ -76,6 +77,17 @@ def _cleaned(line: str, vocabulary: Vocabulary, context: Context) -> Line:
     return _line(clean(line).strip(), vocabulary, context)
 
 
+def _folded(raw: list[str]) -> list[str]:
+    """Fold words as far as anything but free text can go: names, numbers and units stand there."""
+    room, folded = FOLDED_AT_MOST, []
+    for word in raw:
+        room -= len(word)
+        if room < 0:
+            break
+        folded.append(fold_word(word))
+    return folded + raw[len(folded) :]
+
+
 def _line(line: str, vocabulary: Vocabulary, context: Context) -> Line:
     if not line:
         return _EMPTY
@@ -86,7 +98,7 @@ def _line(line: str, vocabulary: Vocabulary, context: Context) -> Line:
     if line[-1] in _ENDS or ", " in line or ": " in line or "; " in line:
         raw = [word.rstrip(_ENDS) or word for word in raw]
     if not line.isascii():
-        raw = [fold_word(word) for word in raw]
+        raw = _folded(raw)
     low = [word.casefold() for word in raw]
     slash = low[0][0] == "/"
     if slash:

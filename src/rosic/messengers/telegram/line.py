@@ -9,6 +9,7 @@ from contextlib import aclosing
 from http import HTTPStatus
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+import httpx
 import msgspec
 from telegram import Bot
 from telegram.error import NetworkError, TelegramError
@@ -21,6 +22,7 @@ from rosic.messengers.telegram.trouble import DEFAULT_WAIT_S, TooFast, trouble
 from rosic.messengers.telegram.uploading import Spoilt, Upload
 
 if TYPE_CHECKING:
+    import ssl
     from collections.abc import (
         AsyncGenerator,
         AsyncIterator,
@@ -183,6 +185,7 @@ class Line:
         self._answer_s = answer_s
         self._users = 0
         self._bot: ApiBot | None = None
+        self._context: ssl.SSLContext | None = None
         self._requests: tuple[_Request, ...] = ()
 
     @property
@@ -259,6 +262,13 @@ class Line:
             )
         self._bot = bot
 
+    def _tls(self) -> ssl.SSLContext:
+        """Return what certificates are checked with: to read it takes many steps' time, once."""
+        if self._context is None:
+            own = self._settings.api_base == API_BASE
+            self._context = httpx.create_ssl_context(trust_env=own)
+        return self._context
+
     def _request(self, kind: type[_Request], connections: int) -> _Request:
         settings = self._settings
         return kind(
@@ -269,7 +279,7 @@ class Line:
             write_timeout=ANSWER_S,
             proxy=settings.proxy.reveal() if settings.proxy is not None else None,
             # A proxy of the environment is for the way to Telegram, not for a server next door.
-            httpx_kwargs={"trust_env": settings.api_base == API_BASE},
+            httpx_kwargs={"trust_env": settings.api_base == API_BASE, "verify": self._tls()},
         )
 
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-PEEK_S = 0.25
+PEEK_S = 0.1
 """While something is being received, we look for stops behind it this often."""
 WAITS_S = (0.5, 1.0, 2.0, 4.0)
 CONTESTED_WAIT_S = 2.0

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.identity import Address
 from rosic.core.language import hears_stop
+from rosic.core.language.stopping import FIRST_LINES, LAST_LINES
 from rosic.core.message import (
     Chat,
     ChatKind,
@@ -172,7 +173,12 @@ def addressed_here(text: str, own_name: str) -> str | None:
     if "@" not in text:
         return text
     own = own_name.casefold()
-    lines = [_line(line, own) if "@" in line else line for line in text.split("\n")]
+    said = text.split("\n")
+    lines: list[str | None] = list(said)
+    # Of more lines than anybody follows only those are looked at that a stop is looked for in.
+    for at in {*range(len(said))[:FIRST_LINES], *range(len(said))[-LAST_LINES:]}:
+        if "@" in said[at]:
+            lines[at] = _line(said[at], own)
     if all(line is None for line in lines):
         return None
     return "\n".join(line or "" for line in lines)

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.authoriser.codes import join_text
-from rosic.authoriser.qr import qr_png, qr_text
+from rosic.authoriser.qr import drawn, qr_code, qr_text
 from rosic.core.message import Attachment
 from rosic.core.saying import joined
 from rosic.pipeline.desk import Reply
@@ -37,8 +37,10 @@ def _no_link(_messenger: Messenger, _code: Secret) -> str:
 
 async def qr_picture(messenger: Messenger, name: str, text: str) -> Attachment | None:
     """Return a picture to be scanned; nothing where no file can be sent. It shows a secret."""
-    await asyncio.sleep(0)  # what came before and the picture are a step of the event loop each
-    picture = qr_png(text)
+    await asyncio.sleep(0)  # what came before, the code and the picture are a step each
+    code = qr_code(text)
+    await asyncio.sleep(0)
+    picture = drawn(code)
     if len(picture) > messenger.file_bytes:
         return None
     return Attachment(name, "image/png", picture)

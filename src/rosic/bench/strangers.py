@@ -1,0 +1,209 @@
+"""How soon a stop takes effect while strangers send the worst that they can (L2, I15)."""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+from contextlib import asynccontextmanager
+from pathlib import Path
+from time import perf_counter, perf_counter_ns
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import msgspec
+
+from rosic.app import loop
+from rosic.app.gateway import Gateway, Settings
+from rosic.app.placing.people import Seed
+from rosic.bench.parts import CLOCK, parts_of
+from rosic.bench.report import Report, case_of, machine, quantile
+from rosic.bench.stand_in import TOKEN, stand_in
+from rosic.bench.steps import MeteredLoop, Step, pace_of_machine, undisturbed
+from rosic.core.identity import Address
+from rosic.core.robot import Link, Profile
+from rosic.core.skill import Skill
+from rosic.messengers.telegram.limiter import PUBLISHED
+from rosic.messengers.telegram.messenger import TelegramMessenger
+from rosic.messengers.telegram.settings import read_settings
+from rosic.robots.memory import MemoryRobot
+from rosic.stores.database import DatabaseStore
+from rosic.stores.latch import FileLatch
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
+    from rosic.core.order import Rest, Stop
+    from rosic.testing.telegram import Control
+
+LONGEST: Final = 4_096
+CROWD: Final = 40
+HANDED_WITHIN_S: Final = 60.0
+DRAINED_WITHIN_S: Final = 60.0
+ABOVE_QUIET_S: Final = 0.100
+STEP_S: Final = 0.020
+SIGNS: Final = (
+    "\ufdfa\n", "\ufdfa", "\u3316\n", "stop \ufdfa", "@x a\n", "\U0001f6d1x\n", "/start A-B\n",
+)  # fmt: skip
+"""What each message of a flood is made of, over and over, in turns."""
+METHOD: Final = (
+    "A gateway with its record and its latch on disk receives from a stand-in for the Bot API in a "
+    "process of its own, through the real listener. {samples} stops of an admin, and in turns as "
+    "many right behind a flood: {flood} private messages of {longest} characters from accounts "
+    "that nobody knows ({worst}). Times run from the moment the admin's message is given to the "
+    "stand-in until the robot's adapter is told to stop. The floods are sent by the same process. "
+    "Event loop: {loop}. A step is what the event loop does without a pause, in time on the "
+    "processor; {metered} stops of each kind on a loop of asyncio that meters each step."
+)
+
+
+class Load(msgspec.Struct, frozen=True, kw_only=True):
+    """How much is asked for.
+
+    Attributes:
+        samples: Stops without a flood, and as many behind one.
+        metered: The same once more, for the longest step alone: the meter takes its time.
+        flood: Messages in each.
+    """
+
+    samples: int
+    metered: int
+    flood: int = 30
+
+
+FULL: Final = Load(samples=2_000, metered=200)
+QUICK: Final = Load(samples=12, metered=7)
+
+
+class Found(NamedTuple):
+    """What was measured, in nanoseconds, and the longest step of it all."""
+
+    quiet: list[int]
+    flooded: list[int]
+    longest: Step
+    took_s: float
+
+
+class Told(MemoryRobot):
+    """Notes when its adapter was told to stop."""
+
+    awaited: asyncio.Future[int] | None = None
+
+    async def stop(self, stop: Stop) -> Rest:
+        """Note the time before anything else."""
+        if Told.awaited is not None and not Told.awaited.done():
+            Told.awaited.set_result(perf_counter_ns())
+        return await super().stop(stop)
+
+
+def measure(*, quick: bool = False) -> Report:
+    """Stop a robot without strangers and behind their floods, in turns."""
+    load = QUICK if quick else FULL
+    found = loop.run(_run(load))
+    with undisturbed(), asyncio.Runner(loop_factory=MeteredLoop) as runner:
+        longest = runner.run(_run(msgspec.structs.replace(load, samples=load.metered))).longest
+    above_s = (quantile(found.flooded, 0.99) - quantile(found.quiet, 0.99)) / 1e9
+    step_s, pace = longest.cpu_ns / 1e9, pace_of_machine()
+    above = f"{above_s * 1e3:.1f} ms above quiet (promised: {ABOVE_QUIET_S * 1e3:.0f})"
+    step = f"{step_s * 1e3:.1f} ms (promised: {STEP_S * 1e3:.0f}, here times {pace:.2f})"
+    findings = (
+        f"A stop behind a flood: p99 {above}.",
+        f"The longest step of the event loop: {step}.",
+    )
+    kept = (above_s <= ABOVE_QUIET_S, step_s <= STEP_S * pace)
+    rate = load.samples / found.took_s
+    worst = ", ".join(ascii(sign) for sign in SIGNS)
+    return Report(
+        machine=machine(),
+        method=METHOD.format(
+            samples=load.samples, flood=load.flood, longest=LONGEST, worst=worst,
+            metered=load.metered, loop=loop.name(),
+        ),
+        cases=(
+            case_of("a stop, quiet", [(rate, found.quiet)]),
+            case_of("a stop behind a flood", [(rate, found.flooded)]),
+        ),
+        findings=findings,
+        failures=tuple(
+            finding for finding, held in zip(findings, kept, strict=True) if not held
+        ),
+    )  # fmt: skip
+
+
+async def _run(load: Load) -> Found:
+    with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
+        async with stand_in() as control:
+            await control.call("set_limits", limits=None)
+            admin = await control.create_user("Ada")
+            crowd = [await control.create_user(f"S{number}") for number in range(CROWD)]
+            async with _gateway(Path(folder), control, admin):
+                bench = _Bench(control, admin, crowd)
+                await bench.stop()  # what is made once is made
+                return await _samples(bench, load)
+
+
+async def _samples(bench: _Bench, load: Load) -> Found:
+    here = asyncio.get_running_loop()
+    meter = here if isinstance(here, MeteredLoop) else None
+    quiet, flooded, began_s = [], [], perf_counter()
+    if meter is not None:
+        meter.reset()
+    for number in range(load.samples):
+        quiet.append(await bench.stop())
+        await bench.flood(number, load.flood)
+        flooded.append(await bench.stop())
+    longest = Step(0, "") if meter is None else meter.longest
+    return Found(quiet, flooded, longest, perf_counter() - began_s)
+
+
+class _Bench:
+    """Says stop as an admin, and whatever strangers say."""
+
+    def __init__(self, control: Control, admin: int, crowd: list[int]) -> None:
+        self._control = control
+        self._admin = admin
+        self._crowd = crowd
+
+    async def stop(self) -> int:
+        """Return how long a stop took to reach the adapter, in nanoseconds; then wait for quiet."""
+        heard = Told.awaited = asyncio.get_running_loop().create_future()
+        began_ns = perf_counter_ns()
+        await self._control.say(self._admin, self._admin, "stop")
+        handed_ns: int = await asyncio.wait_for(heard, HANDED_WITHIN_S)
+        async with asyncio.timeout(DRAINED_WITHIN_S):
+            while await self._control.pending():  # noqa: ASYNC110 - another process
+                await asyncio.sleep(0.002)
+        return handed_ns - began_ns
+
+    async def flood(self, number: int, messages: int) -> None:
+        """Send what takes longest to read, from one stranger or from many."""
+        sign = SIGNS[number % len(SIGNS)]
+        text = (sign * LONGEST)[:LONGEST]
+        some = self._crowd[: 1 if number % 2 else messages]
+        for who in some:
+            await self._control.backlog(who, who, text, messages // len(some))
+
+
+@asynccontextmanager
+async def _gateway(folder: Path, control: Control, admin: int) -> AsyncIterator[None]:
+    settings = read_settings("bench", {"token": TOKEN, "api_base": control.api_base})
+    messenger = TelegramMessenger("bench", settings, CLOCK, rates=PUBLISHED.times(1_000))
+    latch = FileLatch(folder / "stops")
+    profile = Profile(id="omni", link=Link(kind="memory"), skills={"go": Skill(id="go")})
+    people = (Seed("Ada", (Address("telegram", str(admin)),), ("admin",)),)
+    store = DatabaseStore(folder, clock=CLOCK)
+    gateway = Gateway(
+        Settings(profiles=(profile,), people=people),
+        parts_of(store, messenger, robot=Told, latch=latch),
+    )
+    try:
+        await gateway.open()
+        running = asyncio.create_task(gateway.run())
+        try:
+            while messenger.catching_up():  # noqa: ASYNC110 - nobody is told
+                await asyncio.sleep(0.01)
+            yield
+        finally:
+            running.cancel()
+            await asyncio.wait([running])
+            await gateway.close()
+    finally:
+        await latch.close()
