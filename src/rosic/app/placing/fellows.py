@@ -52,7 +52,7 @@ def fellowship_of(gateway: Gateway, parts: Parts, teller: Teller, memory: Memory
         guard,
         HelpDesk(book, around),
         Strategies(around),
-        Digests(post, rights, rooms.authoriser, teller, parts.messengers),
+        Digests(post, rights, rooms.authoriser, teller, reach.messengers),
     )
     fellowship = Fellowship(circle)
     fellowship.restore(memory.facts)

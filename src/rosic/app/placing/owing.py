@@ -30,7 +30,7 @@ def owe_over_crashes(
 ) -> Outbox:
     """Have alarms, notices and the answers to stops written down, and admins told of thieves."""
     outbox = Outbox(parts.store, parts.clock, parts.entropy, teller)
-    furnishing.retracting.begin(parts.store.note, parts.messengers, memory.facts)
+    furnishing.retracting.begin(parts.store.note, furnishing.reach.messengers, memory.facts)
     furnishing.reach.outbox = stop_lane.outbox = outbox
     outbox.dress = furnishing.reach.dress
     elsewhere = Elsewhere(furnishing.reach, furnishing.admins, name)

@@ -8,6 +8,7 @@ from rosic.contracts.among import UTTERANCE_BYTES
 from rosic.core.among import DATA_BYTES, ROBOT_BYTES, TOPICS_A_ROBOT
 from rosic.pipeline.among.digests import EVERY_S
 from rosic.pipeline.among.post import PAIR_PACE
+from rosic.pipeline.containers.recording import Recorded
 from rosic.stores.memory import MemoryStore
 from tests.rooms.pipeline.among.fellows import Fellows
 from tests.rooms.pipeline.place import ADA, BO, STRANGER, VI
@@ -239,3 +240,23 @@ async def test_what_a_robot_shares_lies_in_its_own_container_and_goes_with_it() 
         await here.clock.advance(6)
     async with Fellows(store).open() as here:
         assert (await here.says("cf1", "get", robot="omni"))["found"] is False
+
+
+async def test_a_digest_is_in_the_archive_of_the_chat_that_reads_it() -> None:
+    async with Fellows().open() as here:
+        await say(here, "/archive on")
+        await say(here, "/shared omni road follow")
+        here.speaks("omni", "share", topic="road", data=7)
+        await here.clock.advance(EVERY_S)
+        assert "omni shares road: 7" in texts(here, ADA, 0)
+        kept = await here.store.facts("archived", "", 1_000)  # type: ignore[attr-defined]
+        told = [fact.letter.content for fact in kept if fact.letter is not None]
+        assert any(b"omni shares road: 7" in content for content in told)
+
+
+async def test_whoever_speaks_to_chats_speaks_through_the_archive() -> None:
+    async with Fellows().open() as here:
+        gateway = here.gateway
+        digests, retracting = gateway.among.circle.digests, gateway.furnishing.retracting
+        for speakers in (digests._messengers, retracting._messengers):
+            assert all(isinstance(one, Recorded) for one in speakers.values())
