@@ -136,4 +136,20 @@ OF_KEEPING = (
         without="",
         caught_by=(f"{LOST_RECORD}::test_the_lock_holds_though_its_file_is_gone",),
     ),
+    Fault(
+        name="digests of robots bypass the archive",
+        file="app/placing/fellows.py",
+        guard="teller, reach.messengers)",
+        without="teller, parts.messengers)",
+        caught_by=(
+            "tests/rooms/pipeline/among/test_sharing.py::test_a_digest_is_in_the_archive_of_the_chat_that_reads_it",
+        ),
+    ),
+    Fault(
+        name="a bad value in the record is a trace",
+        file="stores/reading.py",
+        guard="if value is not None and not isinstance(value, kind):",
+        without="if False:",
+        caught_by=("tests/rooms/stores/test_bad_values.py",),
+    ),
 )

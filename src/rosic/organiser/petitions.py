@@ -131,7 +131,7 @@ class Petitions:
         try:
             self._known[fact.key] = _decode(fact.body)
         except msgspec.MsgspecError:
-            log.exception("a petition cannot be read; whoever asked has to ask again")
+            log.warning("a petition cannot be read; whoever asked has to ask again")
 
     # ---- asking ----
 

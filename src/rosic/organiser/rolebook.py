@@ -56,7 +56,7 @@ class Rolebook:
             try:
                 self._own[fact.key] = msgspec.msgpack.decode(fact.body, type=Role)
             except msgspec.MsgspecError:
-                log.exception("a role cannot be read; it gives nothing")
+                log.warning("a role cannot be read; it gives nothing")
                 self._own.pop(fact.key, None)
         else:
             self._own.pop(fact.key, None)

@@ -62,7 +62,7 @@ class Roster:
         try:
             given = msgspec.msgpack.decode(fact.body, type=Given)
         except msgspec.MsgspecError:
-            log.exception("a grant cannot be read; it gives nothing")
+            log.warning("a grant cannot be read; it gives nothing")
             return None
         self._grants.setdefault(given.principal, {})[fact.key] = given.grant
         return given.principal

@@ -204,7 +204,7 @@ def _read(fact: Fact, kind: type[T]) -> T | None:
     try:
         read = read_fact(fact, kind)
     except ValueError:
-        log.exception("a %s that was written down cannot be read; left out", fact.kind)
+        log.warning("a %s that was written down cannot be read; left out", fact.kind)
         return None
     if read.id != fact.key:
         log.error("a %s is written down under another id; left out", fact.kind)

@@ -272,6 +272,6 @@ def _read(fact: Fact) -> Waiting | None:
     try:
         waiting = read_fact(fact, Waiting)
     except ValueError:
-        log.exception("a place in a queue that was written down cannot be read; left out")
+        log.warning("a place in a queue that was written down cannot be read; left out")
         return None
     return waiting if waiting.key == fact.key else None

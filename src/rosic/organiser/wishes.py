@@ -104,7 +104,7 @@ class Wishes:
         try:
             found = _decode(fact.body)
         except msgspec.MsgspecError:
-            log.exception("a wish cannot be read; whoever had it has to say it again")
+            log.warning("a wish cannot be read; whoever had it has to say it again")
             return
         self._known[fact.key] = found
         self._of[found.principal].add(found.id)

@@ -127,7 +127,7 @@ class Outbox:
             owed = _read_owed(fact.body)
             found = _read_words(fact.letter.content) if fact.letter is not None else None
         except msgspec.MsgspecError:
-            log.exception("what was to be said cannot be read")
+            log.warning("what was to be said cannot be read; it is left out")
             found = None
         messenger = messengers.get(found.messenger) if found is not None else None
         late = found is None or self._clock.wall_ns() - owed.since_ns > OWED_FOR_NS

@@ -111,7 +111,7 @@ class Recovery:
                     answer = read_answer(life.claim)
                     answers.setdefault((answer.messenger, answer.chat), []).append((life, answer))
             except msgspec.DecodeError:
-                log.exception("a letter of the last run cannot be read")
+                log.warning("a letter of the last run cannot be read")
                 self._let_go(life)
         for found in answers.values():
             self._repeat_answers(found)

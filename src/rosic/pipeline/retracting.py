@@ -91,7 +91,7 @@ class Retracting:
                     kept = _read_kept(fact.letter.content)
                     self._kept[fact.key] = (_read_open(fact.body).at_ns, kept)
             except msgspec.MsgspecError:
-                log.exception("a message that is to go cannot be read")
+                log.warning("a message that is to go cannot be read")
         self._watch()
 
     # ---- what is to go ----

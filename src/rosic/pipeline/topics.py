@@ -54,7 +54,7 @@ class Topics:
         try:
             name = bytes(fact.body).decode()
         except UnicodeDecodeError:
-            log.exception("what a topic is about cannot be read")
+            log.warning("what a topic is about cannot be read")
             return
         if name:
             self._about[fact.key] = name

@@ -102,7 +102,8 @@ class Folder:
                 it is not a key.
         """
         try:
-            return root_of(self.path, os.environ, begun=self.database.exists())
+            begun = self.database.exists() and self.database.stat().st_size > 0
+            return root_of(self.path, os.environ, begun=begun)
         except OSError as error:
             raise ConfigurationError(
                 f"{error.filename or self.path / ROOT_KEY} cannot be used ({error.strerror}).",

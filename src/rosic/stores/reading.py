@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 from sqlalchemy import (
@@ -11,6 +11,7 @@ from sqlalchemy import (
     ColumnElement,
     Connection,
     Row,
+    Select,
     exists,
     func,
     or_,
@@ -21,22 +22,68 @@ from sqlalchemy import (
 from rosic.core.identity import AuthorisationKey, CommandId
 from rosic.core.order import Ending
 from rosic.core.record import APART, Enrolled, Fact, Letter, Memory, Seeded, Selected, Unfinished
+from rosic.errors import ConfigurationError
 from rosic.stores import tables
 from rosic.stores.facts import by_kind
 from rosic.stores.scribe import CARD, CLAIM, FACT, PLACED, WORDS, Standing
 from rosic.stores.sealing import Key, Root, Unreadable, place_of_fact
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 log = logging.getLogger("rosic.stores")
 
 ROLES = tuple[str, ...]
+KEY_SHOWN = 40
+
+
+def unreadable(column: Any, key: object) -> ConfigurationError:  # noqa: ANN401 - of any kind
+    """Say which value of the record is none that ROSIC has written."""
+    named = key.hex() if isinstance(key, bytes) else str(key)
+    return ConfigurationError(
+        f"The record holds a value that cannot be read: {column.name} of {named[:KEY_SHOWN]!r} in "
+        f"its table {column.table.name}.",
+        hint="Put rosic.db back from your copy, together with record.mark. Nothing was started.",
+    )
+
+
+def checked(connection: Connection, query: Select[Any], key: object = None) -> Iterator[Row[Any]]:
+    """Yield rows whose values are of the types of their columns: SQLite keeps whatever it is given.
+
+    Args:
+        connection: To the record.
+        query: Of columns, with or without labels.
+        key: Whose rows they are; None: the first value of each row says so.
+
+    Raises:
+        ConfigurationError: One is not.
+    """
+    columns = [getattr(column, "element", column) for column in query.selected_columns]
+    kinds = [(column, column.type.python_type) for column in columns]
+    for row in connection.execute(query):
+        for value, (column, kind) in zip(row, kinds, strict=True):
+            if value is not None and not isinstance(value, kind):
+                raise unreadable(column, row[0] if key is None else key)
+        yield row
+
+
+def _list(column: Column[Any], key: str, text: str) -> tuple[str, ...]:
+    """Read a list of words.
+
+    Raises:
+        ConfigurationError: It is none.
+    """
+    try:
+        return msgspec.json.decode(text, type=ROLES)
+    except msgspec.MsgspecError as wrong:
+        raise unreadable(column, key) from wrong
 
 
 def wrapped_key(connection: Connection, container: str) -> bytes | None:
     """Return the wrapped key of a container, if it has one."""
     table = tables.containers
-    found: bytes | None = connection.scalar(
-        select(table.c.wrapped).where(table.c.container == container)
-    )
+    query = select(table.c.wrapped).where(table.c.container == container)
+    found: bytes | None = next((row.wrapped for row in checked(connection, query, container)), None)
     return found
 
 
@@ -48,9 +95,9 @@ def standing(connection: Connection) -> Standing:
     """
     commands, sifted = tables.commands, tables.sifted
     newest: int | None = connection.scalar(select(func.max(commands.c.seq)))
-    below: int = connection.scalar(select(func.max(sifted.c.below))) or 0
+    below = max((row.below for row in checked(connection, select(sifted.c.below))), default=0)
     open_commands = select(commands.c.cid, commands.c.seq).where(is_open(commands.c.seq))
-    lives = {row.cid: row.seq for row in connection.execute(open_commands)}
+    lives = {row.cid: row.seq for row in checked(connection, open_commands)}
     return Standing(lives, below, max((newest or 0) + 1, below))
 
 
@@ -91,7 +138,7 @@ class Reader:
         A letter that cannot be opened is left out: whoever it names is not recognised, and
         whoever it would tell is not told. Both are safe, and the log says how many there were.
         """
-        numbers = self._connection.execute(select(tables.robots)).all()
+        numbers = list(checked(self._connection, select(tables.robots)))
         memory = Memory(
             enrolled=self._enrolled(),
             keys=self._issued(),
@@ -107,12 +154,12 @@ class Reader:
         return memory
 
     def _seeded(self) -> tuple[Seeded, ...]:
-        rows = self._connection.execute(select(tables.seeds))
+        rows = checked(self._connection, select(tables.seeds))
         return tuple(Seeded(name_digest=row.name_digest, principal=row.principal) for row in rows)
 
     def _selected(self) -> tuple[Selected, ...]:
         table = tables.selections
-        rows = self._connection.execute(select(table).where(table.c.robot != ""))
+        rows = checked(self._connection, select(table).where(table.c.robot != ""))
         return tuple(
             Selected(principal=row.principal, chat=row.chat, robot=row.robot) for row in rows
         )
@@ -120,16 +167,17 @@ class Reader:
     def _facts(self) -> dict[str, tuple[Fact, ...]]:
         """Return what is so, in the order in which it was first written."""
         facts = tables.facts.c
-        rows = self._connection.execute(
+        rows = checked(
+            self._connection,
             select(facts.kind, facts.key, facts.body, facts.container, facts.sealed)
             .where(facts.kind.not_in(APART))
-            .order_by(facts.id)
+            .order_by(facts.id),
         )
         return by_kind(
-            Fact(kind=kind, key=key, body=body)
-            if container is None
-            else self._fact(kind, key, body, container, sealed)
-            for kind, key, body, container, sealed in rows
+            Fact(kind=row.kind, key=row.key, body=row.body)
+            if row.container is None
+            else self._fact(row.kind, row.key, row.body, row.container, row.sealed)
+            for row in rows
         )
 
     def _fact(self, kind: str, key: str, body: bytes, container: str, sealed: bytes) -> Fact:
@@ -164,14 +212,15 @@ class Reader:
 
     def _enrolled(self) -> tuple[Enrolled, ...]:
         found = []
-        for row in self._connection.execute(
+        for row in checked(
+            self._connection,
             select(tables.principals, tables.cards.c.container, tables.cards.c.sealed)
             .join(tables.cards)
-            .order_by(tables.principals.c.at_ns)
+            .order_by(tables.principals.c.at_ns),
         ):
             content = self._unsealed(row.container, CARD, row.principal.encode(), row.sealed)
             if content is not None:
-                roles = msgspec.json.decode(row.roles, type=ROLES)
+                roles = _list(tables.principals.c.roles, row.principal, row.roles)
                 letter = Letter(row.container, content)
                 found.append(
                     Enrolled(principal=row.principal, roles=roles, at_ns=row.at_ns, letter=letter)
@@ -189,11 +238,11 @@ class Reader:
                 principal=row.principal,
                 issuer=row.issuer,
                 issued_ns=row.issued_ns,
-                scopes=msgspec.json.decode(row.scopes, type=ROLES),
+                scopes=_list(keys.c.scopes, row.key, row.scopes),
                 expires_ns=row.expires_ns,
                 revoked_ns=row.at_ns if row.revoked_ns is None else row.revoked_ns,
             )
-            for row in self._connection.execute(query.order_by(keys.c.issued_ns))
+            for row in checked(self._connection, query.order_by(keys.c.issued_ns))
         )
 
     def _unfinished(self) -> tuple[Unfinished, ...]:
@@ -212,7 +261,7 @@ class Reader:
             .outerjoin(places, places.c.seq == commands.c.seq)
             .order_by(commands.c.seq)
         )
-        return tuple(self._life(row) for row in self._connection.execute(query))
+        return tuple(self._life(row) for row in checked(self._connection, query))
 
     def _life(self, row: Row[Any]) -> Unfinished:
         claimed = row.kind == "claimed"

@@ -22,10 +22,9 @@ def horizon(connection: Connection, now_ns: int, settings: Settings) -> int:
     Counted back from the newest command too: a clock that jumps ahead erases nothing.
     """
     commands = tables.commands
-    newest: int | None = connection.scalar(
-        select(commands.c.at_ns).order_by(commands.c.seq.desc()).limit(1)
-    )
-    return min(now_ns, newest or 0) - settings.kept_days * DAY_NS
+    query = select(commands.c.at_ns).order_by(commands.c.seq.desc()).limit(1)
+    newest = next((row.at_ns for row in reading.checked(connection, query)), 0)
+    return min(now_ns, newest) - settings.kept_days * DAY_NS
 
 
 class Erasure:
@@ -46,12 +45,14 @@ class Erasure:
             .order_by(commands.c.seq)
             .limit(AT_ONCE)
         )
-        old = [row.seq for row in connection.execute(oldest) if row.at_ns < before_ns]
+        old = [row.seq for row in reading.checked(connection, oldest) if row.at_ns < before_ns]
         cursor = connection.connection.cursor()
         for take in self._takes:
             take.run(cursor, old)
         oldest_stops = select(stops.c.id, stops.c.at_ns).order_by(stops.c.id).limit(AT_ONCE)
-        old_stops = [row.id for row in connection.execute(oldest_stops) if row.at_ns < before_ns]
+        old_stops = [
+            row.id for row in reading.checked(connection, oldest_stops) if row.at_ns < before_ns
+        ]
         self._take_stops.run(cursor, old_stops)
         return len(old)
 
@@ -64,12 +65,11 @@ class Erasure:
             kept_ns: Nothing goes that is not older than the newest act by this much.
         """
         table = tables.decisions.c
-        newest: int | None = connection.scalar(
-            select(table.at_ns).order_by(table.id.desc()).limit(1)
-        )
-        before_ns = min(before_ns, (newest or 0) - kept_ns)
+        query = select(table.at_ns).order_by(table.id.desc()).limit(1)
+        newest = next((row.at_ns for row in reading.checked(connection, query)), 0)
+        before_ns = min(before_ns, newest - kept_ns)
         oldest = select(table.id, table.at_ns).order_by(table.id).limit(AT_ONCE)
-        old = [row.id for row in connection.execute(oldest) if row.at_ns < before_ns]
+        old = [row.id for row in reading.checked(connection, oldest) if row.at_ns < before_ns]
         self._take_decisions.run(connection.connection.cursor(), old)
         return len(old)
 

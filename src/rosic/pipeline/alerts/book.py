@@ -118,4 +118,4 @@ class Book:
         try:
             shelf[fact.key] = msgspec.msgpack.decode(fact.body, type=_TYPES[fact.kind])
         except msgspec.MsgspecError:
-            log.exception("what is known of the rule %s cannot be read", fact.key)
+            log.warning("what is known of the rule %s cannot be read", fact.key)

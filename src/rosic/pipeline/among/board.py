@@ -118,7 +118,7 @@ class Board:
             try:
                 body = _read(fact.body)
             except msgspec.MsgspecError:
-                log.exception("what %s has shared cannot be read", robot)
+                log.warning("what %s has shared cannot be read", robot)
                 continue
             self._shared.setdefault(robot, {})[topic] = Shared(
                 robot, topic, body.at_ns, body.until_ns, bytes(fact.letter.content), body.id,

@@ -364,4 +364,4 @@ class Fellowship:
             try:
                 self._quiet[fact.key] = _read_quiet(fact.body)
             except msgspec.MsgspecError:
-                log.exception("whether %s is silenced cannot be read", fact.key)
+                log.warning("whether %s is silenced cannot be read", fact.key)

@@ -209,7 +209,7 @@ class HelpBook:
         try:
             body = _read(fact.body)
         except msgspec.MsgspecError:
-            log.exception("a request for help cannot be read")
+            log.warning("a request for help cannot be read")
             return
         what = "" if fact.letter is None else bytes(fact.letter.content).decode(errors="replace")
         self._helps[fact.key] = Help(

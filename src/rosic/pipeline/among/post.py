@@ -148,7 +148,7 @@ class Post:
             ear = _read_ear(fact.body)
             where = None if fact.letter is None else _read_where(fact.letter.content)
         except msgspec.MsgspecError:
-            log.exception("who follows a robot cannot be read")
+            log.warning("who follows a robot cannot be read")
             return
         if where is None and ear.who:
             return  # it was erased

@@ -268,7 +268,7 @@ class Strategies:
         try:
             self._standing[fact.key] = _read(fact.body)
         except msgspec.MsgspecError:
-            log.exception("the strategy of %s cannot be read", fact.key)
+            log.warning("the strategy of %s cannot be read", fact.key)
 
     def close(self) -> None:
         """Carry out nothing more."""

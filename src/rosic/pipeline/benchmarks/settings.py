@@ -97,7 +97,7 @@ class Settings:
         try:
             self.of[fact.key] = _decode(fact.body)
         except msgspec.MsgspecError:
-            log.exception("how %s is set cannot be read", fact.key)
+            log.warning("how %s is set cannot be read", fact.key)
 
 
 def _filled(value: float | str | bool, order: Order) -> float | int | str | bool:
