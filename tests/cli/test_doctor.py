@@ -102,7 +102,7 @@ def test_the_command_prints_a_line_for_each(tmp_path: Path) -> None:
 
     assert ran.err == ""
     assert [line.split()[0] for line in ran.out.splitlines()] == [
-        "disk", "record", "space", "clock", "ROS"
+        "disk", "record", "space", "memory", "clock", "ROS"
     ]  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rosic.app.adapters import check_robot, robot_factory, shared_spaces
 from rosic.app.config import Config, read_config
 from rosic.app.desk.control import socket_path
+from rosic.app.documents.open_to_others import open_to_others
 from rosic.app.documents.profiles import known_units
 from rosic.app.documents.rulebook import fleet_of
 from rosic.app.start import messenger_of, nobodies
@@ -66,6 +67,7 @@ def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
         if profile.link.kind in factories
         for fault in check_robot(profile, factories[profile.link.kind], clock)
     ]
+    errors += [open_.error for open_ in open_to_others(config.files) if open_.everybody]
     try:
         Vocabulary.build(config.robots, known_units())
     except ValueError as wrong:
@@ -80,6 +82,7 @@ def _errors(config: Config, clock: Clock) -> list[ConfigurationError]:
 def _advice(config: Config) -> list[ConfigurationError]:
     """Say which robots nobody may move, and who could never write."""
     where = str(config.path)
+    others = [open_.error for open_ in open_to_others(config.files) if not open_.everybody]
     people = {p.name: tuple(Grant(role=role) for role in p.roles) for p in config.people}
     fleet = fleet_of(config.robots)
     rights = Rights.draw_up(0, config.rulebook, fleet, people, unit_converter(known_units()))
@@ -98,10 +101,11 @@ def _advice(config: Config) -> list[ConfigurationError]:
         if not any(address.platform == ROBOT for address in person.addresses)
         and kinds.isdisjoint(address.platform for address in person.addresses)
     ]
-    return [
+    said = [
         ConfigurationError(text, where=where)
         for text in (*unmoved, *silent, *shared_spaces(config.robots))
     ]
+    return [*others, *said]
 
 
 def _told(config: Config) -> str:

@@ -75,6 +75,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
         robot_limit: Of robots that are added while it runs; None: they have none.
         missions: What several robots do when somebody says so.
         room: For files that people keep.
+        files: What was read: the file itself, and profiles that do not ship.
         begin_anew: Said on the command line: a record that was lost is begun anew.
     """
 
@@ -94,6 +95,7 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     room: Room
     missions: tuple[Mission, ...] = ()
     robot_limit: RateLimit | None = None
+    files: tuple[Path, ...] = ()
     begin_anew: bool = False
 
 
@@ -179,6 +181,7 @@ def read_config(
         keep=file.keep,
         missions=missions,
         room=file.files.room,
+        files=tuple(reading.files),
     )
     return ReadConfig(config, [], reading.advice)
 
@@ -207,6 +210,7 @@ class _Reading:
         self.advice: list[ConfigurationError] = []
         self._source = source
         self._folder = path.parent
+        self.files = [path]
         self._file = file
 
     def messengers(self, environ: Mapping[str, str]) -> tuple[MessengerSettings, ...]:
@@ -269,6 +273,8 @@ class _Reading:
         if not path.exists():
             self._note([Finding(place, f"There is no profile at {table.profile}.")])
             return None
+        if Path(table.profile).suffix:  # none that ships
+            self.files.append(path)
         read = read_profile(path, units, link=table.link)
         self.errors += read.errors
         self.advice += read.advice

@@ -106,7 +106,7 @@ def _token(options: argparse.Namespace, ask: Questions) -> str:
     if options.no_telegram or options.token_env or options.token_file:
         return ""
     question = "Telegram bot token, from BotFather (leave empty to try without):"
-    return ask.fit(question, "", check_token)
+    return ask.fit(question, "", check_token, secret=True)
 
 
 def _drafts(options: argparse.Namespace, ask: Questions) -> dict[str, str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from getpass import getpass
 from typing import TYPE_CHECKING
 
 from rosic.errors import ConfigurationError
@@ -26,20 +28,23 @@ class Questions:
         """Tell something between two questions."""
         print(sentence)
 
-    def fit(self, question: str, default: str, check: Callable[[str], object]) -> str:
+    def fit(
+        self, question: str, default: str, check: Callable[[str], object], *, secret: bool = False
+    ) -> str:
         """Ask for a text, again until it fits: one slip of a finger costs no other answer.
 
         Args:
             question: What is asked.
             default: For an empty answer.
             check: Raises a ConfigurationError about an answer that does not fit.
+            secret: Do not show what is typed.
 
         Raises:
             ConfigurationError: The answers ended before the questions; or nothing is asked, and
                 the default does not fit.
         """
         while True:
-            answer = self.text(question, default)
+            answer = self.text(question, default, secret=secret)
             try:
                 check(answer)
             except ConfigurationError as wrong:
@@ -49,8 +54,13 @@ class Questions:
             else:
                 return answer
 
-    def text(self, question: str, default: str) -> str:
+    def text(self, question: str, default: str, *, secret: bool = False) -> str:
         """Ask for a text.
+
+        Args:
+            question: What is asked.
+            default: For an empty answer.
+            secret: Do not show what is typed.
 
         Raises:
             ConfigurationError: The answers ended before the questions.
@@ -59,7 +69,8 @@ class Questions:
             return default
         shown = f"{question} [{default}] " if default else f"{question} "
         try:
-            return input(shown).strip() or default
+            hidden = secret and sys.stdin.isatty()
+            return (getpass(shown) if hidden else input(shown)).strip() or default
         except EOFError:
             print()
             raise ConfigurationError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
 from typing import TYPE_CHECKING
 
@@ -10,8 +11,10 @@ from msgspec.structs import replace
 
 from rosic.app import loop
 from rosic.app.config import Config, load_config
+from rosic.app.documents.open_to_others import open_to_others
 from rosic.app.face import face_of
 from rosic.app.logs import log_to_standard_error
+from rosic.app.private_memory import keep_memory_private
 from rosic.app.serving import Serving
 from rosic.app.start import secrets_of
 from rosic.cli.asking import CONFIG
@@ -30,6 +33,8 @@ BEGIN_ANEW = """take the data folder as it is, though its record was lost, empti
 from an older copy: what was decided meanwhile is forgotten, whoever was revoked or locked since may
 come in again, and without a record everybody whom the configuration names is let in anew"""
 
+log = logging.getLogger("rosic.gateway")
+
 
 def run(arguments: Sequence[str]) -> int:
     """Run the gateway. Return 0 after a signal, 1 when it could not start or go on.
@@ -37,12 +42,19 @@ def run(arguments: Sequence[str]) -> int:
     Raises:
         ConfigurationError: The configuration is wrong; nothing was started.
     """
+    keep_memory_private()  # before there is a secret in it
     parser = argparse.ArgumentParser(prog="rosic run", description=ABOUT)
     parser.add_argument("-c", "--config", metavar="FILE", default=CONFIG)
     parser.add_argument("--begin-anew", action="store_true", help=BEGIN_ANEW)
     options = parser.parse_args(arguments)
     config = replace(load_config(options.config), begin_anew=options.begin_anew)
+    others = tuple(open_to_others((*config.files, config.data)))
+    for found in others:
+        if found.everybody:
+            raise found.error
     log_to_standard_error(config.log_level.value, face_of(), secrets_of(config))
+    for found in others:
+        log.warning("%s", found.error)
     try:
         loop.run(_serve(config))
     except RosicError as error:

@@ -10,6 +10,7 @@ from rosic.app.desk.control import Ask, NotRunning, Verb, ask_gateway
 from rosic.app.doctor.findings import Finding, Verdict
 from rosic.app.doctor.machine import examine_clock, examine_disk
 from rosic.app.doctor.record import examine_record
+from rosic.app.doctor.secrecy import examine_memory, examine_openness
 from rosic.app.doctor.surroundings import examine_messengers, examine_ros
 from rosic.app.doctor.trying import try_robot
 from rosic.errors import RosicError
@@ -41,8 +42,9 @@ async def examine(
     """
     for finding in examine_disk(config.data if config else Path.cwd()):
         yield finding
-    if config is not None:
-        yield await examine_record(config.data)
+    for finding in await _of_its_data(config):
+        yield finding
+    yield examine_memory()
     yield await examine_clock(clock)
     kinds = {profile.link.kind for profile in config.robots} if config else set()
     yield examine_ros(needed=ROS_LINK in kinds)
@@ -55,6 +57,10 @@ async def examine(
     if tried:
         async for finding in _tried(config, tried, clock, entropy):
             yield finding
+
+
+async def _of_its_data(config: Config | None) -> tuple[Finding, ...]:
+    return () if config is None else (await examine_record(config.data), *examine_openness(config))
 
 
 async def _tried(

@@ -14,7 +14,7 @@ from rosic.stores.record_mark import RecordMark, was_begun
 if TYPE_CHECKING:
     from pathlib import Path
 
-ABOUT = "record"
+ABOUT = "data"
 _LOST = str(lost(""))
 
 
