@@ -7,6 +7,7 @@ from tests.planted.faults import Fault
 TWO_BOTS = "tests/rooms/pipeline/test_two_bots.py"
 LIMITER = "tests/rooms/messengers/test_limiter.py"
 STOPPING = "tests/rooms/pipeline/test_stopping.py"
+STOP_WORDS = "tests/core/language/test_stopping.py"
 STEPS = "tests/rooms/pipeline/test_steps.py"
 
 MESSENGER_FAULTS = (
@@ -22,7 +23,7 @@ MESSENGER_FAULTS = (
         file="core/language/cleaning.py",
         guard='unicodedata.normalize("NFKC", text.translate(_SENTENCES))',
         without='unicodedata.normalize("NFKC", text)',
-        caught_by=(f"{STEPS}::test_what_once_made_a_step_long_does_so_no_more",),
+        caught_by=(f"{STOP_WORDS}::test_a_sign_that_is_a_whole_sentence_hides_no_stop",),
     ),
     Fault(
         name="I15 a chat's messages are one step",
