@@ -16,7 +16,7 @@ from rosic.core.robot import Link, Profile
 from rosic.core.skill import Parameter, Skill
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal import TerminalMessenger, terminal_messenger
-from rosic.messengers.terminal.choices import RESERVED_NS, Choices
+from rosic.messengers.terminal.choices import RESERVED_NS, TYPED_WITHIN_NS, Choices
 from rosic.messengers.terminal.completing import Completer
 from rosic.messengers.terminal.messenger import WAITING_AT_MOST
 from rosic.messengers.terminal.painting import harmless, painted
@@ -227,9 +227,11 @@ def test_numbers_begin_again_when_nothing_is_open() -> None:
 def test_numbers_begin_again_with_what_is_said_next() -> None:
     choices = Choices()
     assert "[1]" in choices.show("a", QUESTION, 0)
-    choices.retire()
+    choices.retire(TYPED_WITHIN_NS)
+    assert "[3]" in choices.show("b", QUESTION, 1), "it appeared while that was being typed"
+    choices.retire(2 * TYPED_WITHIN_NS)
     assert choices.take("1") is None, "somebody said something else since"
-    assert "[1]" in choices.show("b", QUESTION, 1)
+    assert "[1]" in choices.show("b", QUESTION, 2 * TYPED_WITHIN_NS)
     taken = choices.take("1")
     assert taken is not None
     assert taken.message == "b"

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 # that, so that a number typed a moment too late never taps a button that has just been shown.
 RESERVED_NS = 120_000_000_000
 AT_MOST = 99
+# Nobody has read and answered something else in so short a time.
+TYPED_WITHIN_NS = 1_000_000_000
 
 
 class Choice(NamedTuple):
@@ -52,13 +54,17 @@ class Choices:
         self._shown[self._last] = Choice(button, message, now_ns)
         return self._last
 
-    def retire(self) -> None:
+    def retire(self, now_ns: int) -> None:
         """Let what was shown before be no choice any more: something else was said since.
 
         What is answered to that begins with 1 again, and no number on the screen above means it.
+        What appeared while it was being typed stays a choice.
         """
-        self._shown.clear()
-        self._last = 0
+        for number, choice in list(self._shown.items()):
+            if now_ns - choice.shown_ns > TYPED_WITHIN_NS:
+                del self._shown[number]
+        if not self._shown:
+            self._last = 0
 
     def take(self, text: str) -> Choice | None:
         """Return the button whose number was typed. Its neighbours are answered with it."""

@@ -158,7 +158,7 @@ class TerminalMessenger:
         message = self._next_id()
         choice = self._choices.take(line)
         if choice is None:
-            self._choices.retire()
+            self._choices.retire(self._clock.monotonic_ns())
         return Inbound(
             sender=Address(self.platform, self.account),
             chat=self._chat,
