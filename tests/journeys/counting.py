@@ -57,6 +57,8 @@ class Answer(msgspec.Struct, frozen=True, kw_only=True):
 class CountingRobot:
     """Implements `contracts.robot.Robot`; its body is the counter at the other end of a socket."""
 
+    stops_itself = True  # its counter is told of every stop, and answers
+
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
         self.profile = profile
         self.gate = gate

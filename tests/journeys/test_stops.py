@@ -73,6 +73,9 @@ async def test_with_the_disk_full_a_stop_works_and_outlives_a_kill(
     async with lab(tmp_path, launcher) as place:
         # No file may grow beyond 4 KiB any more, which is what a full disk is like for SQLite. The
         # file of stops is smaller than that from the beginning, as it is preallocated.
+        gateway = await place.start()  # a stop file without its record would be a lost record
+        gateway.kill()
+        (place.data / "stops").unlink()
         latch = FileLatch(place.data / "stops", robots_max=16)
         latch.read()
         await latch.close()
