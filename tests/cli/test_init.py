@@ -59,7 +59,7 @@ def test_without_a_question_it_writes_what_can_be_started(
 
 def test_questions_are_asked_and_answered(folder: Path) -> None:
     answers = (
-        f"My lab\nEurope/Vinna\nEurope/Vienna\nnonsense\n{TOKEN}\n\nomin\nomni, talker\n"
+        f"My lab\nEurope/Vinna\nEurope/Vienna\nnonsense\n{TOKEN}\n\nomin\nomni, yumi\n"
         "perhaps\ny\n@ada\n1001\n"
     )
     ran = rosic("init", stdin=answers, cwd=folder)
@@ -77,7 +77,7 @@ def test_questions_are_asked_and_answered(folder: Path) -> None:
     assert stat.S_IMODE((folder / "telegram-token.txt").stat().st_mode) == 0o600
     config = load_config(folder / "rosic.toml")
     assert (config.name, config.zone) == ("My lab", "Europe/Vienna")
-    assert [robot.id for robot in config.robots] == ["omni", "talker"]
+    assert [robot.id for robot in config.robots] == ["omni", "yumi"]
     assert [robot.link.kind for robot in config.robots] == ["simulated", "simulated"]
     assert [str(a) for p in config.people for a in p.addresses] == ["telegram:1001"]
     assert rosic("check", cwd=folder).status == 0

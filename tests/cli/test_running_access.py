@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.desk.asked import Ask, Verb
+from rosic.app.serving import GREETING
 from rosic.cli.asking import answers
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import environment, gateway, rosic, write_config
@@ -155,7 +156,7 @@ class AtTerminal:
 def test_who_sits_at_the_terminal_is_told_how_to_begin(tmp_path: Path) -> None:
     hand = AtTerminal(write_config(tmp_path), types=True)
     try:
-        hand.wait_for("Say help for what can be said here, and stop at any time.")
+        hand.wait_for(GREETING)
         hand.type("help")
         hand.wait_for("Say what a robot should do, for example:")
     finally:

@@ -141,8 +141,8 @@ OF_TASKS = (
     Fault(
         name="I5 whoever is disabled can be resumed",
         file="pipeline/resuming.py",
-        guard="            self._check_not_barred(robot)\n",
-        without="",
+        guard="            self._check_not_barred(robot)\n            self._check_later",
+        without="            self._check_later",
         caught_by=(DISABLED,),
     ),
     Fault(
@@ -214,8 +214,8 @@ OF_TASKS = (
     Fault(
         name="I2 a task that was sent long ago is given",
         file="pipeline/freshness.py",
-        guard="    if old or inbound.sent_ns < inbound.listening_since_ns:\n",
-        without="    if False:\n",
+        guard="    if is_missed(inbound):\n        raise",
+        without="    if False:\n        raise",
         caught_by=(f"{EDGES}::test_a_task_that_waited_on_the_way_here_is_not_given",),
     ),
     Fault(

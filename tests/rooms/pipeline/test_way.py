@@ -187,6 +187,8 @@ async def test_but_a_stop_is_obeyed(standing: Standing) -> None:
 
 async def test_a_strangers_stop_changes_nothing() -> None:
     async with Place().open() as place:
+        greeting = "Hello. I work for people I know, and I do not know you yet. Ask the admin here."
+        assert await place.say("stop", account=STRANGER, chat="9") == greeting
         assert await place.say("stop", account=STRANGER, chat="9") == ""
         assert not place.robot("omni").gate.latched
 
