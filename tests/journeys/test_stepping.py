@@ -170,7 +170,7 @@ async def test_a_second_person_agrees_once_and_only_who_was_asked(
         assert place.acted() == 0
 
         assert await press(place, place.ada, "I agree") == ""
-        await place.reads(place.bo, "Ada agrees: bee: hop.")
+        await place.reads(place.bo, "Ada agrees: Bee: hop, 1.00 m.")
         assert place.acted() == 0, "an agreement alone moves nothing"
         message = await asked(place, place.bo, "Do it")
         assert await press(place, place.bo, "Do it") == ""
