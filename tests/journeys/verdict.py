@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.identity import command_id, robot_command_id
+from tests.journeys.fleet import TOKEN
 from tests.journeys.reading import ACTED, End, Reply
 
 if TYPE_CHECKING:
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
 
     from tests.journeys.counter import Counted
     from tests.journeys.counting import Event
+
+
+BOT = TOKEN.partition(":")[0]
 
 
 class Said(msgspec.Struct, frozen=True):
@@ -33,7 +37,9 @@ class Said(msgspec.Struct, frozen=True):
 
     def cids(self) -> tuple[str, ...]:
         """Return the identities of its shares, computed as ROSIC does: from the message alone."""
-        cid = command_id("telegram", str(self.user), str(self.chat), str(self.message), "0")
+        # Only a supergroup numbers its messages for all: elsewhere each bot has numbers of its own.
+        whose = (str(self.user),) if str(self.chat).startswith("-100") else ("to", BOT)
+        cid = command_id("telegram", *whose, str(self.chat), str(self.message), "0")
         others = (robot_command_id(cid, robot) for robot in self.robots[1:])
         return tuple(one.hex() for one in (cid, *others))
 

@@ -36,7 +36,8 @@ class Directory:
         self._keys: dict[KeyId, AuthorisationKey] = {}
         self._current: dict[PrincipalId, AuthorisationKey] = {}
         self._at: dict[tuple[str, str], PrincipalId] = {}
-        self._named: dict[str, dict[PrincipalId, None]] = {}
+        # By the hash of a name, and most names are one person's: it is there for each of thousands.
+        self._named: dict[int, PrincipalId | dict[PrincipalId, None]] = {}
 
     def enrol(self, person: Principal) -> None:
         """Add or replace a person."""
@@ -44,8 +45,8 @@ class Directory:
         for address in before.addresses if before else ():
             self._at.pop((address.platform, address.account), None)
         if before is not None:
-            self._named[before.name.casefold()].pop(before.id)
-        self._named.setdefault(person.name.casefold(), {})[person.id] = None
+            self._forget_name(before)
+        self._remember_name(person)
         self._people[person.id] = person
         for address in person.addresses:
             self._at[address.platform, address.account] = person.id
@@ -84,7 +85,28 @@ class Directory:
 
     def named(self, name: str) -> tuple[Principal, ...]:
         """Return everybody who is shown under a name; for commands of the operator only."""
-        return tuple(map(self._people.__getitem__, self._named.get(name.casefold(), ())))
+        wanted = name.casefold()
+        ids = self._named.get(hash(wanted), {})
+        found = (self._people[i] for i in ((ids,) if isinstance(ids, str) else ids))
+        return tuple(person for person in found if person.name.casefold() == wanted)
+
+    def _remember_name(self, person: Principal) -> None:
+        name = hash(person.name.casefold())
+        there = self._named.get(name)
+        if there is None:
+            self._named[name] = person.id
+        elif isinstance(there, dict):
+            there[person.id] = None
+        else:
+            self._named[name] = {there: None, person.id: None}
+
+    def _forget_name(self, person: Principal) -> None:
+        name = hash(person.name.casefold())
+        there = self._named[name]
+        if isinstance(there, dict):
+            del there[person.id]
+        else:
+            del self._named[name]
 
     def name(self, principal: PrincipalId) -> str:
         """Return how a person is shown."""
