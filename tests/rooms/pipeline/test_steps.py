@@ -113,6 +113,7 @@ def test_no_batch_makes_a_step_long() -> None:
             lambda: [place.message(STRANGER + n, filled("", "\u3316 ")) for n in range(100)],
             lambda: [place.message(STRANGER + n, filled("/start ", "AB-CD ")) for n in range(100)],
             lambda: [place.message(ADA, "omni move 1 m") for _ in range(100)],
+            lambda: [place.message(BO, "\u3316 " * 490) for _ in range(100)],
             lambda: [place.message(BO, filled("", "not stop\n")) for _ in range(100)],
             lambda: [place.message(BO, filled("@abot ", "@abot stop\n")) for _ in range(100)],
         ):
