@@ -29,6 +29,11 @@ RING_AGAIN_S = 5.0
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
+# What people read in a terminal follows the terminal's language, and no test depends on that.
+for name in ("LC_ALL", "LC_MESSAGES", "LANGUAGE"):
+    os.environ.pop(name, None)
+os.environ["LANG"] = "C.UTF-8"
+
 # A slow example is no fault of what is tested; a test that means a time limit measures it itself.
 settings.register_profile("rosic", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 # For a run that has to fail and is not read: the first example that fails will do.

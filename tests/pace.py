@@ -66,6 +66,13 @@ def _measured() -> float:
     return (time.perf_counter() - begun_s) / usual_s
 
 
+def sample_of_work_s() -> float:
+    """Return what the sample costs in processor time now: work is told as a multiple of it."""
+    begun_s = time.thread_time()
+    _work()
+    return time.thread_time() - begun_s
+
+
 def _work() -> None:
     total = 0
     for number in range(SAMPLE):

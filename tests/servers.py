@@ -34,6 +34,7 @@ class Need(NamedTuple):
 NEEDS: Final = (
     Need("gcc", "gcc", "ROS 2 interfaces, and tests under another date"),
     Need("g++", "g++", "ROS 2 interfaces"),
+    Need("zsh", "zsh", "completion in zsh"),
 )
 
 _QUIETLY: Final = ("-qq", "-o", "Acquire::Retries=3", "-o", "DPkg::Lock::Timeout=120")

@@ -34,7 +34,7 @@ no host names, no traces. ``code`` never changes; tests, logs and docs use it.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -85,6 +85,11 @@ class Refusal(RosicError):
         self.offers = offers
         self.choices = choices
         self.petition = petition
+
+    def reworded(self, sentence: str) -> Self:
+        """Say something else: what was done before it came to this stands in front of why not."""
+        self.args = (sentence, *self.args[1:])
+        return self
 
 
 class Unrecognised(Refusal):

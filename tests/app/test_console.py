@@ -7,19 +7,38 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from rosic.app.console import AGAIN, Console, mind_console
-from tests.rooms.pipeline.place import Place
+from rosic.core.identity import Address
+from rosic.core.order import Rest
+from rosic.robots.memory import MemoryRobot
+from tests.rooms.pipeline.place import ADA, Place
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
+
+    from rosic.core.order import Stop
+
+
+class LongToRest(MemoryRobot):
+    """Nobody measures it at rest before half a minute is over."""
+
+    async def stop(self, stop: Stop) -> Rest:
+        self.gate.apply_stop(stop)
+        await self._clock.sleep(30.0)
+        return Rest(stop.robot, confirmed=False, seconds=30.0)
+
+
+class LongPlace(Place):
+    kind = LongToRest
 
 
 class Typed:
     """A console whose keys a test presses."""
 
-    def __init__(self) -> None:
+    def __init__(self, account: str = ADA) -> None:
         self.interrupted, self.ended = asyncio.Event(), asyncio.Event()
         self.shown: list[str] = []
         self.pressed = 0
+        self.address = Address("memory", account)
 
     @property
     def at_hand(self) -> bool:
@@ -67,6 +86,61 @@ async def test_the_first_one_stops_everything_and_the_second_one_ends() -> None:
             console.interrupt()
             await place.quiet()
             assert left.is_set()
+
+
+async def test_the_second_one_is_heard_while_robots_come_to_rest() -> None:
+    async with LongPlace().open() as place:
+        console = Typed()
+        async with _minded(console, place, ("telegram",)) as left:
+            console.interrupt()
+            await place.quiet()
+            assert len(console.shown) == 1, "the stop is given, and nothing is measured yet"
+            console.interrupt()
+            await place.quiet()
+            assert left.is_set()
+        assert all(robot.gate.latched for robot in place.gateway.robots.values())
+        await place.clock.advance(31)
+
+
+async def test_the_end_of_the_input_is_heard_while_robots_come_to_rest() -> None:
+    async with LongPlace().open() as place:
+        console = Typed()
+        async with _minded(console, place, ()) as left:
+            console.interrupt()
+            await place.quiet()
+            console.ended.set()
+            await place.quiet()
+            assert left.is_set()
+        await place.clock.advance(31)
+
+
+async def test_what_is_measured_is_shown_when_it_is() -> None:
+    async with LongPlace().open() as place:
+        console = Typed()
+        async with _minded(console, place, ()) as left:
+            console.interrupt()
+            await place.clock.advance(31)
+            assert "omni has not confirmed the stop" in console.shown[1]
+            assert console.shown[-1] == AGAIN
+            assert not left.is_set()
+
+
+async def test_whoever_presses_it_has_stopped_them() -> None:
+    async with Place().open() as place:
+        console = Typed(ADA)
+        async with _minded(console, place, ()):
+            console.interrupt()
+            await place.quiet()
+        assert "stopped by Ada" in await place.say("status omni")
+
+
+async def test_of_somebody_unknown_at_the_terminal_it_is_the_operator_who_stopped_them() -> None:
+    async with Place().open() as place:
+        console = Typed("nobody")
+        async with _minded(console, place, ()):
+            console.interrupt()
+            await place.quiet()
+        assert "stopped by the operator" in await place.say("status omni")
 
 
 async def test_something_typed_in_between_makes_it_the_first_again() -> None:

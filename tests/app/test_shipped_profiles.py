@@ -18,6 +18,7 @@ from rosic.app.documents.profiles import (
     read_profile,
     shipped_profiles,
 )
+from rosic.cli.init import KINDS
 from rosic.core.language import Context, Do, Vocabulary, bind, understand
 from rosic.core.robot import LinkLoss, Profile
 from rosic.errors import ConfigurationError
@@ -55,6 +56,23 @@ def test_a_profile_is_good_and_named_like_its_file(name: str) -> None:
 
 def test_no_other_profile_ships() -> None:
     assert tuple(shipped_profiles()) == ROBOTS
+
+
+def test_the_page_about_profiles_lists_them_with_their_skills(fleet: dict[str, Profile]) -> None:
+    page = (Path(__file__).parents[2] / "docs/robots/profiles.md").read_text(encoding="utf-8")
+    table = page.partition("## Profiles that ship")[2]
+    listed: dict[str, list[str]] = {}
+    for names, skills in re.findall(r"^\| (`.*`) \|[^|]*\| (.*) \|$", table, re.MULTILINE):
+        for name in re.findall(r"`(\w+)`", names):
+            listed[name] = skills.split(", ")
+    shipped = {name: list(profile.skills) for name, profile in fleet.items()}
+    crazyflies = [n for n, profile in fleet.items() if "crazyflies" in profile.groups]
+    assert listed.pop("crazyflies", None) in (None, shipped[crazyflies[0]])
+    assert listed == shipped
+
+
+def test_a_newcomer_is_told_what_each_of_them_is() -> None:
+    assert set(KINDS) == set(ROBOTS)
 
 
 def test_all_of_them_can_be_used_together(fleet: dict[str, Profile]) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.cli.entry import main
+from rosic.stores.database import DatabaseStore
+from rosic.system import SystemClock
 from tests.cli.running import CONFIG, write_config
 
 if TYPE_CHECKING:
@@ -30,6 +33,17 @@ class Place:
         self.folder = folder
         self.config = write_config(folder, text)
         self._capsys = capsys
+
+    def begun(self) -> Place:
+        """Make the record that a first start makes; nobody of the file is on it yet."""
+
+        async def begin() -> None:
+            store = DatabaseStore(self.folder / "rosic-data", clock=SystemClock())
+            await store.open()
+            await store.close()
+
+        asyncio.run(begin())
+        return self
 
     def rosic(self, command: str, *arguments: str) -> Said:
         """Run a command to its end."""

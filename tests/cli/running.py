@@ -170,6 +170,16 @@ address = "terminal:99999"
 role = "operator"
 """
 
+TELEGRAM = """
+[[messenger]]
+kind = "telegram"
+token = {{ env = "LAB_TOKEN" }}
+api_base = "{api_base}"
+[[robot]]
+profile = "omni"
+link = "memory"
+"""
+
 
 def write_config(folder: Path, text: str = CONFIG, **changes: str) -> Path:
     """Write a configuration and return where it is."""

@@ -26,7 +26,7 @@ CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
 
 @pytest.fixture
 def place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Place:
-    return Place(tmp_path, capsys)
+    return Place(tmp_path, capsys).begun()
 
 
 def on_disk(folder: Path) -> bytes:
@@ -76,7 +76,7 @@ def test_an_admin_has_to_tap_where_that_was_said(place: Place) -> None:
 def test_an_admin_invited_where_there_is_none_is_the_first(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    place = Place(tmp_path, capsys, MEMORY.replace('role = "admin"', 'role = "viewer"'))
+    place = Place(tmp_path, capsys, MEMORY.replace('role = "admin"', 'role = "viewer"')).begun()
 
     first = place.good("invite", "--role", "admin", "--plain")
     second = place.good("invite", "--role", "admin", "--plain")
@@ -223,10 +223,30 @@ def test_revoking_ends_everything_of_somebody(place: Place) -> None:
     assert place.good("revoke", "Bob") == "Bob has no access already. Nothing was changed.\n"
 
 
-def test_looking_leaves_no_data_behind(place: Place) -> None:
+def test_looking_leaves_no_data_behind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    place = Place(tmp_path, capsys)
     place.good("people")
     place.good("key list")
     place.good("security report")
     place.good("explain", "Bob", "kuka1 home")
 
     assert not (place.folder / "rosic-data").exists()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "invite --role viewer", "lock Bob", "unlock Bob", "revoke Bob", "key revoke Bob",
+        "key rotate Bob", "clock --accept", "container limit Bob --names 3",
+    ],
+)  # fmt: skip
+def test_nothing_is_said_to_be_done_where_there_is_no_record(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    """The folder may have been moved, or its disk be missing, while a gateway runs."""
+    place = Place(tmp_path, capsys)
+    said = place.rosic(command)
+    assert (said.status, said.out) == (2, "")
+    assert f"Nothing has run on {tmp_path}/rosic-data: there is no record." in said.err
+    assert "Nothing was changed." in said.err
+    assert not (tmp_path / "rosic-data").exists()

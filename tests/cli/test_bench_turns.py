@@ -61,7 +61,7 @@ async def test_a_process_that_ends_before_its_turns_is_no_result(tmp_path: Path)
 def test_what_a_robot_said_last_is_what_is_known_of_it() -> None:
     clock = SystemClock()
     robots = {
-        profile.id: FedRobot(profile, Gate(profile.id), clock)
+        profile.id: FedRobot(profile, Gate.new(profile.id), clock)
         for profile in map(profile_of, range(3))
     }
     feed = Feed(robots)

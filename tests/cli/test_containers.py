@@ -11,18 +11,13 @@ import pytest
 from openpyxl import load_workbook
 
 from tests.cli.offline import Place
-from tests.cli.running import gateway, rosic, write_config
+from tests.cli.running import gateway, rosic
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
     from tests.cli.running import Gateway
-
-
-@pytest.fixture(scope="module")
-def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_config(tmp_path_factory.mktemp("place"))
 
 
 @pytest.fixture(scope="module")
@@ -122,7 +117,7 @@ def test_without_a_gateway_the_data_is_looked_into_and_limited(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    place = Place(tmp_path, capsys)
+    place = Place(tmp_path, capsys).begun()
     place.good("key rotate", "Bob")  # takes the people of the file over
     place.good("invite", "--role", "viewer")  # what codes are known by is sealed for the place
     listed = json.loads(place.good("container list", "--json"))

@@ -50,8 +50,9 @@ def test_every_life_of_the_demonstration_is_printed() -> None:
         steps = [line.removeprefix(f"{who}: ") for line in life.splitlines()]
         assert steps[0].endswith(": accepted")
         assert steps[1:3] == ["sent", "received by the robot"]
-        assert any("%" in step for step in steps[3:-1])
-        assert steps[-1].startswith("done ")
+        assert any("%" in step for step in steps[3:-2])
+        assert steps[-2].startswith("done ")
+        assert "] Again  " in steps[-1]
     assert "moved 0.50 m forward" in move
     assert "object held" in grasp
     assert takeoff.count("received by the robot") == 3
@@ -128,7 +129,7 @@ def test_bad_lines_are_answered_and_hold_nothing_up() -> None:
 class Hand:
     """A person at a terminal: what they type, and everything that was drawn."""
 
-    def __init__(self, *arguments: str) -> None:
+    def __init__(self, *arguments: str, language: str = "C.UTF-8") -> None:
         self.drawn = ""
         self._master, slave = pty.openpty()
         # A real terminal has a size, and tells where its cursor is when asked; this one does not.
@@ -140,7 +141,7 @@ class Hand:
             stderr=slave,
             start_new_session=True,
             preexec_fn=_make_it_ours,  # noqa: PLW1509 - one system call
-            env=environment({"TERM": "xterm", "PROMPT_TOOLKIT_NO_CPR": "1"}),
+            env=environment({"TERM": "xterm", "PROMPT_TOOLKIT_NO_CPR": "1", "LANG": language}),
         )
         os.close(slave)
 
@@ -191,12 +192,33 @@ def test_by_hand_it_completes_asks_and_leaves(hand: Hand) -> None:
     hand.see("received by the robot")
     hand.see("moved 0.10 m left")
     hand.type("omni move 40 m\r")
-    hand.see("[1] ")
+    hand.see("] omni move 5 m")
     hand.type("use omni\r")
     hand.see("] STOP")
     hand.type("\x04")
     hand.see("Left. Nothing was kept.")
     assert hand.process.wait(60) == 0
+
+
+def test_at_a_german_terminal_it_speaks_german_until_somebody_chooses() -> None:
+    hand = Hand(language="de_DE.UTF-8")
+    try:
+        assert "English: /language en" in hand.see("\n>")
+        hand.type("omni turn 5 Grad\r")
+        hand.see("5 Grad nach links gedreht")
+        hand.type("/language en\r")
+        hand.see("Saved.")
+        hand.type("omni turn 5 deg\r")
+        hand.see("turned 5 deg left")
+    finally:
+        hand.close()
+
+
+def test_a_piped_demonstration_is_english_whatever_the_terminal_is_set_to() -> None:
+    ran = rosic("demo", "--plain", stdin="/settings language\n", env={"LANG": "de_DE.UTF-8"})
+
+    assert "Deutsch: /language de" in ran.out
+    assert "Language: English. I speak English and Deutsch." in ran.out
 
 
 def test_tab_completes_with_the_blank_that_follows(hand: Hand) -> None:
@@ -227,6 +249,17 @@ def test_the_first_ctrl_c_brings_every_robot_to_rest_and_a_second_one_leaves(han
     hand.type("\x03")
     hand.see("Left.")
     assert hand.process.wait(60) == 0
+
+
+def test_drones_that_fly_are_said_to_have_landed_before_it_is_left(hand: Hand) -> None:
+    hand.see("\n>")
+    hand.type("crazyflies takeoff 1 m\r")
+    hand.see("Crazyflie 3: done")
+    hand.type("\x04")
+    drawn = " ".join(hand.see("Left. Nothing was kept.").split())
+    assert "STOP sent to Crazyflie 1, Crazyflie 2, Crazyflie 3." in drawn
+    assert drawn.count("on the ground (") == 3
+    assert hand.process.wait(60 * pace()) == 0
 
 
 def test_a_signal_ends_it(hand: Hand) -> None:

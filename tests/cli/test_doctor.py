@@ -6,18 +6,26 @@ import re
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.app.config import load_config
 from rosic.app.doctor.findings import Finding, Verdict
 from rosic.app.doctor.machine import examine_clock, examine_disk
-from rosic.app.doctor.trying import slow_arguments, streaming_skill, try_robot
+from rosic.app.doctor.trying import Trial, slow_arguments, streaming_skill, try_robot
 from rosic.app.documents.profiles import load_profile, shipped_profiles
+from rosic.app.placing.gates import stops_of
+from rosic.app.start import latch_of
+from rosic.core.gate import Gate
+from rosic.core.record import Stopped
+from rosic.robots.simulated.robot import SimulatedRobot
 from rosic.stores.database import DatabaseStore
 from rosic.system import SystemClock, SystemEntropy
 from tests.cli.running import gateway, rosic, write_config
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from rosic.core.order import Rest, Stop
 
 
 def test_the_disk_is_measured_and_left_as_it_was(tmp_path: Path) -> None:
@@ -73,7 +81,7 @@ def test_a_trial_is_slow_whatever_the_profile_allows() -> None:
 async def test_a_robot_is_tried_on_the_record(tmp_path: Path) -> None:
     config, clock = load_config(write_config(tmp_path)), SystemClock()
 
-    stop, watchdog = [f async for f in try_robot(config, "omni", clock, SystemEntropy())]
+    stop, watchdog, after = [f async for f in try_robot(config, "omni", clock, SystemEntropy())]
 
     assert stop.verdict is Verdict.GOOD
     measured = re.fullmatch(r"stop: at rest after (\d\.\d\d) s \(from a slow drive\)", stop.text)
@@ -86,12 +94,70 @@ async def test_a_robot_is_tried_on_the_record(tmp_path: Path) -> None:
     assert memory.numbers["omni"][0] >= 1
     assert memory.generations["omni"] == 1
     assert memory.unfinished == ()
+    assert after.text == "resumed: it was stopped only to be measured"
+    latch = latch_of(config)
+    assert latch.read()["omni"] == (1, False), "the next start would find it stopped"
+    await latch.close()
+
+
+@pytest.mark.parametrize("where", ["latch", "record"])
+async def test_a_trial_undoes_no_stop_but_its_own(tmp_path: Path, where: str) -> None:
+    config, clock = load_config(write_config(tmp_path)), SystemClock()
+    latch = latch_of(config)
+    store = DatabaseStore(config.data, clock=clock, kept=latch.kept)
+    await store.open()
+    if where == "latch":
+        await latch.write("omni", 3, latched=True)
+    else:  # the latch could not be written when it was applied
+        await store.write(Stopped(robot="omni", generation=3, principal="p-1", at_ns=1))
+    await store.close()
+    await latch.close()
+
+    [found] = [f async for f in try_robot(config, "omni", clock, SystemEntropy())]
+
+    assert found.text == "omni is stopped, so it was not moved; resume it first"
+    latch = latch_of(config)
+    assert latch.read().get("omni", (0, True))[1], "it would go on at the next start"
+    await latch.close()
+
+
+async def test_a_trial_that_did_not_go_well_leaves_the_robot_stopped(tmp_path: Path) -> None:
+    config, clock = load_config(write_config(tmp_path)), SystemClock()
+    omni = load_profile(shipped_profiles()["omni"], link="simulated")
+    latch = latch_of(config)
+    store = DatabaseStore(config.data, clock=clock, kept=latch.kept)
+    await store.open()
+    robot = NeverSeenAtRest(omni, Gate.new("omni"), clock)
+    await robot.open(print)
+    try:
+        trial = Trial(omni, robot, store, latch, clock, SystemEntropy())
+        *_, stop, _, after = [found async for found in trial.run()]
+    finally:
+        await robot.close()
+    assert stop.verdict is Verdict.LOOK
+    assert after == Finding(
+        "omni",
+        Verdict.LOOK,
+        "it stays stopped, also after a start, until somebody says: resume omni",
+    )
+    assert stops_of(latch.read(), {"omni": 1})["omni"] == (1, True)
+    await store.close()
+    await latch.close()
+
+
+class NeverSeenAtRest(SimulatedRobot):
+    """Its stop is carried out and not confirmed."""
+
+    async def stop(self, stop: Stop) -> Rest:
+        return replace(await super().stop(stop), confirmed=False)
 
 
 async def test_a_robot_that_streams_nothing_is_stopped_at_rest(tmp_path: Path) -> None:
     config = load_config(write_config(tmp_path))
 
-    stop, watchdog = [f async for f in try_robot(config, "kuka1", SystemClock(), SystemEntropy())]
+    stop, watchdog, _ = [
+        f async for f in try_robot(config, "kuka1", SystemClock(), SystemEntropy())
+    ]
 
     assert "(it was not moving)" in stop.text
     assert watchdog.verdict is Verdict.NOT_MEASURED

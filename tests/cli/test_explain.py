@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.app.config import load_config
+from rosic.app.documents.profiles import known_units, load_profile, shipped_profiles
+from rosic.app.placing.holding import preferences_of
+from rosic.app.placing.people import person_of
+from rosic.stores.database import DatabaseStore
+from rosic.system import SystemClock
 from tests.cli.offline import MEMORY, Place
 
 if TYPE_CHECKING:
@@ -20,7 +27,7 @@ limits = ["force <= 20 N"]
 
 @pytest.fixture
 def place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Place:
-    return Place(tmp_path, capsys, MEMORY.replace('"operator"', '"junior"') + OWN)
+    return Place(tmp_path, capsys, MEMORY.replace('"operator"', '"junior"') + OWN).begun()
 
 
 def no(place: Place, *asked: str) -> str:
@@ -89,3 +96,24 @@ def test_what_cannot_be_explained_is_one_sentence(
     place: Place, who: str, line: str, sentence: str
 ) -> None:
     assert sentence in place.wrong("explain", who, line)
+
+
+def test_ones_own_highest_speed_counts_as_in_a_chat(place: Place) -> None:
+    place.good("invite", "--role", "viewer")  # takes over who is in the file
+    assert "Ada may.\n" in place.good("explain", "Ada", "omni move 1 m speed=0.5")
+    asyncio.run(sets_speed(load_config(place.config).data, "Ada", "0.2 m/s"))
+
+    assert "omni:move speed <= 0.2 m/s is broken" in no(place, "Ada", "omni move 1 m speed=0.5")
+    assert "Ada may.\n" in place.good("explain", "Ada", "omni move 1 m speed=0.1")
+
+
+async def sets_speed(data: Path, name: str, speed: str) -> None:
+    """Keep somebody's own highest speed on the record, as `/settings speed` does."""
+    clock = SystemClock()
+    store = DatabaseStore(data, clock=clock)
+    memory = await store.open()
+    [who] = [p.id for p in map(person_of, memory.enrolled) if p.name == name]
+    omni = load_profile(shipped_profiles()["omni"])
+    book = preferences_of((omni,), known_units(), clock, memory)
+    await store.write(*book.set_speed(who, speed))
+    await store.close()

@@ -10,26 +10,15 @@ import pytest
 
 from rosic.cli.entry import COMMANDS, main
 from tests.cli.offline import MEMORY, Place
-from tests.cli.running import gateway, rosic, write_config
+from tests.cli.running import rosic, write_config
+from tests.cli.terminal import shell_at
+from tests.servers import needed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
-    from tests.cli.running import Gateway
 
 LEVEL = '[[principal]]\nname = "Vi"\naddress = "terminal:4242"\nrole = "viewer"\n'
-
-
-@pytest.fixture(scope="module")
-def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_config(tmp_path_factory.mktemp("place"))
-
-
-@pytest.fixture(scope="module")
-def _running(config: Path) -> Iterator[Gateway]:
-    with gateway(config) as opened:
-        yield opened
 
 
 @pytest.fixture
@@ -37,7 +26,7 @@ def place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Place:
     return Place(tmp_path, capsys, MEMORY + LEVEL)
 
 
-@pytest.mark.usefixtures("_running")
+@pytest.mark.usefixtures("running")
 def test_resume_undoes_what_stop_did_and_asks_which_of_several(config: Path) -> None:
     assert rosic("resume", "-c", config).out == "Nothing is stopped there.\n"
     rosic("stop", "omni", "-c", config)
@@ -64,7 +53,7 @@ def test_resume_without_a_gateway_says_so(place: Place) -> None:
     assert "No gateway is running" in place.wrong("resume", "omni")
 
 
-@pytest.mark.usefixtures("_running")
+@pytest.mark.usefixtures("running")
 def test_people_and_keys_of_a_running_gateway_are_lists(config: Path) -> None:
     people = json.loads(rosic("people", "--json", "-c", config).out)
     assert {person["state"] for person in people} == {"good"}
@@ -74,6 +63,7 @@ def test_people_and_keys_of_a_running_gateway_are_lists(config: Path) -> None:
 
 def test_people_and_keys_are_lists_without_a_gateway_too(place: Place) -> None:
     assert json.loads(place.good("people", "--json"))[0] == {"name": "Ada", "state": "configured"}
+    place.begun()
     place.good("invite", "--role", "viewer", "--plain")
     place.good("lock", "Vi")
     people = {one["name"]: one for one in json.loads(place.good("people", "--json"))}
@@ -150,10 +140,32 @@ def test_a_shell_completes_commands_and_their_options(tmp_path: Path) -> None:
     assert bash(script, "rosic", "key", "list", "Ada", "--j") == ["--json"]
     assert bash(script, "rosic", "robot", "check", "") == [], "names of files are the shell's own"
     assert bash(script, "rosic", "completion", "b") == ["bash"]
-    assert "compinit" in rosic("completion", "zsh").out
 
 
-@pytest.mark.usefixtures("_running")
+def test_zsh_completes_the_same(tmp_path: Path) -> None:
+    zsh, prompt = needed("zsh"), "READY> "
+    script = tmp_path / "completion.zsh"
+    script.write_text(rosic("completion", "zsh").out)
+    with shell_at([zsh, "-f", "-i"], tmp_path, prompt) as shell:
+        shell.type(f"source {script.name}; echo so''urced")
+        shell.wait_for("sourced")
+        for typed, completed in (
+            ("rosic peo", "rosic people "),
+            ("rosic key rot", "rosic key rotate "),
+            ("rosic people --j", "rosic people --json "),
+            ("rosic key list Ada --j", "rosic key list Ada --json "),
+            ("rosic completion z", "rosic completion zsh "),
+            ("rosic robot check com", f"rosic robot check {script.name} "),
+        ):
+            shell.shown = ""
+            shell.type(typed, end="\t")
+            shell.wait_for(completed)
+            shell.type("\x15", end="")  # take the line away
+        shell.type("exit")
+        assert shell.ended() == 0
+
+
+@pytest.mark.usefixtures("running")
 def test_history_says_what_the_operator_did_and_asks_for_known_names(config: Path) -> None:
     rosic("stop", "omni", "-c", config)
     assert rosic("resume", "omni", "-c", config).status == 0

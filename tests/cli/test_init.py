@@ -102,6 +102,36 @@ def test_everything_can_be_said_by_options(
     assert {robot.link.kind for robot in config.robots} == {"ros2"}
 
 
+def test_what_cannot_be_simulated_is_said_before_the_next_question(folder: Path) -> None:
+    ran = rosic("init", stdin="\n\n\n\nomni rover\n\n", cwd=folder)
+
+    assert (ran.status, ran.err) == (0, "")
+    said, asked = ran.out.index("rover cannot be simulated here"), ran.out.index("Simulate omni")
+    assert said < asked
+    config = load_config(folder / "rosic.toml")
+    assert [(robot.id, robot.link.kind) for robot in config.robots] == [
+        ("omni", "simulated"), ("rover", "ros2"),
+    ]  # fmt: skip
+
+
+def test_where_nothing_can_be_simulated_it_is_not_asked(folder: Path) -> None:
+    ran = rosic("init", "--no-telegram", stdin="\n\n\nrover\n", cwd=folder)
+
+    assert (ran.status, ran.err) == (0, "")
+    assert "rover cannot be simulated here: it is looked for on ROS 2." in ran.out
+    assert "Simulate" not in ran.out
+    assert [robot.link.kind for robot in load_config(folder / "rosic.toml").robots] == ["ros2"]
+
+
+def test_a_robot_that_was_to_be_simulated_and_cannot_is_asked_for_again(folder: Path) -> None:
+    arguments = ("init", "--no-telegram", "--link", "simulated")
+    ran = rosic(*arguments, stdin="\n\n\nrover\nyumi\n", cwd=folder)
+
+    assert (ran.status, ran.err) == (0, "")
+    assert "There is no simulated machine called 'rover'." in ran.out
+    assert [robot.id for robot in load_config(folder / "rosic.toml").robots] == ["yumi"]
+
+
 @pytest.mark.parametrize("name", ["rosic.toml", "telegram-token.txt"])
 def test_nothing_is_overwritten(folder: Path, name: str) -> None:
     (folder / name).write_text("precious")
@@ -119,6 +149,7 @@ def test_nothing_is_overwritten(folder: Path, name: str) -> None:
     ("arguments", "sentence"),
     [
         ("--robot omin", "No profile is called 'omin'. Did you mean omni?"),
+        ("--robot rover --link simulated", "There is no simulated machine called 'rover'."),
         ("--token-env NO_SUCH", "The environment variable NO_SUCH is not set."),
         ("--token-file none.txt", "to read a secret from"),
         ("--admin 1001", "there is no Telegram here."),

@@ -37,7 +37,7 @@ DAY = (datetime.now(tz=UTC) + timedelta(days=7)).strftime("%Y-%m-%d")
 
 @pytest.fixture
 def place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Place:
-    return Place(tmp_path, capsys)
+    return Place(tmp_path, capsys).begun()
 
 
 def wishes(place: Place, *rows: str) -> str:
@@ -46,7 +46,10 @@ def wishes(place: Place, *rows: str) -> str:
     return str(path)
 
 
-def test_a_plan_is_proposed_and_nothing_is_booked(place: Place) -> None:
+def test_a_plan_is_proposed_and_nothing_is_booked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = Place(tmp_path, capsys)
     file = wishes(
         place,
         f"Ada,omni,1 h,{DAY} 09:00,{DAY} 12:00,",

@@ -238,6 +238,10 @@ def test_ctrl_c_does_not_wait_for_the_tasks_of_piped_lines() -> None:
 
 
 def test_who_and_what_is_unknown_is_said() -> None:
+    watching = rosic("demo", "class", "--as", "student 2")
+    assert (watching.status, watching.out) == (2, "")
+    assert "you only watch" in watching.err
+    assert 'rosic demo class --interactive --as "student 2"' in watching.err
     wrong = rosic("demo", "fleet", "--as", "the cat")
     assert (wrong.status, wrong.out) == (2, "")
     assert "Nobody in this play is called 'the cat'. There are: Manager." in wrong.err

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.testing.telegram import FakeTelegram
-from tests.cli.running import CONFIG, gateway, rosic, write_config
+from tests.cli.running import CONFIG, TELEGRAM, gateway, rosic, write_config
 from tests.pace import pace, patience
 
 if TYPE_CHECKING:
@@ -23,19 +23,15 @@ MEMORY = CONFIG.replace('"simulated"', '"memory"')
 PEOPLE = "[[messenger]]" + CONFIG.partition("[[messenger]]")[2].partition("[[robot]]")[0]
 PEOPLE += "[[principal]]" + CONFIG.partition("[[principal]]")[2]
 WRONG_TOKEN = {"LAB_TOKEN": "4242424242:wrong-wrong-wrong-wrong-wrong-wrong"}
-TELEGRAM = """
-[[messenger]]
-kind = "telegram"
-token = {{ env = "LAB_TOKEN" }}
-api_base = "{api_base}"
-[[robot]]
-profile = "omni"
-link = "memory"
+OF_ADA = (
+    TELEGRAM
+    + """
 [[principal]]
 name = "Ada"
 address = "telegram:{ada}"
 role = "admin"
 """
+)
 
 
 def one_sentence(err: str) -> str:
@@ -130,8 +126,14 @@ def test_somebody_revoked_stays_revoked(tmp_path: Path) -> None:
         again.wait_for("Your access here has ended.")
 
 
-def test_somebody_revoked_before_the_first_start_never_gets_in(tmp_path: Path) -> None:
-    config = write_config(tmp_path, MEMORY)
+def test_somebody_of_the_file_who_is_revoked_before_the_next_start_never_gets_in(
+    tmp_path: Path,
+) -> None:
+    before_ada, ada, after_ada = MEMORY.partition('[[principal]]\nname = "Ada"')
+    assert ada
+    with gateway(write_config(tmp_path, before_ada)) as running:
+        assert running.end() == 0
+    config = write_config(tmp_path, before_ada + ada + after_ada)
     assert "Ada: not taken over yet" in rosic("people", "-c", config).out
 
     assert rosic("revoke", "Ada", "-c", config).status == 0
@@ -217,7 +219,7 @@ def test_bad_input_is_one_sentence(tmp_path: Path, text: str, status: int, sente
 
 
 def test_a_username_ends_the_start(tmp_path: Path) -> None:
-    config = write_config(tmp_path, TELEGRAM, api_base="http://127.0.0.1:1", ada="ada")
+    config = write_config(tmp_path, OF_ADA, api_base="http://127.0.0.1:1", ada="ada")
 
     ran = rosic("run", "-c", config, env=WRONG_TOKEN)
 
@@ -235,7 +237,7 @@ def test_a_missing_file_is_one_sentence(tmp_path: Path) -> None:
 
 async def test_a_wrong_token_is_one_sentence_and_never_shown(tmp_path: Path) -> None:
     async with FakeTelegram() as server:
-        config = write_config(tmp_path, TELEGRAM, api_base=server.api_base, ada="1001")
+        config = write_config(tmp_path, OF_ADA, api_base=server.api_base, ada="1001")
         ran = await asyncio.to_thread(rosic, "run", "-c", config, env=WRONG_TOKEN)
         doctor = await asyncio.to_thread(rosic, "doctor", "-c", config, env=WRONG_TOKEN)
 
@@ -253,7 +255,7 @@ async def test_it_starts_before_its_network_and_works_when_that_comes(tmp_path: 
     await server.start()
     await server.stop()  # from here on its port is known, and nobody is there
     ada = server.create_user("Ada")
-    config = write_config(tmp_path, TELEGRAM, api_base=server.api_base, ada=str(ada))
+    config = write_config(tmp_path, OF_ADA, api_base=server.api_base, ada=str(ada))
     with gateway(config, env={"LAB_TOKEN": server.token}, ready=False) as running:
         await asyncio.to_thread(running.wait_for, "ready in", log=True)
         assert "telegram does not answer; I go on trying" in running.err()

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
-import pty
 import re
-import select
 import time
 from contextlib import asynccontextmanager
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -20,36 +16,18 @@ from rosic.app.desk.asked import Ask, Verb
 from rosic.app.serving import GREETING
 from rosic.cli.asking import answers
 from rosic.testing.telegram import FakeTelegram
-from tests.cli.running import environment, gateway, rosic, write_config
-from tests.cli.warm import Warmed
+from tests.cli.running import TELEGRAM, gateway, rosic, write_config
+from tests.cli.terminal import rosic_run
 from tests.pace import pace, patience
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Iterator
+    from collections.abc import AsyncIterator
+    from pathlib import Path
 
     from tests.cli.running import Gateway
+    from tests.cli.terminal import Terminal
 
 CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
-NOBODY = """
-[[messenger]]
-kind = "telegram"
-token = {{ env = "LAB_TOKEN" }}
-api_base = "{api_base}"
-[[robot]]
-profile = "omni"
-link = "memory"
-"""
-
-
-@pytest.fixture(scope="module")
-def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_config(tmp_path_factory.mktemp("place"))
-
-
-@pytest.fixture(scope="module")
-def running(config: Path) -> Iterator[Gateway]:
-    with gateway(config) as opened:
-        yield opened
 
 
 def good(command: str, *arguments: str, config: Path) -> str:
@@ -113,48 +91,8 @@ def test_whoever_is_locked_comes_to_rest_within_a_second(running: Gateway, confi
 # ---- the first admin ----
 
 
-class AtTerminal:
-    """`rosic run` with somebody in front of it."""
-
-    def __init__(self, config: Path, token: str = "", *, types: bool = False) -> None:
-        self._ours, theirs = pty.openpty()
-        self._log = config.with_suffix(".err")
-        with self._log.open("w") as err, Path(os.devnull).open() as nobody:
-            files = (theirs if types else nobody.fileno(), theirs, err.fileno())
-            env = environment({"LAB_TOKEN": token})
-            self.process = Warmed(["run", "-c", str(config)], files, None, env)
-        os.close(theirs)
-        self.shown = ""
-
-    def wait_for(self, text: str, within_s: float = 60) -> None:
-        end_s = time.monotonic() + within_s * pace()
-        while text not in self.shown:
-            assert time.monotonic() < end_s, f"no {text!r}: {self.shown}{self.log()}"
-            assert self.process.poll() is None, self.log()
-            self.look(0.1)
-
-    def type(self, line: str) -> None:
-        os.write(self._ours, f"{line}\r".encode())
-
-    def look(self, wait_s: float = 0.0) -> None:
-        """Take over what is shown by now."""
-        if select.select([self._ours], [], [], wait_s)[0]:
-            self.shown += os.read(self._ours, 65_536).decode(errors="replace")
-
-    def log(self) -> str:
-        return self._log.read_text()
-
-    def end(self) -> None:
-        self.process.terminate()
-        try:
-            self.process.wait(60)
-        finally:
-            self.process.kill()
-            os.close(self._ours)
-
-
 def test_who_sits_at_the_terminal_is_told_how_to_begin(tmp_path: Path) -> None:
-    hand = AtTerminal(write_config(tmp_path), types=True)
+    hand = rosic_run(write_config(tmp_path), types=True)
     try:
         hand.wait_for(GREETING)
         hand.type("help")
@@ -181,9 +119,9 @@ async def joins(server: FakeTelegram, config: Path, who: int, code: str, as_what
 
 
 @asynccontextmanager
-async def at_terminal(config: Path, token: str) -> AsyncIterator[AtTerminal]:
+async def at_terminal(config: Path, token: str) -> AsyncIterator[Terminal]:
     """Let a gateway run at a terminal while inside."""
-    terminal = AtTerminal(config, token)
+    terminal = rosic_run(config, {"LAB_TOKEN": token}, types=False)
     try:
         yield terminal
     finally:
@@ -203,7 +141,7 @@ async def test_the_first_start_shows_a_code_and_whoever_sends_it_is_the_admin(
     tmp_path: Path,
 ) -> None:
     async with FakeTelegram(limits=None) as server:
-        config = write_config(tmp_path, NOBODY, api_base=server.api_base)
+        config = write_config(tmp_path, TELEGRAM, api_base=server.api_base)
         async with at_terminal(config, server.token) as terminal:
             await asyncio.to_thread(terminal.wait_for, "start=")
             await asyncio.to_thread(terminal.wait_for, "█")
@@ -231,7 +169,7 @@ async def test_the_first_start_shows_a_code_and_whoever_sends_it_is_the_admin(
 
 async def test_where_nobody_sits_no_code_is_shown(tmp_path: Path) -> None:
     async with FakeTelegram(limits=None) as server:
-        config = write_config(tmp_path, NOBODY, api_base=server.api_base)
+        config = write_config(tmp_path, TELEGRAM, api_base=server.api_base)
         with gateway(config, env={"LAB_TOKEN": server.token}, ready=False) as running:
             await asyncio.to_thread(
                 running.wait_for, "nobody is admin here yet: rosic invite --role admin", log=True

@@ -63,7 +63,7 @@ class TestMemory(RobotConformance):
 
     @pytest.fixture
     def make_robot(self, clock: SystemClock) -> Callable[[], AbstractAsyncContextManager[Robot]]:
-        return lambda: opened(SlowMemoryRobot(memory_profile(), Gate("m1"), clock))
+        return lambda: opened(SlowMemoryRobot(memory_profile(), Gate.new("m1"), clock))
 
 
 class TestSimulated(RobotConformance):
@@ -87,7 +87,7 @@ class TestSimulated(RobotConformance):
     @pytest.fixture
     def make_robot(self, clock: SystemClock) -> Callable[[], AbstractAsyncContextManager[Robot]]:
         return lambda: opened(
-            SimulatedRobot(load_profile(shipped_profiles()["omni"]), Gate("omni"), clock)
+            SimulatedRobot(load_profile(shipped_profiles()["omni"]), Gate.new("omni"), clock)
         )
 
 
@@ -106,7 +106,7 @@ async def test_the_sinner_is_caught(rule: str, clock: SystemClock) -> None:
 
     @asynccontextmanager
     async def make_wicked() -> AsyncIterator[Wicked]:
-        async with opened(SlowMemoryRobot(memory_profile(), Gate("m1"), clock)) as honest:
+        async with opened(SlowMemoryRobot(memory_profile(), Gate.new("m1"), clock)) as honest:
             yield sinner(honest)
 
     class Suite(TestMemory):

@@ -20,7 +20,7 @@ steps = st.lists(
 @settings(max_examples=500, deadline=None)
 @given(steps)
 def test_one_holder_and_a_growing_fence(history: list[tuple[str, str]]) -> None:
-    lease, now, under_way = Lease(), 0, dict[str, list[int]]()
+    lease, now, under_way = Lease(0), 0, dict[str, list[int]]()
     for step, who in history:
         fence = lease.fence
         if step == "take":
@@ -43,7 +43,7 @@ def test_one_holder_and_a_growing_fence(history: list[tuple[str, str]]) -> None:
 
 
 def test_an_idle_lease_lapses_and_a_busy_one_does_not() -> None:
-    lease = Lease()
+    lease = Lease(0)
     lease.take("a", 0, IDLE_NS)
     assert lease.holder_at(10_000, IDLE_NS) == "a"
     lease.settle(lease.fence, 10_000)
@@ -54,7 +54,7 @@ def test_an_idle_lease_lapses_and_a_busy_one_does_not() -> None:
 
 
 def test_an_old_holders_late_end_does_not_free_the_next_ones_lease() -> None:
-    lease = Lease()
+    lease = Lease(0)
     lease.take("a", 0, IDLE_NS)
     old = lease.fence
     lease.release()

@@ -49,3 +49,14 @@ def test_no_stop_lies_ahead_of_a_clock_that_was_set_back() -> None:
     stops.stop("cf1", "ada", 5)
     stops.not_later(10)
     assert (stops["omni"].at_ns, stops["omni"].since_ns, stops["cf1"].at_ns) == (10, 20, 5)
+
+
+def test_what_somebody_ended_is_counted_for_them_and_for_the_robots_they_named() -> None:
+    stops = board()
+    stops.cancel("bo", iter(["omni", "cf1"]))
+    stops.cancel("bo", ["omni"])
+    assert [stops.cancelled("bo", robot) for robot in ("omni", "cf1", "kuka1")] == [2, 1, 0]
+    stops.cancel("bo", [])
+    assert [stops.cancelled("bo", robot) for robot in ("omni", "cf1", "kuka1")] == [3, 2, 1]
+    assert stops.cancelled("ada", "omni") == 0
+    assert stops.latched() == ("kuka1",), "it stops nothing"

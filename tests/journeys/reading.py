@@ -45,7 +45,8 @@ _LINES: Final = (
     (
         End.EXPIRED,
         (
-            r"Your command is .* old|You sent this while I could not listen"
+            r"Your command is .* old"
+            r"|You sent this while (?:I could not listen|the network was away)"
             r"|was busy for too long|This reached .* too late"
         ),
     ),
@@ -59,7 +60,7 @@ _LINES: Final = (
     ),
 )
 _ENDINGS: Final = tuple((end, re.compile(words)) for end, words in _LINES)
-_SUMMARY: Final = re.compile(r"While I could not listen, (\d+) command")
+_SUMMARY: Final = re.compile(r"While (?:I could not listen|the network was away), (\d+) command")
 _UNDER_WAY: Final = re.compile(r"(accepted|waiting its turn|sent|received by the robot) ")
 
 

@@ -43,7 +43,7 @@ class Wanted(msgspec.Struct, frozen=True, kw_only=True):
     Attributes:
         seed: Which mutants, when not all.
         at_most: Mutants per module; 0: all.
-        each_s: Tests go on for so long per mutant.
+        each_s: Tests go on for so long per mutant, of processor time.
         until_s: By the wall clock; none is begun after it.
         folder: Where results are kept, so that a run that was cut off goes on.
         keep_kills: Take for killed what other tests killed in the same source: while tests are

@@ -21,7 +21,6 @@ class Module(msgspec.Struct, frozen=True):
 
 PIPELINE = "tests/rooms/pipeline"
 STORES = "tests/rooms/stores"
-TELEGRAM = "tests/real/telegram"
 
 RIGHTS = tuple(
     f"tests/core/rights/test_{name}.py"
@@ -48,13 +47,18 @@ MODULES = (
         f"{PIPELINE}/test_replacing.py",
     )),
     Module("latch", "stores/latch.py", (
-        f"{STORES}/test_latch.py", "tests/conformance/test_stores.py", "tests/rooms/test_linker.py",
+        f"{STORES}/test_latch.py", f"{STORES}/test_latch_places.py",
+        "tests/conformance/test_stores.py", "tests/rooms/test_linker.py",
     )),
     Module("stop file", "stores/slots.py", (f"{STORES}/test_latch.py",)),
     Module("write thread", "stores/lane.py", (
         f"{STORES}/test_lane.py", f"{STORES}/test_trouble.py", f"{STORES}/test_latch.py",
     )),
-    Module("writer", "stores/writer.py", (STORES, "tests/conformance/test_stores.py")),
+    Module("writer", "stores/writer.py", (
+        f"{STORES}/test_reconnecting.py", f"{STORES}/test_lost_record.py",
+        f"{STORES}/test_trouble.py", f"{STORES}/test_opening.py", f"{STORES}/test_decisions.py",
+        f"{STORES}/test_sealing.py", "tests/conformance/test_stores.py",
+    )),
     Module("root key", "stores/rootkey.py", (
         f"{STORES}/test_rootkey.py", f"{STORES}/test_opening.py",
     )),
@@ -65,9 +69,11 @@ MODULES = (
     Module("consent", "pipeline/consent.py", (
         f"{PIPELINE}/test_second_person.py", f"{PIPELINE}/test_rights.py",
         f"{PIPELINE}/test_turned_away.py", f"{PIPELINE}/test_agreed_acts.py",
+        f"{PIPELINE}/test_withdrawing.py",
     )),
     Module("agreements", "pipeline/agreement.py", (
-        f"{PIPELINE}/test_agreed_acts.py", f"{PIPELINE}/test_second_person.py",
+        f"{PIPELINE}/test_agreements.py", f"{PIPELINE}/test_agreed_acts.py",
+        f"{PIPELINE}/test_second_person.py",
     )),
     Module("buttons", "authoriser/buttons.py", (
         "tests/rooms/authoriser/test_buttons.py", f"{PIPELINE}/test_buttons.py",
@@ -75,9 +81,12 @@ MODULES = (
         f"{PIPELINE}/test_retracting.py",
     )),
     Module("enrolment", "authoriser/enrolment.py", ("tests/rooms/authoriser",)),
-    Module("guessing", "authoriser/guessing.py", ("tests/rooms/authoriser",)),
+    Module("guessing", "authoriser/guessing.py", (
+        "tests/rooms/authoriser/test_guess_limits.py", "tests/rooms/authoriser/test_guessing.py",
+    )),
     Module("Telegram listener", "messengers/telegram/listener.py", (
-        "tests/rooms/messengers/test_listening.py", TELEGRAM,
+        "tests/rooms/messengers/test_listener.py",
+        "tests/rooms/messengers/test_listener_trouble.py",
     )),
     Module("Telegram listening", "messengers/telegram/listening.py", (
         "tests/rooms/messengers/test_listening.py",

@@ -29,6 +29,7 @@ OPPOSITE: dict[type[ast.operator], type[ast.operator]] = {
 RENAMED = {"min": "max", "max": "min", "any": "all", "all": "any"}
 LEFT_ALONE = ("annotation", "returns", "args", "decorator_list", "type_comment", "type_params")
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+REACHED = "__reached__"  # of a marked source: called with the line of each statement
 
 
 class Mutant(msgspec.Struct, frozen=True):
@@ -88,6 +89,23 @@ def mutated(text: str, name: str) -> ast.Module:
     raise KeyError(name)
 
 
+def marked(text: str) -> ast.Module:
+    """Return a source that calls ``REACHED`` before each statement of a function."""
+    tree = ast.parse(text)
+    for function, _ in _functions(tree, ""):
+        for node in list(ast.walk(function)):
+            for name, value in ast.iter_fields(node):
+                if isinstance(value, list) and value and isinstance(value[0], ast.stmt):
+                    setattr(node, name, [new for old in value for new in (_mark(old), old)])
+    return ast.fix_missing_locations(tree)
+
+
+def _mark(statement: ast.stmt) -> ast.stmt:
+    line = ast.Constant(statement.lineno)
+    called = ast.Expr(ast.Call(ast.Name(REACHED, ast.Load()), [line], []))
+    return ast.copy_location(called, statement)
+
+
 def _all(tree: ast.Module) -> Iterator[tuple[Mutant, Site]]:
     seen: Counter[tuple[str, str, str, str]] = Counter()
     for function, name in _functions(tree, ""):
@@ -111,9 +129,7 @@ def _functions(node: ast.AST, prefix: str) -> Iterator[tuple[ast.stmt, str]]:
 def _in_function(function: ast.AST) -> Iterator[tuple[str, ast.AST, ast.stmt, Site]]:
     assert isinstance(function, FUNCTIONS)
     body = function.body[1:] if _is_docstring(function.body[0]) else function.body
-    if len(body) > 1 and not any(
-        isinstance(n, ast.Yield | ast.YieldFrom) for n in ast.walk(function)
-    ):
+    if len(body) > 1 and not _yields(function):
         first = body[0]
         early = ast.copy_location(ast.If(ast.Constant(True), [ast.Return()], [first]), first)
         index = function.body.index(first)

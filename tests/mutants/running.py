@@ -1,7 +1,8 @@
 """A plugin of pytest: collects tests once, then forks a run of them for each mutant.
 
 A fork has everything loaded. It gets new code for the one function that is changed, runs the tests
-that reach the changed line, the quickest first, and ends with the first that fails.
+that reach the changed line, the quickest first, and ends with the first that fails. That test then
+runs without the change: only if it passes as the machine is now has it noticed the mutant.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ import shutil
 import signal
 import sys
 import tempfile
-import threading
 import time
 import traceback
 from functools import partial
@@ -25,16 +25,13 @@ import msgspec
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 
-from tests.mutants.mutation import Mutant, mutants, mutated
+from tests.mutants.mutation import REACHED, Mutant, marked, mutants, mutated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from io import FileIO
-    from types import FrameType
 
-    from _typeshed import TraceFunction
-
-    Become = Callable[[], float | None]
+    Become = Callable[[], bool]
     Timed = list[tuple[pytest.Item, float]]
 
 ORDER = "ROSIC_MUTANTS_ORDER"
@@ -63,7 +60,8 @@ class Order(msgspec.Struct, frozen=True, kw_only=True):
         source: The file that is changed, as it was imported.
         ids: Of its mutants.
         results: Where one `Result` a line goes.
-        seconds: Tests go on for so long per mutant, at most.
+        seconds: Tests go on for so long per mutant, at most: of processor time, for on a busy
+            machine fewer tests would else be asked; or three times as long by the clock.
         slack_s: They may take so much longer than they took without a change.
         until_s: By the wall clock; none is begun after it.
     """
@@ -77,17 +75,33 @@ class Order(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Result(msgspec.Struct, frozen=True):
-    """What became of one mutant."""
+    """What became of one mutant.
+
+    Attributes:
+        id: Its name.
+        line: Where its statement begins.
+        end: One of the words above.
+        tests: So many reach it.
+        seconds: It took so long.
+        by: The test that noticed it, if one did.
+    """
 
     id: str
     line: int
     end: str
     tests: int
     seconds: float
+    by: str = ""
 
 
 class Reach(msgspec.Struct, frozen=True):
-    """What one test did without a change: the lines that it reached, and how it went."""
+    """What one test did without a change: which statements it reached, and how it went.
+
+    Attributes:
+        lines: In which these statements begin.
+        seconds: It took so long.
+        passed: It did not fail.
+    """
 
     lines: frozenset[int]
     seconds: float
@@ -101,7 +115,9 @@ def pytest_runtestloop(session: pytest.Session) -> bool:
     text = Path(order.source).read_text(encoding="utf-8")
     known = mutants(text)
     functions = _functions_of(order.source)
-    reaches = _measured(session, order.source)
+    reaches = _measured(
+        session, functions, compile(marked(text), order.source, "exec", dont_inherit=True)
+    )
     failing = [item for item, reach in zip(session.items, reaches, strict=True) if not reach.passed]
     with Path(order.results).open("ab", buffering=0) as results:
         results.write(msgspec.json.encode({"failing": [item.nodeid for item in failing]}) + b"\n")
@@ -111,9 +127,10 @@ def pytest_runtestloop(session: pytest.Session) -> bool:
             mutant = known[name]
             began = time.monotonic()
             items = _that_reach(mutant, session.items, reaches)
-            end = _end_of(session, items, order, partial(_become, functions, text, mutant, order))
+            become = partial(_become, functions, text, mutant, order.source)
+            end, by = _end_of(session, items, order, become)
             took = round(time.monotonic() - began, 2)
-            result = Result(name, mutant.first, end, len(items), took)
+            result = Result(name, mutant.first, end, len(items), took, by)
             results.write(msgspec.json.encode(result) + b"\n")
     return True
 
@@ -121,15 +138,25 @@ def pytest_runtestloop(session: pytest.Session) -> bool:
 # ---- without a change ----
 
 
-def _measured(session: pytest.Session, source: str) -> list[Reach]:
-    """Run every test once, in a fork of its own, and see which lines of the source it reaches."""
+def _measured(
+    session: pytest.Session, functions: list[FunctionType], code: CodeType
+) -> list[Reach]:
+    """Run every test once, in a fork of its own, and see which statements of the source it reaches.
+
+    The source says so by itself: a trace of all calls would cost so much that tests fail of it.
+    """
     reading, writing = os.pipe()
     child = os.fork()
     if not child:
         os.close(reading)
+        lines: set[int] = set()
+        for function in functions:
+            function.__globals__[REACHED] = lines.add
+        _take_over(functions, code)
         with os.fdopen(writing, "wb") as out, _own_folder(session):
             for item, following in _in_turn(session.items):
-                reach = _reach(session, item, following, source)
+                lines.clear()
+                reach = _reach(session, item, following, lines)
                 out.write(msgspec.json.encode(reach) + b"\n")
         os._exit(0)
     os.close(writing)
@@ -139,42 +166,18 @@ def _measured(session: pytest.Session, source: str) -> list[Reach]:
     return reaches
 
 
-class Tracer:
-    """Sees which lines of one source are reached, in every thread."""
-
-    def __init__(self, source: str) -> None:
-        self.lines: set[int] = set()
-        self._source = source
-
-    def enter(self, frame: FrameType, _event: str, _argument: object) -> TraceFunction | None:
-        """A function is called."""
-        return self.note if frame.f_code.co_filename == self._source else None
-
-    def note(self, frame: FrameType, _event: str, _argument: object) -> TraceFunction | None:
-        """A line is reached."""
-        self.lines.add(frame.f_lineno)
-        return self.note
-
-
 def _in_turn(items: list[pytest.Item]) -> Iterator[tuple[pytest.Item, pytest.Item]]:
     """Go through tests, each with the next; a fork that ends need not take anything down."""
     return zip(items, [*items[1:], *items[-1:]], strict=True)
 
 
 def _reach(
-    session: pytest.Session, item: pytest.Item, following: pytest.Item, source: str
+    session: pytest.Session, item: pytest.Item, following: pytest.Item, lines: set[int]
 ) -> Reach:
     failed, began = session.testsfailed, time.monotonic()
-    tracer = Tracer(source)
-    threading.settrace(tracer.enter)
-    sys.settrace(tracer.enter)
-    try:
-        _run(item, following)
-    finally:
-        sys.settrace(None)
-        threading.settrace(None)
+    _run(item, following)
     passed = session.testsfailed == failed
-    return Reach(frozenset(tracer.lines), time.monotonic() - began, passed)
+    return Reach(frozenset(lines), time.monotonic() - began, passed)
 
 
 def _run(item: pytest.Item, following: pytest.Item) -> None:
@@ -195,41 +198,82 @@ def _that_reach(mutant: Mutant, items: list[pytest.Item], reaches: list[Reach]) 
 # ---- with a change ----
 
 
-def _end_of(session: pytest.Session, items: Timed, order: Order, become: Become) -> str:
-    """Run tests in a fork that becomes a mutant; return what became of it."""
-    if not items:
-        return UNREACHED
-    within_s = 5 * max(seconds for _, seconds in items) + order.slack_s
+def _end_of(session: pytest.Session, items: Timed, order: Order, become: Become) -> tuple[str, str]:
+    """Return what became of a mutant, and which test noticed it.
+
+    A test that fails without the change too, on a machine that has much else to do, has noticed
+    nothing: the others are then asked.
+    """
+    left = list(items)
+    while left:
+        end, ran = _tried(session, left, order, become)
+        if end not in {KILLED, TIMED_OUT}:
+            return end, ""
+        noticed = left.pop(ran - 1)
+        if _confirmed(session, noticed, order, become, end):
+            return end, noticed[0].nodeid
+    return (SURVIVED if items else UNREACHED), ""
+
+
+def _confirmed(
+    session: pytest.Session,
+    noticed: tuple[pytest.Item, float],
+    order: Order,
+    become: Become,
+    end: str,
+) -> bool:
+    """Return whether a test passes without the change, and, if it took too long, does so again."""
+    unchanged, _ = _tried(session, [noticed], order, _stay)
+    if unchanged != SURVIVED or end == KILLED:
+        return unchanged == SURVIVED
+    return _tried(session, [noticed], order, become)[0] != SURVIVED
+
+
+def _stay() -> bool:
+    """Become nothing else."""
+    return True
+
+
+def _tried(session: pytest.Session, items: Timed, order: Order, become: Become) -> tuple[str, int]:
+    """Run tests in a fork that becomes a mutant; return its end, and how many tests it began."""
+    each_s = [5 * seconds + order.slack_s for _, seconds in items]
     folder = tempfile.mkdtemp(prefix="mutant-", dir=FOLDER)
     beats, beating = os.pipe()
     child = os.fork()
     if not child:
         os.setsid()
-        _fork(session, items, Path(folder), become, beating)
+        _fork(session, items, Path(folder), become, beating, order.seconds)
     os.close(beating)
     with open(beats, "rb", buffering=0) as heard:  # noqa: PTH123 - a pipe
-        status = _waited(child, heard, within_s)
+        status, ran = _waited(child, heard, each_s)
     shutil.rmtree(folder, ignore_errors=True)
     assert status != UNFIT, "the mutant could not be tried; the log says why"
-    return ENDS.get(status, KILLED)
+    return ENDS.get(status, KILLED), ran
 
 
-def _waited(child: int, beats: FileIO, within_s: float) -> int:
-    """Return how a fork ended. It is ended with whatever it began when a test takes too long."""
+def _waited(child: int, beats: FileIO, each_s: list[float]) -> tuple[int, int]:
+    """Return how a fork ended, and how many tests it began.
+
+    It is ended with whatever it began when a test takes too long.
+    """
     os.set_blocking(beats.fileno(), False)
-    until = time.monotonic() + within_s
-    ended = status = 0
+    until = time.monotonic() + each_s[0]
+    ended = status = ran = 0
     while not ended:
-        if beats.read(64):
-            until = time.monotonic() + within_s
+        begun = len(beats.read(64) or b"")
+        if begun:
+            ran += begun
+            until = time.monotonic() + each_s[ran - 1]
         if time.monotonic() > until:
             os.killpg(child, signal.SIGKILL)
             _, status = os.waitpid(child, 0)
-            return os.waitstatus_to_exitcode(status)
+            return os.waitstatus_to_exitcode(status), ran
         time.sleep(LOOK_EVERY_S)
         ended, status = os.waitpid(child, os.WNOHANG)
     _end_group(child)
-    return os.waitstatus_to_exitcode(status)
+    while begun := len(beats.read(64) or b""):
+        ran += begun
+    return os.waitstatus_to_exitcode(status), ran
 
 
 def _end_group(leader: int) -> None:
@@ -240,7 +284,12 @@ def _end_group(leader: int) -> None:
 
 
 def _fork(
-    session: pytest.Session, items: Timed, folder: Path, become: Become, beating: int
+    session: pytest.Session,
+    items: Timed,
+    folder: Path,
+    become: Become,
+    beating: int,
+    within_s: float,
 ) -> None:
     """Be a mutant, run its tests, and say by the exit status whether one of them failed."""
     status = UNFIT
@@ -248,8 +297,7 @@ def _fork(
         session.config._tmp_path_factory._basetemp = folder  # type: ignore[attr-defined]
         used = resource.getrlimit(resource.RLIMIT_AS)
         resource.setrlimit(resource.RLIMIT_AS, (_size() + MORE_BYTES, used[1]))
-        until = become()
-        status = 3 if until is None else _first_failure(session, items, until, beating)
+        status = _first_failure(session, items, within_s, beating) if become() else 3
     except BaseException:
         traceback.print_exc()
         raise
@@ -263,20 +311,26 @@ def _size() -> int:
     return int(pages) * resource.getpagesize()
 
 
-def _first_failure(session: pytest.Session, items: Timed, until: float, beating: int) -> int:
+def _first_failure(session: pytest.Session, items: Timed, within_s: float, beating: int) -> int:
+    until = time.monotonic() + 3 * within_s
     for item, following in _in_turn([item for item, _ in items]):
         os.write(beating, b".")
         _run(item, following)
         if session.testsfailed:
             return 1
-        if time.monotonic() > until:
+        if time.process_time() > within_s or time.monotonic() > until:
             break
     return 0
 
 
-def _become(functions: list[FunctionType], text: str, mutant: Mutant, order: Order) -> float | None:
-    """Give changed functions their new code. Return until when to try; None if nothing changed."""
-    compiled = compile(mutated(text, mutant.id), order.source, "exec", dont_inherit=True)
+def _become(functions: list[FunctionType], text: str, mutant: Mutant, source: str) -> bool:
+    """Give changed functions their new code. Return whether anything changed."""
+    compiled = compile(mutated(text, mutant.id), source, "exec", dont_inherit=True)
+    return _take_over(functions, compiled) > 0
+
+
+def _take_over(functions: list[FunctionType], compiled: CodeType) -> int:
+    """Give functions their code in a changed source. Return how many changed."""
     codes = {(code.co_qualname, code.co_firstlineno): code for code in _codes(compiled)}
     changed = 0
     for function in functions:
@@ -285,7 +339,7 @@ def _become(functions: list[FunctionType], text: str, mutant: Mutant, order: Ord
         if new is not None and new != code and new.co_freevars == code.co_freevars:
             function.__code__ = new
             changed += 1
-    return time.monotonic() + order.seconds if changed else None
+    return changed
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:

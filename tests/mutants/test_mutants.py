@@ -94,6 +94,7 @@ def test_what_is_tested_dies_and_what_is_not_is_found(project: Path) -> None:
     ]
     endless = found.results["closed: opposite: done += 1 -> done -= 1"]
     assert endless.end == "timed out"
+    assert endless.by == "tests/test_doors.py::test_closed"
     assert found.results["may_open: compared otherwise: age < 18 -> age <= 18"].end == "killed"
     assert table([found]).splitlines()[1].split() == (
         ["doors.py", "23", "16", "1", "6", "0", "73.9", "%"]
@@ -119,6 +120,30 @@ def test_a_run_goes_on_where_it_was_cut_off_and_begins_anew_with_other_tests(pro
     assert not anew.results
     kept = tried(DOORS, wanted(project, at_most=3, keep_kills=True), project / "src", project)
     assert kept.killed == first.killed
+
+
+TIRED = """
+import time
+from pathlib import Path
+from doors import echoed
+
+def test_that_passes_once():
+    echoed("a knock")
+    before = Path(__file__).with_name("before")
+    if before.exists():
+        {after}
+    before.touch()
+"""
+
+
+@pytest.mark.parametrize("after", ["raise AssertionError", "time.sleep(60)"])
+def test_what_fails_without_a_change_too_has_noticed_nothing(project: Path, after: str) -> None:
+    """As a test does that a busy machine is too slow for."""
+    (project / "src" / "doors.py").write_text("def echoed(word):\n    return word\n")
+    (project / "tests" / "test_doors.py").write_text(TIRED.format(after=after))
+    found = tried(DOORS, wanted(project, slack_s=1.0), project / "src", project)
+    assert not found.failing, "it passed while the machine was idle"
+    assert [each.end for each in found.results.values()] == ["survived"]
 
 
 def test_every_reason_is_about_a_change_that_can_be_made() -> None:

@@ -99,7 +99,7 @@ OF_AMONG = (
     Fault(
         name="a robot that helps is given tasks",
         file="pipeline/fleet/watching.py",
-        guard="            and (helping or not self.engaged(robot))\n",
+        guard="            and (helping or not self._engaged(robot))\n",
         without="",
         caught_by=(
             f"{HELPING}::test_the_tasks_of_both_go_on_with_others_and_neither_gets_one_meanwhile",

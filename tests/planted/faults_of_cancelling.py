@@ -6,8 +6,29 @@ from tests.planted.faults import Fault
 
 CANCEL = "tests/rooms/pipeline/test_cancel.py"
 OWN_STOP = "tests/rooms/pipeline/test_own_stop.py"
+SEVERAL = "tests/rooms/pipeline/test_resuming_several.py"
+
+CONSOLE = "tests/app/test_console.py"
+LOWERING = "tests/rooms/pipeline/test_lowering.py"
 
 OF_CANCELLING = (
+    Fault(
+        name="a second Ctrl-C waits until rest is measured",
+        file="app/console.py",
+        guard="                showing = await _bring_to_rest(console, gateway)\n",
+        without="                showing = await _bring_to_rest(console, gateway)\n"
+        "                await showing\n",
+        caught_by=(f"{CONSOLE}::test_the_second_one_is_heard_while_robots_come_to_rest",),
+    ),
+    Fault(
+        name="a default within one's limits is said to a group in one robot's unit",
+        file="pipeline/lowering.py",
+        guard='word = "" if all(one.unit == unit for one in robots) else unit.symbol',
+        without='word = ""',
+        caught_by=(
+            f"{LOWERING}::test_of_a_group_each_reads_it_in_its_own_unit_and_none_goes_further_than_it_has_to",
+        ),
+    ),
     Fault(
         name="a cancel ends everybody's orders",
         file="pipeline/lives.py",
@@ -59,10 +80,20 @@ OF_CANCELLING = (
     ),
     Fault(
         name="whoever may move a robot may resume it, whoever stopped it",
-        file="pipeline/resuming.py",
-        guard="own = self._board[robot].own == principal",
+        file="organiser/refusing.py",
+        guard="own = stops[robot].own == principal",
         without="own = True",
         caught_by=(f"{OWN_STOP}::test_a_stop_of_everything_stays_though_ones_own_robot_is_among_it",),
+    ),
+    Fault(
+        name="I5 the operator's resume undoes a stop that came meanwhile",
+        file="pipeline/resuming.py",
+        guard="            await self._container.resume(cid, OPERATING, robot, generation)\n",
+        without="            generation = self._board[robot].generation\n"
+        "            await self._container.resume(cid, OPERATING, robot, generation)\n",
+        caught_by=(
+            f"{SEVERAL}::test_a_stop_that_comes_meanwhile_is_not_undone_by_the_operators_resume",
+        ),
     ),
     Fault(
         name="stopping what somebody else has stopped makes it one's own",

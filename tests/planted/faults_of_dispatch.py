@@ -10,7 +10,7 @@ OF_DISPATCH = (
     Fault(
         name="I8 a slot that ended is not noticed at dispatch",
         file="linker/linker.py",
-        guard="self.wall_ns() >= permit.until_ns or ",
+        guard="self._wall_ns() >= permit.until_ns or ",
         without="",
         caught_by=(f"{BETWEEN}::test_a_slot_that_ends",),
     ),

@@ -137,6 +137,15 @@ OF_KEEPING = (
         caught_by=(f"{LOST_RECORD}::test_the_lock_holds_though_its_file_is_gone",),
     ),
     Fault(
+        name="I13 a change is said to be done where there is no record",
+        file="app/desk/offline.py",
+        guard="if seeding is Seeding.WRITTEN and not there:",
+        without="if False:",
+        caught_by=(
+            "tests/cli/test_access.py::test_nothing_is_said_to_be_done_where_there_is_no_record",
+        ),
+    ),
+    Fault(
         name="digests of robots bypass the archive",
         file="app/placing/fellows.py",
         guard="teller, reach.messengers)",

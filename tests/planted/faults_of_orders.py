@@ -162,7 +162,7 @@ OF_ORDERS = (
         name="I13 fences begin anew after a restart",
         file="organiser/organiser.py",
         guard="{r: Lease(fence) for r, fence",
-        without="{r: Lease() for r, fence",
+        without="{r: Lease(0) for r, fence",
         caught_by=(f"{STOPPING}::test_numbers_and_fences_go_on_after_a_restart",),
     ),
     Fault(

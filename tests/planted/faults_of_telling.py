@@ -8,7 +8,49 @@ OUTBOX = "tests/rooms/pipeline/test_outbox.py"
 EXPIRING = "tests/rooms/pipeline/test_expiring.py"
 SPEAKING = "tests/rooms/pipeline/test_turns_to_speak.py"
 
+END_BUTTONS = "tests/rooms/pipeline/test_end_buttons.py"
+LISTENING = "tests/rooms/messengers/test_listening.py"
+
 OF_TELLING = (
+    Fault(
+        name="I16 whatever a tap brings is taken for something that moves nothing",
+        file="authoriser/buttons.py",
+        guard="if nonce.startswith(OPEN) and is_open(nonce[1:]):",
+        without="if nonce.startswith(OPEN):",
+        caught_by=(f"{END_BUTTONS}::test_nothing_else_can_be_asked_for_that_way",),
+    ),
+    Fault(
+        name="I1 two taps on what is nobody's are one",
+        file="pipeline/requesting.py",
+        guard="if nonce is not None and not nonce.startswith(OPEN):",
+        without="if nonce is not None:",
+        caught_by=(
+            f"{END_BUTTONS}::test_they_are_good_for_as_long_as_they_are_shown_and_more_than_once",
+        ),
+    ),
+    Fault(
+        name="what is tapped beneath an end takes its place",
+        file="pipeline/replies.py",
+        guard='return "" if lasts else inbound.under',
+        without="return inbound.under",
+        caught_by=(f"{END_BUTTONS}::test_again_asks_with_the_same_values_and_moves_once",),
+    ),
+    Fault(
+        name="I7 the network is blamed though somebody answered",
+        file="messengers/telegram/listening.py",
+        guard="if self._away and not self._answered:",
+        without="if self._away:",
+        caught_by=(
+            f"{LISTENING}::test_the_network_was_away_if_there_was_no_way_and_nobody_answered",
+        ),
+    ),
+    Fault(
+        name="I7 the network is blamed for a time in which we slept",
+        file="messengers/telegram/listening.py",
+        guard="if took_ns > within_s * SECOND_NS:",
+        without="if False:",
+        caught_by=(f"{LISTENING}::test_of_a_time_in_which_we_did_not_run_nothing_is_said",),
+    ),
     Fault(
         name="L1 an alarm is not written down before it is said",
         file="pipeline/reach.py",
@@ -42,6 +84,22 @@ OF_TELLING = (
         file="pipeline/replies.py",
         guard="if is_missed(inbound):",
         without="if False:",
+        caught_by=("tests/rooms/pipeline/test_arrears.py",),
+    ),
+    Fault(
+        name="what was said in a group in the last minute is forgotten over a restart",
+        file="messengers/telegram/limiter.py",
+        guard="pace.go_on(self._lately.take(chat))",
+        without="pass",
+        caught_by=(
+            "tests/rooms/messengers/test_limiter.py::test_a_groups_minute_outlives_a_restart",
+        ),
+    ),
+    Fault(
+        name="L2 the next message of a chat waits until a refusal is on disk",
+        file="pipeline/replies.py",
+        guard="if self.arrears.settles(messenger):",
+        without="if is_missed(inbound) and self.arrears.settles(messenger):",
         caught_by=("tests/rooms/pipeline/test_arrears.py",),
     ),
     Fault(

@@ -43,7 +43,7 @@ async def first(robot: SimulatedRobot, sight: Sight) -> View:
 @pytest.mark.parametrize("name", ROBOTS)
 async def test_every_robot_can_be_looked_at(name: str) -> None:
     clock = ManualClock()
-    robot = SimulatedRobot(simulated(name), Gate(name), clock)
+    robot = SimulatedRobot(simulated(name), Gate.new(name), clock)
     view = await first(robot, Sight.PICTURE)
     assert isinstance(view.content, Scene)
     assert view.taken_ns == clock.monotonic_ns()
@@ -53,10 +53,10 @@ async def test_every_robot_can_be_looked_at(name: str) -> None:
 
 async def test_only_the_omni_has_a_map() -> None:
     clock = ManualClock()
-    view = await first(SimulatedRobot(simulated("omni"), Gate("omni"), clock), Sight.MAP)
+    view = await first(SimulatedRobot(simulated("omni"), Gate.new("omni"), clock), Sight.MAP)
     assert isinstance(view.content, Grid)
     with pytest.raises(NothingToSee):
-        await first(SimulatedRobot(simulated("kuka1"), Gate("kuka1"), clock), Sight.MAP)
+        await first(SimulatedRobot(simulated("kuka1"), Gate.new("kuka1"), clock), Sight.MAP)
 
 
 def test_a_robot_is_shown_alone() -> None:

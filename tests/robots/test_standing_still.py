@@ -33,7 +33,7 @@ async def robot_of(name: str, clock: ManualClock) -> AsyncIterator[SimulatedRobo
     profile = replace(
         load_profile(shipped_profiles()[name]), link=Link(kind="simulated", model=model)
     )
-    robot = SimulatedRobot(profile, Gate(name), clock)
+    robot = SimulatedRobot(profile, Gate.new(name), clock)
     await robot.open(lambda _text: None)
     try:
         yield robot

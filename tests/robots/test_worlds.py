@@ -28,7 +28,7 @@ async def moved_once(clock: SystemClock) -> None:
     """Let a robot live, move and go."""
     shipped = load_profile(shipped_profiles()["omni"])
     profile = replace(shipped, link=Link(kind="simulated", model="omni"))
-    robot = SimulatedRobot(profile, Gate("omni"), clock)
+    robot = SimulatedRobot(profile, Gate.new("omni"), clock)
     await robot.open(lambda _text: None)
     order = OrderBook(profile, clock).order(
         "drive", {"linear": 0.1, "lateral": 0.0, "angular": 0.0, "duration": 0.1}
@@ -55,7 +55,7 @@ async def test_a_stop_in_full_motion_ends_when_rest_is_measured() -> None:
     clock = SystemClock()
     profile = load_profile(shipped_profiles()["omni"])
     robot = SimulatedRobot(
-        replace(profile, link=Link(kind="simulated", model="omni")), Gate("omni"), clock
+        replace(profile, link=Link(kind="simulated", model="omni")), Gate.new("omni"), clock
     )
     await robot.open(lambda _text: None)
     forward: dict[str, Argument] = {"direction": "forward", "distance": 2.0, "speed": 0.25}

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 
 from rosic.authoriser.authoriser import TIMES_KEPT, Authoriser
 from rosic.authoriser.directory import Directory
+from rosic.authoriser.highwater import HighWater
+from rosic.authoriser.keys import KIND, KeyEnd, KeyRing
+from rosic.authoriser.tally import Tally
 from rosic.core.identity import Address, AuthorisationKey, Principal
 from rosic.core.message import Chat, Inbound
+from rosic.core.record import Fact
 from rosic.errors import Unrecognised
 from rosic.testing.clock import ManualClock, SeededEntropy
 
@@ -30,7 +35,10 @@ class Desk:
 
     def __init__(self, *, expires_in_s: float | None = None) -> None:
         self.clock = ManualClock()
-        self.authoriser = Authoriser(Directory(), self.clock, SeededEntropy())
+        entropy = SeededEntropy()
+        self.tally = Tally()
+        self.keys = KeyRing(HighWater(self.clock), entropy, self.tally)
+        self.authoriser = Authoriser(Directory(), self.keys, self.clock, entropy)
         expires_ns = None if expires_in_s is None else self._at(expires_in_s)
         self.key = AuthorisationKey(
             id="k1", principal="p1", issuer="test", issued_ns=0, expires_ns=expires_ns
@@ -52,11 +60,9 @@ def test_a_caller_carries_the_id_of_the_key() -> None:
 )
 def test_identity_is_platform_and_id(address: Address) -> None:
     desk = Desk()
-    counted: list[str] = []
-    desk.authoriser.count = counted.append
     with pytest.raises(Unrecognised, match="I do not know you yet"):
         desk.authoriser.identify(inbound(address))
-    assert counted == ["stranger"]
+    assert desk.tally.by_kind() == {"stranger": 1}
 
 
 def test_a_session_key_per_conversation_that_never_repeats() -> None:
@@ -127,7 +133,8 @@ def test_somebody_stands_for_a_rule_of_theirs_only_under_a_good_key() -> None:
     with pytest.raises(Unrecognised):
         desk.authoriser.stand_for("nobody")
     assert desk.authoriser.has_access("p1")
-    desk.authoriser.ends_of = lambda _key: desk.clock.wall_ns()  # a grace that is over
+    over = KeyEnd(by="test", at_ns=desk.clock.wall_ns())  # a grace that is over
+    desk.keys.apply(Fact(kind=KIND, key="k1", body=msgspec.msgpack.encode(over)))
     with pytest.raises(Unrecognised):
         desk.authoriser.stand_for("p1")
     assert not desk.authoriser.has_access("p1")

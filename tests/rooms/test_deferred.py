@@ -5,10 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rosic.app.documents.profiles import known_units
-from rosic.app.placing.access import Access
+from rosic.app.placing.access import Access, authoriser_of
 from rosic.app.placing.authority import Authority
-from rosic.authoriser.authoriser import Authoriser
-from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.authoriser.invitation import Given
 from rosic.core.deferred import Deferred
@@ -38,7 +36,8 @@ def test_nothing_is_resumed_before_it_is_known_what_may_be() -> None:
 
 def test_nobody_is_let_in_before_it_is_known_who_may_let_them() -> None:
     clock, entropy = ManualClock(), SeededEntropy()
-    authoriser = Authoriser(Directory(), clock, entropy)
-    authority = Authority(Rulebook(roles=DEFAULT_ROLES), (), known_units(), clock)
-    access = Access(authoriser, authority, MemoryStore(), HighWater(clock), entropy, place="lab")
+    authoriser = authoriser_of(HighWater(clock), clock, entropy)
+    rulebook = Rulebook(roles=DEFAULT_ROLES)
+    authority = Authority(rulebook, (), known_units(), clock, lambda _who: ())
+    access = Access(authoriser, authority, MemoryStore(), entropy, "lab")
     assert not access.enrolment.may_invite("p-1", Given(roles=("viewer",)))

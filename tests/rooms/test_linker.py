@@ -60,9 +60,13 @@ class Two:
         self.clock = ManualClock()
         names = ("omni", "kuka1")
         profiles = {name: replace(PROFILE, id=name, busy=busy) for name in names}
-        self.robots = {n: MemoryRobot(p, Gate(n), self.clock) for n, p in profiles.items()}
+        self.robots = {n: MemoryRobot(p, Gate.new(n), self.clock) for n, p in profiles.items()}
         self.linker = Linker(
-            self.robots, StopBoard(names, {}, not_known_yet()), latch or MemoryLatch(), self.clock
+            self.robots,
+            StopBoard(names, {}, not_known_yet()),
+            latch or MemoryLatch(),
+            self.clock,
+            self.clock.wall_ns,
         )
         self.books = {name: OrderBook(profile, self.clock) for name, profile in profiles.items()}
         self.happened: list[str] = []
@@ -115,9 +119,9 @@ class Silent(MemoryRobot):
 async def stopped(kind: type[MemoryRobot], latch: Latch) -> tuple[Linker, StopBoard, MemoryRobot]:
     """A robot that was stopped, durably, for the first time."""
     clock = ManualClock()
-    robot = kind(PROFILE, Gate("omni"), clock)
+    robot = kind(PROFILE, Gate.new("omni"), clock)
     board = StopBoard(["omni"], {}, not_known_yet())
-    linker = Linker({"omni": robot}, board, latch, clock)
+    linker = Linker({"omni": robot}, board, latch, clock, clock.wall_ns)
     halting = linker.stop(["omni"], "p1")
     assert await halting.latched
     return linker, board, robot
@@ -273,7 +277,31 @@ async def test_whose_turn_it_is_can_be_asked() -> None:
     two.linker.check_free("kuka1")
 
 
+async def test_what_one_person_has_waiting_for_one_robot_can_be_taken_out() -> None:
+    two = Two()
+    principal = two.waiting["omni"].order.permit.principal
+    assert two.linker.take_out("omni", "somebody else") == []
+    assert two.linker.take_out("omni", principal) == [two.waiting["omni"]]
+    assert two.linker.next("omni") is None
+    assert two.linker.next("kuka1") is two.waiting["kuka1"]
+
+
 # ---- what is relayed ----
+
+
+async def test_an_order_is_outdated_once_whoever_gave_it_has_ended_what_they_had_under_way() -> (
+    None
+):
+    two = Two()
+    order, other = (two.doing[name].order for name in ("omni", "kuka1"))
+    principal, stops = order.permit.principal, two.linker._stops
+    stops.cancel("somebody else", [])
+    assert not two.linker.outdated(order)
+    stops.cancel(principal, ["omni"])
+    assert two.linker.outdated(order)
+    assert not two.linker.outdated(other)
+    since = replace(order, permit=replace(order.permit, cancels=1))
+    assert not two.linker.outdated(since), "it was admitted afterwards"
 
 
 async def test_a_right_that_ends_at_this_moment_relays_nothing() -> None:
@@ -305,7 +333,7 @@ async def test_what_has_expired_by_either_clock_is_not_relayed(
         permit=replace(two.doing["omni"].order.permit, epoch=two.linker.epoch),
     )
     robot = two.robots["omni"]
-    robot.gate = Lenient("omni")
+    robot.gate = Lenient.new("omni")
     try:
         await two.linker.dispatch(doing, ignore)
     except OrderVoid as void:
@@ -358,7 +386,7 @@ async def test_what_a_robot_shows_is_what_is_seen() -> None:
 
 async def test_a_robot_that_comes_later_is_routed_to_as_well() -> None:
     two = Two()
-    late = MemoryRobot(replace(PROFILE, id="late"), Gate("late"), two.clock)
+    late = MemoryRobot(replace(PROFILE, id="late"), Gate.new("late"), two.clock)
     two.linker.enlist(late)
     assert two.linker.profile("late") is late.profile
     assert two.linker.current("late") is None

@@ -58,7 +58,7 @@ class Bench:
             queue_length=queue_length,
             skills={"go": Skill(id="go")},
         )
-        self.robot = MemoryRobot(self.profile, Gate("r"), self.clock)
+        self.robot = MemoryRobot(self.profile, Gate.new("r"), self.clock)
         self.mailbox = Mailbox(self.robot, self.clock)
         self.book = OrderBook(self.profile, self.clock)
 
@@ -219,6 +219,53 @@ async def test_of_orders_that_replace_each_other_only_the_newest_waits() -> None
     assert bench.mailbox.next() is third
 
 
+@pytest.mark.parametrize("busy", list(Busy))
+async def test_what_brings_to_safety_takes_the_place_of_all_that_waits_however_much_that_is(
+    busy: Busy,
+) -> None:
+    """A drone may always land."""
+    bench = Bench(busy, queue_length=1)
+    bench.busy()
+    waiting = bench.entry()
+    waiting.order = replace(waiting.order, sequel=True)
+    bench.mailbox.put(waiting)
+    lands = bench.entry()
+    lands.order = replace(lands.order, skill=replace(lands.order.skill, to_safety=True))
+    assert not bench.mailbox.put(lands)
+    assert waiting.voided == "A later command took its place. This was not done."
+    assert bench.mailbox.next() is lands
+    assert bench.mailbox.next() is None
+
+
+async def test_however_few_may_wait_the_newest_takes_the_place_of_the_one_before() -> None:
+    bench = Bench(Busy.REPLACE, queue_length=1)
+    bench.busy()
+    entries = [bench.entry() for _ in range(3)]
+    for entry in entries:
+        bench.mailbox.put(entry)
+    assert bench.mailbox.next() is entries[-1]
+
+
+def of(bench: Bench, principal: str) -> Entry:
+    """Return an order that somebody gave."""
+    order = bench.book.order("go")
+    return Entry(replace(order, permit=replace(order.permit, principal=principal)))
+
+
+async def test_what_one_person_has_waiting_is_taken_out_and_nobody_elses() -> None:
+    bench = Bench(Busy.QUEUE, queue_length=3)
+    bench.busy()
+    first, others, last = of(bench, "p1"), of(bench, "p2"), of(bench, "p1")
+    for entry in (first, others, last):
+        assert not bench.mailbox.put(entry)
+    assert bench.mailbox.take_out("nobody") == []
+    assert bench.mailbox.take_out("p1") == [first, last]
+    assert bench.mailbox.take_out("p1") == []
+    assert [entry.voided for entry in (first, others, last)] == [""] * 3
+    assert bench.mailbox.next() is others
+    assert bench.mailbox.next() is None
+
+
 class LinkerBench(Bench):
     """A linker with one robot."""
 
@@ -226,7 +273,9 @@ class LinkerBench(Bench):
         super().__init__(busy)
         self.board = StopBoard(["r"], {}, not_known_yet())
         self.latch = MemoryLatch()
-        self.linker = Linker({"r": self.robot}, self.board, self.latch, self.clock)
+        self.linker = Linker(
+            {"r": self.robot}, self.board, self.latch, self.clock, self.clock.wall_ns
+        )
         self.linker.epoch = 1
 
     def order(self) -> Order:
@@ -256,6 +305,14 @@ async def test_a_replacing_order_ends_the_one_under_way() -> None:
     assert bench.linker.next("r") is second
 
 
+async def test_a_replaceable_order_that_nothing_replaces_ends_as_any_other() -> None:
+    bench = LinkerBench(Busy.REPLACE)
+    first = bench.entry()
+    assert bench.linker.put(first)
+    outcome = await asyncio.wait_for(bench.linker.dispatch(first.order, ignore), 60 * pace())
+    assert outcome.ending is Ending.DONE
+
+
 class ComesToRestSlowly(MemoryRobot):
     """Counts how often its coming to rest was cut short."""
 
@@ -276,8 +333,8 @@ class ComesToRestSlowly(MemoryRobot):
 
 async def test_what_was_replaced_comes_to_rest_though_the_gateway_closes() -> None:
     bench = LinkerBench(Busy.REPLACE)
-    robot = ComesToRestSlowly(bench.profile, Gate("r"), bench.clock)
-    linker = Linker({"r": robot}, bench.board, bench.latch, bench.clock)
+    robot = ComesToRestSlowly(bench.profile, Gate.new("r"), bench.clock)
+    linker = Linker({"r": robot}, bench.board, bench.latch, bench.clock, bench.clock.wall_ns)
     linker.epoch = 1
     first = bench.entry()
     linker.put(first)
@@ -318,3 +375,11 @@ async def test_a_resume_of_an_older_stop_changes_nothing() -> None:
     assert not bench.board["r"].latched
     await settle()
     assert bench.latch.read() == {"r": (2, False)}
+
+
+async def test_whether_a_robot_would_begin_at_once_can_be_asked_of_the_linker() -> None:
+    bench = LinkerBench(Busy.REFUSE)
+    bench.linker.check_free("r")
+    bench.linker.put(bench.entry())
+    with pytest.raises(RobotBusy):
+        bench.linker.check_free("r")

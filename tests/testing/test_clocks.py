@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import shutil
 import subprocess
 import sys
@@ -47,3 +48,34 @@ async def test_in_suspend_both_clocks_run_on_and_nobody_wakes() -> None:
     clock.suspend(HOURS_S)
     assert clock.wall_ns() - wall_ns == HOURS_S * 10**9
     assert clock.monotonic_ns() - monotonic_ns == HOURS_S * 10**9
+
+
+@pytest.mark.parametrize(("seconds", "wakes_ns"), [(1e-12, 1), (0.9e-9, 1), (0.07, 70_000_000)])
+async def test_every_sleep_takes_time(seconds: float, wakes_ns: int) -> None:
+    clock = ManualClock()
+    begun_ns = clock.monotonic_ns()
+    sleeping = asyncio.create_task(clock.sleep(seconds))
+    await clock.advance(0.0)
+    assert not sleeping.done()
+    await clock.advance((wakes_ns - 1) / 1e9)
+    assert not sleeping.done()
+    await clock.advance(1e-9)
+    assert sleeping.done()
+    assert clock.monotonic_ns() - begun_ns == wakes_ns
+
+
+async def test_whoever_waits_for_what_is_left_of_a_time_comes_to_its_end() -> None:
+    clock = ManualClock()
+    end_s = clock.monotonic_ns() / 1e9 + 0.1000000004
+
+    async def wait() -> None:
+        for _ in range(100):
+            left_s = end_s - clock.monotonic_ns() / 1e9
+            if left_s <= 0:
+                return
+            await clock.sleep(left_s)
+        pytest.fail("it waits for ever at one moment")
+
+    waiting = asyncio.create_task(wait())
+    await clock.advance(0.2)
+    await waiting

@@ -7,13 +7,15 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
 from rosic.app.desk.operating import Operating
+from rosic.core.identity import OPERATOR
 from rosic.errors import MessengerFault
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import AsyncIterator, Callable, Iterable
 
     from rosic.app.gateway import Gateway
     from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Address
 
 AGAIN: Final = "Ctrl-C again ends ROSIC. To let robots move again: resume all"
 NOT_HEARD: Final = (
@@ -33,6 +35,11 @@ class Console(Protocol):
 
     interrupted: asyncio.Event
     ended: asyncio.Event
+
+    @property
+    def address(self) -> Address:
+        """Whose keys are pressed there."""
+        ...
 
     @property
     def at_hand(self) -> bool:
@@ -70,6 +77,7 @@ async def mind_console(
         others: Names of the other messengers, for which it goes on after Ctrl-D.
     """
     ended = asyncio.create_task(console.ended.wait())
+    resting: set[asyncio.Task[None]] = set()  # held: the loop itself keeps no task alive
     try:
         while True:
             pressed = asyncio.create_task(console.interrupted.wait())
@@ -79,7 +87,9 @@ async def mind_console(
                 if console.take_interrupts() > 1:
                     leave()
                     return
-                await _bring_to_rest(console, gateway)
+                showing = await _bring_to_rest(console, gateway)
+                resting.add(showing)
+                showing.add_done_callback(resting.discard)
             elif ended.done() and not others:
                 leave()
                 return
@@ -87,15 +97,25 @@ async def mind_console(
                 _show(console, NOT_HEARD.format(others=" and ".join(others)))
                 ended = asyncio.create_task(asyncio.Event().wait())  # it ends once
     finally:
-        ended.cancel()
+        for task in (ended, *resting):
+            task.cancel()
 
 
-async def _bring_to_rest(console: Console, gateway: Gateway) -> None:
-    """Stop every robot; a second Ctrl-C does not wait for what is measured of the first."""
-    async for line in Operating(gateway).stop():
+async def _bring_to_rest(console: Console, gateway: Gateway) -> asyncio.Task[None]:
+    """Stop every robot now; what is measured of it is shown as it comes, and keeps no key waiting.
+
+    Returns:
+        Shows it. Cancelling that ends nothing but the showing.
+    """
+    found = gateway.rooms.authoriser.directory.at(console.address)
+    lines = Operating(gateway).stop(by=found[0].id if found is not None else OPERATOR)
+    _show(console, await anext(lines))  # the stop is given by now, and nothing was waited for
+    return asyncio.create_task(_show_rest(console, lines))
+
+
+async def _show_rest(console: Console, lines: AsyncIterator[str]) -> None:
+    async for line in lines:
         _show(console, line)
-        if console.interrupted.is_set():
-            return
     _show(console, AGAIN)
 
 

@@ -14,13 +14,15 @@ from rosic.app.desk.operating import Operating
 from rosic.app.documents.profiles import known_units, read_profile, shipped_profiles
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
+from rosic.app.languages import of_locale
 from rosic.app.placing.painting import painter
 from rosic.app.placing.people import Seed
 from rosic.app.quiet import PIPED, until_done, until_quiet
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
+from rosic.core.saying import filled, in_language, said
 from rosic.messengers.terminal import TerminalMessenger
-from rosic.messengers.terminal.messenger import is_terminal
+from rosic.messengers.terminal.messenger import is_terminal, own_locale
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
 
@@ -34,14 +36,16 @@ FLEET = ("kuka1", "omni", "yumi", "cf1", "cf2", "cf3")
 LINE_WITHIN_S = 180.0
 CLOSE_WITHIN_S = 15.0  # three Crazyflies may have to land
 
-GREETING = """Six simulated robots, ready in {took_s:.1f} s: {fleet}.
-Try, for example:
-  omni move 50 cm left
-  kuka1 grasp force=20
-  crazyflies takeoff 1 m
-  stop
-Also: status, help, help omni. Tab completes; Ctrl-C brings all to rest;
-Ctrl-D leaves."""
+GREETING = said(
+    "Six simulated robots, ready in {took_s:.1f} s: {fleet}.\n"
+    "Try, for example:\n"
+    "  omni move 50 cm left\n"
+    "  kuka1 grasp force=20\n"
+    "  crazyflies takeoff 1 m\n"
+    "  stop\n"
+    "Also: status, help, help omni. Deutsch: /language de.\n"
+    "Tab completes; Ctrl-C brings all to rest; Ctrl-D leaves."
+)
 
 
 class Script:
@@ -78,7 +82,7 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
     tasks that go on by themselves before it leaves; 1 is returned if one did not end in time.
     """
     profiles = fleet()
-    messenger = TerminalMessenger(clock=clock, plain=plain)
+    messenger = TerminalMessenger(clock=clock, plain=plain, locale=own_locale())
     messenger.know(profiles)
     gateway = gateway_of(profiles, messenger, clock, entropy)
     await gateway.open()
@@ -91,9 +95,10 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
     telling.addFilter(unread)
     try:
         took_s = (clock.monotonic_ns() - begun_ns) / 1e9
-        messenger.show(GREETING.format(took_s=took_s, fleet=", ".join(FLEET)))
+        greeting = filled(GREETING, took_s=took_s, fleet=", ".join(FLEET))
+        messenger.show(in_language(greeting, of_locale(messenger.locale)))
         await _until_over(gateway, messenger, script)
-        _say_farewell(gateway, messenger, script=script is not None)
+        await _take_leave(gateway, messenger, script=script is not None)
     finally:
         await close_in_time(gateway, CLOSE_WITHIN_S)
         telling.removeFilter(unread)
@@ -133,11 +138,16 @@ def gateway_of(
     return Gateway(Settings(profiles=tuple(profiles), people=(you,), limit=limit), parts)
 
 
-def _say_farewell(gateway: Gateway, messenger: TerminalMessenger, *, script: bool) -> None:
+async def _take_leave(gateway: Gateway, messenger: TerminalMessenger, *, script: bool) -> None:
+    """Say how it ends; of what still moves or flies only once it was measured at rest."""
     if script:
         messenger.show("At the end:\n" + "\n".join(Operating(gateway).status()))
-    else:
-        messenger.show("Left. Nothing was kept. For real robots: rosic run")
+        return
+    moving = [profile.id for profile in gateway.not_at_rest()]
+    if moving:
+        async for line in Operating(gateway).stop(moving):
+            messenger.show(line)
+    messenger.show("Left. Nothing was kept. For real robots: rosic run")
 
 
 async def _until_over(

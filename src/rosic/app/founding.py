@@ -10,8 +10,14 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.app.adapters import demand_good, robot_factory
 from rosic.app.checking import check_all
-from rosic.app.documents.profiles import SUFFIXES, check_profile, shipped_profiles
+from rosic.app.documents.profiles import (
+    SUFFIXES,
+    check_profile,
+    load_profile,
+    shipped_profiles,
+)
 from rosic.app.documents.source import nearest
 from rosic.core.identity import Address
 from rosic.errors import ConfigurationError, OutOfBounds
@@ -39,6 +45,7 @@ class Founding(msgspec.Struct, frozen=True, kw_only=True):
         token_file: Instead: a file that holds it, as the configuration is to name it.
         robots: Names of profiles that ship.
         link: How those are reached; empty: as their profiles say.
+        not_simulated: Those of them that cannot be simulated: reached as their profiles say.
         files: Profiles of one's own, by absolute path.
         files_link: How those are reached; empty: as they say.
         drafts: Profiles that were drafted from the ROS 2 graph, by id.
@@ -52,6 +59,7 @@ class Founding(msgspec.Struct, frozen=True, kw_only=True):
     token_file: str = ""
     robots: tuple[str, ...] = ()
     link: str = SIMULATED
+    not_simulated: tuple[str, ...] = ()
     files: tuple[str, ...] = ()
     files_link: str = ""
     drafts: dict[str, str] = {}
@@ -109,6 +117,16 @@ def check_robots(names: tuple[str, ...]) -> None:
         elif name not in shipped:
             hint = f"{nearest(name, shipped)} A file of your own is named ./{name}.yaml."
             raise ConfigurationError(f"No profile is called {name!r}.", hint=hint)
+
+
+def check_simulated(robot: str, clock: Clock) -> None:
+    """See that a robot can be simulated here, for it is no good to learn that at the end.
+
+    Raises:
+        ConfigurationError: It cannot; names those that can.
+    """
+    path = Path(robot).expanduser() if is_file(robot) else shipped_profiles()[robot]
+    demand_good(load_profile(path, link=SIMULATED), robot_factory(SIMULATED), clock)
 
 
 def check_zone(name: str) -> None:
@@ -205,7 +223,8 @@ def _lines(path: Path, answers: Founding) -> Iterator[str]:
     yield from _table("[gateway]", {"name": answers.name, "zone": answers.zone})
     yield from _table("[[messenger]]", _messenger(answers))
     for name in answers.robots:
-        link = {"link": answers.link} if answers.link else {}
+        linked = answers.link and name not in answers.not_simulated
+        link = {"link": answers.link} if linked else {}
         yield from _table("[[robot]]", {"profile": name, **link})
     for file in answers.files:
         link = {"link": answers.files_link} if answers.files_link else {}

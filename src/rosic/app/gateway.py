@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from rosic.app.languages import LANGUAGES, catalogue, whose
 from rosic.app.opening import Opening
 from rosic.app.parts import Parts, Settings
-from rosic.app.placing.access import Access
+from rosic.app.placing.access import Access, authoriser_of
 from rosic.app.placing.authority import Authority
 from rosic.app.placing.enlisted import KIND as ENLISTED
 from rosic.app.placing.enlisted import with_enlisted
@@ -21,7 +21,7 @@ from rosic.app.placing.fellows import fellowship_of
 from rosic.app.placing.furnishing import Furnishing
 from rosic.app.placing.gates import board_of, robots_of
 from rosic.app.placing.gathering import gathering_of
-from rosic.app.placing.holding import Holding
+from rosic.app.placing.holding import Holding, Own, preferences_of
 from rosic.app.placing.intake import take_in
 from rosic.app.placing.minding import Minder
 from rosic.app.placing.newcomers import newcomers_of
@@ -30,9 +30,7 @@ from rosic.app.placing.painting import furnish_seeing
 from rosic.app.placing.people import remember, seed
 from rosic.app.placing.record_watch import record_watch_of
 from rosic.app.placing.retention import Ledger, Retention
-from rosic.app.placing.saving import limit_rates, save, save_now_and_then
-from rosic.authoriser.authoriser import Authoriser
-from rosic.authoriser.directory import Directory
+from rosic.app.placing.saving import rates_of, save, save_now_and_then
 from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.container.words_container import SETTINGS_DAMAGED
@@ -55,6 +53,7 @@ from rosic.pipeline.telling import Note, Teller
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Robot
     from rosic.core.identity import PrincipalId
@@ -150,16 +149,17 @@ class Gateway:
         numbers = {robot: memory.numbers.get(robot, (0, 0)) for robot in profiles}
         self.robots = robots_of(parts, profiles, numbers, board)
         time = HighWater(parts.clock)
-        authoriser = Authoriser(Directory(), parts.clock, parts.entropy)
-        authority = await self._authority(authoriser, memory, time)
-        self.access = Access(
-            authoriser, authority, parts.store, time, parts.entropy, place=settings.place
-        )
+        authoriser = authoriser_of(time, parts.clock, parts.entropy)
+        preferences = preferences_of(profiles.values(), parts.units, parts.clock, memory)
+        self._own = Own(preferences, settings.room)
+        authority = await self._authority(authoriser, memory)
+        self.access = Access(authoriser, authority, parts.store, parts.entropy, settings.place)
+        rights = authority.draw_up()
         organiser = Organiser(
-            authority.draw_up(), profiles, board, self.access.state,
-            limit=settings.limit, lease_idle_s=settings.lease_idle_s,
+            rights, profiles, board, self.access.state,
+            rates=rates_of(settings, profiles, rights, time, parts.store.note),
+            lease_idle_s=settings.lease_idle_s,
         )  # fmt: skip
-        limit_rates(organiser, profiles, settings.robot_limits, parts.store.note)
         self.access.restore(memory, organiser, board)
         organiser.name_of = lambda principal: inert_words(authoriser.directory.name(principal))
         organiser.remember_fences({robot: fence for robot, (_, fence) in numbers.items()})
@@ -168,11 +168,8 @@ class Gateway:
         )
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
-        self.rooms = Rooms(
-            authoriser, organiser, container,
-            Linker(self.robots, board, parts.latch, parts.clock), vocabulary, profiles, board,
-        )  # fmt: skip
-        self.rooms.linker.wall_ns = time.wall_ns
+        linker = Linker(self.robots, board, parts.latch, parts.clock, time.wall_ns)
+        self.rooms = Rooms(authoriser, organiser, container, linker, vocabulary, profiles, board)
         self.authority = authority
         await self._furnish(memory)
 
@@ -188,7 +185,7 @@ class Gateway:
         )
         authority.attach(self.rooms, self.stop_lane)
         self.holding = Holding(
-            self.rooms, self.access, authority, parts.clock, languages, self._settings.room
+            self.rooms, self.access, authority, parts.clock, languages, self._own
         )
         self._messengers = self.holding.record(parts.messengers, parts.store)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
@@ -216,24 +213,25 @@ class Gateway:
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
             newcomers_of(self)
 
-    async def _authority(
-        self, authoriser: Authoriser, memory: Memory, time: HighWater
-    ) -> Authority:
+    async def _authority(self, authoriser: Authoriser, memory: Memory) -> Authority:
         """Make everybody known, of the record and of the configuration; return their rights."""
         parts, settings = self._parts, self._settings
         roles = remember(authoriser, memory)
         roles.update(
             await seed(settings.people, memory, authoriser, parts.store, parts.clock, parts.entropy)
         )
-        authority = Authority(settings.rulebook, settings.profiles, parts.units, time)
+        authority = Authority(
+            settings.rulebook, settings.profiles, parts.units, authoriser.keys.time,
+            self._own.preferences.limits,
+        )  # fmt: skip
         authority.restore(memory, roles)
         return authority
 
     async def _recover(self, memory: Memory) -> None:
-        parts = self._parts
+        parts, linker = self._parts, self.rooms.linker
         assert self._teller is not None  # noqa: S101 - made just before
-        messengers = {messenger.name: messenger for messenger in self._messengers}
-        recovery = Recovery(parts.store, self.rooms.linker, self._teller, parts.clock, messengers)
+        messengers, ends = {each.name: each for each in self._messengers}, self.pipeline.ends
+        recovery = Recovery(parts.store, linker, self._teller, parts.clock, messengers, ends)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
         await self.furnishing.fleet.settle(memory, parts.store)
         name = self.rooms.authoriser.directory.name

@@ -38,6 +38,12 @@ def catalogue(code: str) -> Catalogue | None:
         return None
 
 
+def of_locale(locale: str) -> Catalogue | None:
+    """Return the catalogue that goes with a locale: ``de_AT``; None for English and others."""
+    code = locale.partition("_")[0].casefold()
+    return catalogue(code) if code in LANGUAGES else None
+
+
 def whose(authoriser: Authoriser, address: Address) -> PrincipalId | None:
     """Return who is at an address, for speaking to them in their language."""
     found = authoriser.directory.at(address)

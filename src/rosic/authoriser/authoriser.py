@@ -6,25 +6,22 @@ from array import array
 from base64 import urlsafe_b64encode
 from collections import OrderedDict
 from hashlib import blake2b
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.authoriser.buttons import Buttons, Count, uncounted
+from rosic.authoriser.buttons import Buttons
 from rosic.core.identity import Address, AuthorisationKey, Caller, KeyId, Principal, PrincipalId
 from rosic.core.message import ChatKind
 from rosic.core.saying import said
 from rosic.errors import Unrecognised
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rosic.authoriser.directory import Directory
+    from rosic.authoriser.keys import KeyRing
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.core.message import Chat, Inbound
-
-EndsOf: TypeAlias = "Callable[[AuthorisationKey], int | None]"
 
 SESSION_BYTES = 16
 SESSIONS_AT_MOST = 20_000
@@ -50,17 +47,19 @@ class Authoriser:
     Attributes:
         buttons: What taps stand for.
         directory: Who is known.
-        count: Hears of each message that was turned away, by kind.
-        wall_ns: What time it is; one that never goes back, if there is one.
-        ends_of: When a key ends by itself: when it expires, or when a grace is over.
+        keys: When a key ends by itself, by a clock that never goes back; and the count of messages
+            that were turned away.
+
+    Args:
+        clock: The machine's, by which buttons live.
     """
 
-    def __init__(self, directory: Directory, clock: Clock, entropy: Entropy) -> None:
+    def __init__(self, directory: Directory, keys: KeyRing, clock: Clock, entropy: Entropy) -> None:
         self.directory = directory
-        self.count: Count = uncounted
+        self.keys = keys
+        self._count = keys.tally.count
+        self._wall_ns = keys.time.wall_ns
         self.buttons = Buttons(clock, entropy, count=self._count_tap)
-        self.wall_ns = clock.wall_ns
-        self.ends_of: EndsOf = _expires
         self._clock = clock
         self._entropy = entropy
         self._sessions: OrderedDict[tuple[str, str, str], Session] = OrderedDict()
@@ -83,8 +82,8 @@ class Authoriser:
             if len(self._sessions) > SESSIONS_AT_MOST:
                 self._sessions.popitem(last=False)
         ends_ns = session.ends_ns
-        if ends_ns is not None and self.wall_ns() >= ends_ns:
-            self.count("key-expired")
+        if ends_ns is not None and self._wall_ns() >= ends_ns:
+            self._count("key-expired")
             raise Unrecognised(ENDED)
         timed = self._timed
         self._times_ns[timed % TIMES_KEPT] = self._clock.monotonic_ns() - started_ns
@@ -95,14 +94,14 @@ class Authoriser:
         found = self.directory.at(inbound.sender)
         if found is None:
             if _is_for_us(inbound):
-                self.count("stranger")
+                self._count("stranger")
             raise Unrecognised(STRANGER)
         person, key = found
         if key.revoked_ns is not None:
-            self.count("key-revoked")
+            self._count("key-revoked")
             raise Unrecognised(ENDED)
         caller = Caller(person.id, person.name, inbound.sender, key.id, self._session_key())
-        return Session(caller, self.ends_of(key))
+        return Session(caller, self.keys.ends_ns(key))
 
     def knows(self, address: Address) -> bool:
         """Whether somebody here has this account, be it that their access has ended; a look-up."""
@@ -126,11 +125,11 @@ class Authoriser:
         return key is not None and self._is_good(key)
 
     def _is_good(self, key: AuthorisationKey) -> bool:
-        ends_ns = self.ends_of(key)
-        return key.revoked_ns is None and (ends_ns is None or self.wall_ns() < ends_ns)
+        ends_ns = self.keys.ends_ns(key)
+        return key.revoked_ns is None and (ends_ns is None or self._wall_ns() < ends_ns)
 
     def _count_tap(self, kind: str) -> None:
-        self.count(kind)
+        self._count(kind)
 
     def _session_key(self) -> str:
         """Return the id of a new session key: a hash, so that no list of them lets anybody in."""
@@ -145,7 +144,7 @@ class Authoriser:
 
     def revoke(self, key_id: KeyId) -> PrincipalId | None:
         """End a key: the very next message under it is turned away. Return whose it was."""
-        key = self.directory.revoke(key_id, self.wall_ns())
+        key = self.directory.revoke(key_id, self._wall_ns())
         if key is None:
             return None
         self.forget(key.principal)
@@ -170,10 +169,6 @@ class Authoriser:
         first = max(0, self._timed - TIMES_KEPT)
         kept = range(first, self._timed)
         return tuple(self._times_ns[at % TIMES_KEPT] / 1e9 for at in kept)
-
-
-def _expires(key: AuthorisationKey) -> int | None:
-    return key.expires_ns
 
 
 def _is_for_us(inbound: Inbound) -> bool:

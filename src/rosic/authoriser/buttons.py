@@ -12,13 +12,14 @@ import msgspec
 from rosic.contracts.clock import Reading, passed_ns, reading
 from rosic.core.identity import PrincipalId
 from rosic.core.language.cancelling import hears_cancel
+from rosic.core.message import Button
 from rosic.core.saying import said
 from rosic.errors import Expired, NotPermitted
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
-    from rosic.core.message import Button, Inbound
+    from rosic.core.message import Inbound
 
 Count: TypeAlias = Callable[[str], None]
 
@@ -32,13 +33,29 @@ CANCEL_PREFIX = "cancel "
 # A menu moves nothing, so whoever reads before they tap may be late.
 MENU = ("?", "use ", "/use ", "robots", "undo ", "help ")
 MENU_LIFETIME_NS = 600_000_000_000
+# A button that moves nothing, whoever taps it and whenever, carries what it says after this sign,
+# which no nonce has. Whoever taps it has asked for it: nothing is remembered of it, and it is good
+# for as long as it is shown.
+OPEN = "="
+OPENS = ("?", "use ", "help ", "/picture ", "/map ", "/chart ", "/trajectory ")
+OPEN_WHOLE = ("robots", "again")
+# So much a button carries through the messenger that takes least.
+CARRIED_BYTES = 64
 
 
 class Redeemed(NamedTuple):
-    """What a tap says, and the digest of what it agrees to; empty: it agrees to nothing."""
+    """What a tap says.
+
+    Attributes:
+        command: As if typed.
+        act: Digest of what it agrees to; empty: it agrees to nothing.
+        shown_ns: When the button was shown, wall clock. What happened since, its tapper was not
+            shown by it.
+    """
 
     command: str
     act: bytes
+    shown_ns: int
 
 
 class _Bound(msgspec.Struct, frozen=True):
@@ -127,6 +144,8 @@ class Buttons:
             NotPermitted: The button was shown to somebody else.
             Expired: Too old, used already, or shown before a gap in listening.
         """
+        if nonce.startswith(OPEN) and is_open(nonce[1:]):
+            return Redeemed(nonce[1:], b"", 0)
         bound = self._bound.get(nonce)
         if bound is None:
             self._count("button-used")
@@ -144,7 +163,28 @@ class Buttons:
                 said("This button is too old. Nothing was done."),
                 offers=(bound.command.lstrip("?"),),
             )
-        return Redeemed(bound.command, bound.act)
+        return Redeemed(bound.command, bound.act, bound.issued.wall_ns)
+
+
+def open_button(label: str, command: str) -> Button | None:
+    """Return a button that is bound to nobody, as it moves nothing; None if it cannot be carried.
+
+    Whoever taps it is taken to have asked for it there and then, with their own rights.
+    """
+    nonce = f"{OPEN}{command}"
+    if not is_open(command) or len(nonce.encode()) > CARRIED_BYTES:
+        return None
+    return Button(label, command, nonce)
+
+
+def is_open(command: str) -> bool:
+    """Whether a command moves and changes nothing, so that its button need not be anybody's."""
+    return command.isprintable() and (command in OPEN_WHOLE or command.startswith(OPENS))
+
+
+def is_lasting(button: Button) -> bool:
+    """Whether a button is good for as long as it is shown."""
+    return is_stop(button) or button.nonce.startswith(OPEN)
 
 
 def uncounted(_kind: str) -> None:

@@ -72,12 +72,17 @@ _decode = msgspec.msgpack.Decoder(KeyEnd).decode
 
 
 class KeyRing:
-    """Every key that was ever given, by id and by principal."""
+    """Every key that was ever given, by id and by principal.
+
+    Attributes:
+        time: By which keys end; never goes back.
+        tally: Counts whoever is turned away.
+    """
 
     def __init__(self, time: HighWater, entropy: Entropy, tally: Tally) -> None:
-        self._time = time
+        self.time = time
         self._entropy = entropy
-        self._tally = tally
+        self.tally = tally
         self._keys: dict[KeyId, AuthorisationKey] = {}
         self._of: dict[PrincipalId, list[KeyId]] = {}
         self._ends: dict[KeyId, int] = {}
@@ -101,7 +106,7 @@ class KeyRing:
         """
         fault = self._fault(key_id)
         if fault is not None:
-            raise self._tally.refuse(fault, Unrecognised(words.ENDED))
+            raise self.tally.refuse(fault, Unrecognised(words.ENDED))
         return self._keys[key_id]
 
     def _fault(self, key_id: KeyId) -> str | None:
@@ -111,7 +116,7 @@ class KeyRing:
         if key.revoked_ns is not None:
             return "key-revoked"
         ends_ns = self.ends_ns(key)
-        return "key-expired" if ends_ns is not None and self._time.wall_ns() >= ends_ns else None
+        return "key-expired" if ends_ns is not None and self.time.wall_ns() >= ends_ns else None
 
     def of(self, principal: PrincipalId) -> tuple[AuthorisationKey, ...]:
         """Return somebody's keys, the newest first."""
@@ -127,7 +132,7 @@ class KeyRing:
 
     def near_expiry(self, within_s: float = NEAR_S) -> tuple[tuple[AuthorisationKey, float], ...]:
         """Return good keys that end soon and in how many seconds, the next first."""
-        now_ns = self._time.wall_ns()
+        now_ns = self.time.wall_ns()
         ending = [(key, self.ends_ns(key)) for key in self._keys.values() if self.good(key.id)]
         left = [(key, (ends - now_ns) / 1e9) for key, ends in ending if ends is not None]
         return tuple(sorted((e for e in left if e[1] <= within_s), key=lambda e: e[1]))
@@ -145,7 +150,7 @@ class KeyRing:
         ends_ns = self.ends_ns(key)
         if ends_ns is None:
             return words.ends_in(None)
-        left_s = (ends_ns - self._time.wall_ns()) / 1e9
+        left_s = (ends_ns - self.time.wall_ns()) / 1e9
         return words.ends_in(left_s) if left_s > 0 else said("ended")
 
     # ---- decisions: nothing changes until the records are applied ----
@@ -171,7 +176,7 @@ class KeyRing:
         """
         if lasts_s is not None and not 0 < lasts_s < float("inf"):
             raise OutOfBounds(said("A key lasts longer than no time. Nothing was done."))
-        now_ns = self._time.wall_ns()
+        now_ns = self.time.wall_ns()
         ends_ns = None if lasts_s is None else now_ns + int(lasts_s * 1e9)
         key = self._new(principal, by, scopes, ends_ns)
         return key, (self._decided("issue-key", by, key.id), KeyIssued(key=key))
@@ -193,7 +198,7 @@ class KeyRing:
         old = self.current(principal)
         if old is None:
             raise NotUnderstood(words.NOTHING_TO_ROTATE)
-        now_ns = self._time.wall_ns()
+        now_ns = self.time.wall_ns()
         new = self._new(principal, by, old.scopes, self.ends_ns(old))
         ended: Record = KeyRevoked(key=old.id, by=by, at_ns=now_ns)
         if grace_s > 0:
@@ -213,7 +218,7 @@ class KeyRing:
             raise NotUnderstood(words.NO_KEY)
         if key.revoked_ns is not None:
             raise NotUnderstood(words.KEY_GONE)
-        revoked = KeyRevoked(key=key_id, by=by, at_ns=self._time.wall_ns())
+        revoked = KeyRevoked(key=key_id, by=by, at_ns=self.time.wall_ns())
         records = (self._decided("revoke-key", by, key_id), revoked)
         return Revocation(key_id, key.principal, records)
 
@@ -224,13 +229,13 @@ class KeyRing:
             id=f"k{self._entropy.token(ID_BYTES).hex()}",
             principal=principal,
             issuer=by,
-            issued_ns=self._time.wall_ns(),
+            issued_ns=self.time.wall_ns(),
             scopes=scopes,
             expires_ns=ends_ns,
         )
 
     def _decided(self, act: str, by: PrincipalId, about: str) -> Decided:
-        return Decided(act=act, by=by, about=about, at_ns=self._time.wall_ns())
+        return Decided(act=act, by=by, about=about, at_ns=self.time.wall_ns())
 
     # ---- state ----
 

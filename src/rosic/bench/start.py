@@ -251,7 +251,7 @@ class _Side:
     def __init__(self, profile: Profile, clock: SystemClock) -> None:
         self.name = profile.id
         self.late = False
-        self.robot = Ros2Robot(profile, Gate(profile.id), clock)
+        self.robot = Ros2Robot(profile, Gate.new(profile.id), clock)
         self._book = OrderBook(profile, clock)
         self._clock = clock
 

@@ -20,7 +20,7 @@ eval "$(rosic completion bash)"; in every one: that line in ~/.bashrc. The same 
 _OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
 _SCRIPT = """\
 _rosic() {{
-    local word="${{COMP_WORDS[COMP_CWORD]}}" before="${{COMP_WORDS[*]:1:COMP_CWORD-1}}" found=
+    local word="${{COMP_WORDS[COMP_CWORD]}}" before="${{COMP_WORDS[*]:1:$((COMP_CWORD-1))}}" found=
     case "$before" in
 {cases}
     esac

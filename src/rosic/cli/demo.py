@@ -45,7 +45,13 @@ def run(arguments: Sequence[str]) -> int:
         "--interactive", action="store_true", help="a play without its script: you act in it"
     )
     parser.add_argument("--stay", action="store_true", help="go on when the play has ended")
-    parser.add_argument("--as", dest="role", default="", metavar="WHO", help='"Night manager"')
+    parser.add_argument(
+        "--as",
+        dest="role",
+        default="",
+        metavar="WHO",
+        help='who you are with --interactive or --stay: "Night manager"',
+    )  # the first of the play, if nothing is said
     options = parser.parse_args(arguments)
     log_to_standard_error("error" if options.play else "warning", face_of())
     if options.play is None:
@@ -65,6 +71,11 @@ def _play(options: argparse.Namespace) -> int:
         raise ConfigurationError(
             f"Nobody in this play is called {options.role!r}.",
             hint=f"There are: {', '.join(names.values())}.",
+        )
+    if options.role and not (options.interactive or options.stay):
+        raise ConfigurationError(
+            "--as says who you are in a play, and in this one you only watch.",
+            hint=f'Try: rosic demo {options.play} --interactive --as "{options.role}"',
         )
     # Only here: a plain demonstration is ready sooner without it.
     playing = import_module("rosic.app.plays.playing")

@@ -14,6 +14,7 @@ from rosic.app.founding import (
     check_absent,
     check_account,
     check_robots,
+    check_simulated,
     check_token,
     check_zone,
     found,
@@ -34,6 +35,17 @@ ROS 2 graph. Nothing that exists is overwritten. With --yes nothing is asked: wh
 as if the question had been left empty."""
 NAME = "lab"
 ROBOTS = ("omni", "kuka1")
+KINDS = {
+    "cf1": "drone",
+    "cf2": "drone",
+    "cf3": "drone",
+    "kuka1": "arm",
+    "omni": "mobile manipulator",
+    "picker": "arm with gripper",
+    "rover": "mobile robot with Nav2",
+    "talker": "text only",
+    "yumi": "two arms",
+}
 LINKS = ("simulated", "ros2")
 CODE = "code"
 
@@ -87,6 +99,7 @@ def _answers(options: argparse.Namespace, ask: Questions) -> Founding:
     drafts = _drafts(options, ask)
     robots = _robots(options, ask, drafts)
     shipped = tuple(robot for robot in robots if not is_file(robot))
+    link, not_simulated = _link(options, ask, shipped)
     return Founding(
         name=name,
         zone=zone,
@@ -94,7 +107,8 @@ def _answers(options: argparse.Namespace, ask: Questions) -> Founding:
         token_env=options.token_env,
         token_file=str(Path(options.token_file).absolute()) if options.token_file else "",
         robots=shipped,
-        link=_link(options, ask, shipped),
+        link=link,
+        not_simulated=not_simulated,
         files=tuple(str(Path(robot).absolute()) for robot in robots if is_file(robot)),
         files_link=options.link or "",
         drafts=drafts,
@@ -141,26 +155,50 @@ def _robots(options: argparse.Namespace, ask: Questions, drafts: dict[str, str])
             if len(options.robot) == 1
             else tuple(dict.fromkeys(options.robot))
         )
-        check_robots(robots)
+        _check(options, robots)
         return robots
     if drafts:
         return ()
-    shipped = ", ".join(shipped_profiles())
+    shipped = ", ".join(f"{name} ({KINDS[name]})" for name in shipped_profiles())
     question = f"Which robots? There are {shipped}."
-    return _named(ask.fit(question, " ".join(ROBOTS), lambda said: check_robots(_named(said))))
+    return _named(ask.fit(question, " ".join(ROBOTS), lambda said: _check(options, _named(said))))
+
+
+def _check(options: argparse.Namespace, robots: tuple[str, ...]) -> None:
+    check_robots(robots)
+    if options.link == LINKS[0]:
+        for robot in robots:
+            check_simulated(robot, SystemClock())
 
 
 def _named(said: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys(said.replace(",", " ").split()))
 
 
-def _link(options: argparse.Namespace, ask: Questions, robots: tuple[str, ...]) -> str:
+def _link(
+    options: argparse.Namespace, ask: Questions, robots: tuple[str, ...]
+) -> tuple[str, tuple[str, ...]]:
+    """Return how robots are reached, and which of them cannot be reached so."""
     if options.link is not None:
-        return str(options.link)
-    if not robots or ask.yes("Simulate them here? Otherwise they are looked for on ROS 2.",
-                             default=True):  # fmt: skip
-        return LINKS[0]
-    return LINKS[1]
+        return str(options.link), ()
+    real = tuple(robot for robot in robots if not _can_be_simulated(robot))
+    for robot in real:
+        ask.say(f"{robot} cannot be simulated here: it is looked for on ROS 2.")
+    if robots and len(real) == len(robots):
+        return LINKS[1], ()
+    which = " and ".join(robot for robot in robots if robot not in real) if real else "them"
+    question = f"Simulate {which} here? Otherwise they are looked for on ROS 2."
+    if not robots or ask.yes(question, default=True):
+        return LINKS[0], real
+    return LINKS[1], ()
+
+
+def _can_be_simulated(robot: str) -> bool:
+    try:
+        check_simulated(robot, SystemClock())
+    except ConfigurationError:
+        return False
+    return True
 
 
 def _admin(options: argparse.Namespace, ask: Questions, *, has_telegram: bool) -> Address | None:

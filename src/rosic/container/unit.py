@@ -43,7 +43,7 @@ class RobotContainer:
 
     __slots__ = ("n", "robot")
 
-    def __init__(self, robot: RobotId, n: int = 0) -> None:
+    def __init__(self, robot: RobotId, n: int) -> None:
         self.robot = robot
         self.n = n
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from typing import Protocol, TypeAlias
 
 from rosic.core.identity import Address
@@ -22,6 +22,7 @@ Settle: TypeAlias = Callable[[float], Awaitable[bool]]
 """Waits at most so many seconds until everything received so far is on disk; whether it is."""
 Admins: TypeAlias = Callable[[Chat], Awaitable[tuple[Address, ...]]]
 Knows: TypeAlias = Callable[[Address], bool]
+Keep: TypeAlias = Callable[[str, bytes], None]
 SetMenus: TypeAlias = Callable[[Sequence[Menu]], Awaitable[None]]
 
 
@@ -173,6 +174,20 @@ def account_since(messenger: Messenger, since_ns: int) -> None:
     take: Callable[[int], None] | None = getattr(messenger, "account_since", None)
     if take is not None:
         take(since_ns)
+
+
+def keep_pace_with(messenger: Messenger, kept: Mapping[str, bytes], keep: Keep) -> None:
+    """Have a messenger whose platform counts what is said go on with what an earlier run has said.
+
+    Args:
+        messenger: Which.
+        kept: What it kept, by a name that says nothing of the chat.
+        keep: Keeps something under a name, soon and in order; nothing: forgets it.
+    """
+    take: Callable[[Mapping[str, bytes], Keep], None] | None
+    take = getattr(messenger, "keep_pace", None)
+    if take is not None:
+        take(kept, keep)
 
 
 def know_with(messenger: Messenger, known: Knows) -> None:

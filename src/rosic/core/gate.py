@@ -6,7 +6,7 @@ machine, so that the simulation of histories in the tests drives the very same c
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from rosic.core.common_start import misses_start
 from rosic.core.saying import said
@@ -33,16 +33,21 @@ class Gate:
         self,
         robot: RobotId,
         *,
-        n: int = 0,
-        fence: int = 0,
-        generation: int = 0,
-        latched: bool = False,
+        n: int,
+        fence: int,
+        generation: int,
+        latched: bool,
     ) -> None:
         self.robot = robot
         self.n = n
         self.fence = fence
         self.generation = generation
         self.latched = latched
+
+    @classmethod
+    def new(cls, robot: RobotId) -> Self:
+        """Return the gate of a robot that never had an order; for tests and trials."""
+        return cls(robot, n=0, fence=0, generation=0, latched=False)
 
     def pass_order(
         self, order: Order, now_ns: int, wall_ns: int, *, together: bool = False

@@ -20,7 +20,7 @@ class Lease:
 
     __slots__ = ("active", "fence", "holder", "idle_since_ns")
 
-    def __init__(self, fence: int = 0) -> None:
+    def __init__(self, fence: int) -> None:
         self.fence = fence
         self.holder: PrincipalId | None = None
         self.active = 0

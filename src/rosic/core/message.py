@@ -107,6 +107,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         addressed: In a group: it names us, or replies to what we said.
         enclosed: A file that came with it; the text is then what was written beneath.
         place: A place that was sent instead of words.
+        network_away: It was sent while the network between the platform and us was away, as the
+            adapter has seen; where it cannot tell, it was not.
         account: Which of our own accounts there received it, where its number is that account's
             own count; empty where the whole chat shares the number, or there is one account only.
     """
@@ -129,6 +131,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     enclosed: Enclosure | None = None
     place: Spot | None = None
     account: str = ""
+    network_away: bool = False
 
     @property
     def brings(self) -> bool:

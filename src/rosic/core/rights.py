@@ -7,8 +7,10 @@ shares everything else with the old one; whoever still holds the old one sees it
 
 from __future__ import annotations
 
+from itertools import chain, islice
 from typing import TYPE_CHECKING
 
+from rosic.core.authority import RESUME
 from rosic.core.reach import GRANT
 from rosic.core.role_mistakes import given_by, grant_mistakes, rulebook_mistakes
 from rosic.core.roles import priority_of
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
 
 NOTHING: frozenset[str] = frozenset()
 MOST_NAMED = 3  # whoever is refused hears of so many people who can help
+MOST_LOOKED_AT = 1_000
 
 
 class Rights:
@@ -156,6 +159,15 @@ class Rights:
         """Whether somebody has a right now, under whatever limits."""
         return any(now_ns < holding.until_ns for _, holding in self.ways(principal, robot, skill))
 
+    def limits(
+        self, principal: PrincipalId, robot: RobotId, skill: str, now_ns: int
+    ) -> tuple[tuple[str, ...], ...]:
+        """Return the limits of each way in which somebody has a right now; none if one has none."""
+        live = [way for way, held in self.ways(principal, robot, skill) if now_ns < held.until_ns]
+        if not live or any(not way.limits for way in live):
+            return ()
+        return tuple(dict.fromkeys(tuple([limit.said for limit in way.limits]) for way in live))
+
     def moves_until_ns(self, principal: PrincipalId, robot: RobotId) -> int | None:
         """Return when the last of somebody's rights to move a robot ends; None: one has no end."""
         ends = [
@@ -232,6 +244,21 @@ class Rights:
         found: list[PrincipalId] = []
         for who in self._givers.get(robot, ()):
             if who != besides and self.holds(who, robot, GRANT, now_ns):
+                found.append(who)
+                if len(found) == MOST_NAMED:
+                    break
+        return tuple(found)
+
+    def resumers(
+        self, robot: RobotId, now_ns: int, *, besides: PrincipalId = ""
+    ) -> tuple[PrincipalId, ...]:
+        """Return up to three people who can resume a robot: of those who give rights, then others.
+
+        Looks at no more than a thousand people.
+        """
+        found: list[PrincipalId] = []
+        for who in islice(chain(self._givers.get(robot, ()), self._people), MOST_LOOKED_AT):
+            if who != besides and who not in found and self.holds(who, robot, RESUME, now_ns):
                 found.append(who)
                 if len(found) == MOST_NAMED:
                     break

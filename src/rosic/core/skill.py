@@ -7,12 +7,15 @@ import re
 import unicodedata
 from functools import cached_property
 from math import isfinite
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
 from rosic.core.benchmark import Benchmark
 from rosic.core.saying import titled
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 Argument: TypeAlias = float | int | str
 Meaning: TypeAlias = bool | float | str | tuple[float, ...]
@@ -247,6 +250,21 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     def shown(self) -> str:
         """What people read: its title, in their language where it has one."""
         return titled(self.title or self.id.replace("_", " "), self.titles)
+
+    def filled(
+        self, value: Argument | bool, arguments: Mapping[str, Argument]
+    ) -> Argument | Meaning | bool:
+        """Return what a value of the binding stands for, whatever carries it out.
+
+        Args:
+            value: ``$name`` is the argument, ``$name.x`` what a choice means; else it is literal.
+            arguments: Of an order, SI.
+        """
+        if not isinstance(value, str) or value[:1] != "$":
+            return value
+        name, dot, part = value[1:].partition(".")
+        argument = arguments[name]
+        return self.parameters[name].means[str(argument)][part] if dot else argument
 
     @cached_property
     def order_lifetime_ns(self) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from math import cos, isfinite, sin
 from typing import TypeAlias
 
 import msgspec
@@ -87,6 +88,19 @@ class Grid(msgspec.Struct, frozen=True, gc=False, tag="grid"):
     path: tuple[tuple[float, float], ...] = ()
     note: str = ""
     pose_ns: int | None = None
+
+    @property
+    def outside(self) -> Pose | None:
+        """The robot's pose where that is beside the map, so that nobody sees it there."""
+        pose, origin = self.pose, self.origin
+        if pose is None or not (isfinite(pose.x_m) and isfinite(pose.y_m)):
+            return None
+        x, y = pose.x_m - origin.x_m, pose.y_m - origin.y_m
+        c, s = cos(origin.yaw_rad or 0.0), sin(origin.yaw_rad or 0.0)
+        across, up = c * x + s * y, c * y - s * x
+        within_x = 0 <= across <= self.width * self.resolution_m
+        within_y = 0 <= up <= self.height * self.resolution_m
+        return None if within_x and within_y else pose
 
     def __repr__(self) -> str:
         return f"Grid({self.width} x {self.height} of {self.resolution_m} m)"

@@ -246,6 +246,13 @@ def resumed(shown: Sequence[str]) -> str:
     return joined(" ", (said("{name} is ready again.", name=name) for name in shown))
 
 
+def still_stopped(shown: Sequence[str]) -> str:
+    """Return what is said of robots that a resume did not come to, "" if there are none."""
+    if len(shown) > NAMED_AT_MOST:
+        return said("{count} robots are still stopped.", count=len(shown))
+    return said("Still stopped: {names}.", names=joined(", ", shown)) if shown else ""
+
+
 def unknown_after_restart(title: str) -> str:
     """Return what is said about an order whose end nobody saw."""
     interrupted = said(

@@ -13,7 +13,7 @@ from rosic.errors import RobotOffline, RosicError, StoreFault
 from rosic.linker.mailbox import Mailbox, Waiting
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncGenerator, Coroutine, Iterable, Iterator, Mapping
+    from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable, Iterator, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot, Tell
@@ -58,16 +58,24 @@ class Linker:
         epoch: Number of the present policy; an order admitted under another one is not relayed.
         mailboxes: Of each robot; whoever looks at one only looks.
         cancels: Empty as long as nobody has ended what they had under way.
+
+    Args:
+        clock: The machine's, by which orders expire.
         wall_ns: By which slots, grants and keys end. Asking it may move the policy on, when the
             machine's clock was set back.
     """
 
     def __init__(
-        self, robots: Mapping[RobotId, Robot], stops: StopBoard, latch: Latch, clock: Clock
+        self,
+        robots: Mapping[RobotId, Robot],
+        stops: StopBoard,
+        latch: Latch,
+        clock: Clock,
+        wall_ns: Callable[[], int],
     ) -> None:
         self.epoch = 0
         self.cancels = stops.cancels
-        self.wall_ns = clock.wall_ns
+        self._wall_ns = wall_ns
         self._robots = dict(robots)
         self.mailboxes = {robot_id: Mailbox(robot, clock) for robot_id, robot in robots.items()}
         self._stops = stops
@@ -126,7 +134,7 @@ class Linker:
         if clock.monotonic_ns() > order.deadline_ns or clock.wall_ns() > order.expires_ns:
             raise too_late(order)
         # Asked of every order: asking is also how a clock that was set back is noticed in time.
-        if self.wall_ns() >= permit.until_ns or permit.epoch != self.epoch:
+        if self._wall_ns() >= permit.until_ns or permit.epoch != self.epoch:
             raise PolicyMoved(said("The rights have changed meanwhile."))
         robot = self._robots[order.robot]
         if self.mailboxes[order.robot].replaces:

@@ -80,6 +80,9 @@ class Mailbox:
             busy = REPLACE  # whatever runs: a drone may always land
         if busy is REFUSE:
             self.check_free()
+        if busy is REPLACE:  # before it is counted what waits: it takes the place of all of it
+            self.void(REPLACED)
+            self.replace()
         if len(self._waiting) >= profile.queue_length:
             raise RobotBusy(
                 said(
@@ -88,9 +91,6 @@ class Mailbox:
                     waiting=len(self._waiting),
                 )
             )
-        if busy is REPLACE:
-            self.void(REPLACED)
-            self.replace()
         self._waiting.append(entry)
         self._watch_until(entry.order.deadline_ns)
         entry.tell(QUEUED)

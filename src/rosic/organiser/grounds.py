@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from rosic.core.asking import Key
+    from rosic.core.robot import RobotId
 
 
 class Grounds(msgspec.Struct, frozen=True, kw_only=True):
@@ -54,6 +55,9 @@ class AccessState(NamedTuple):
         narrow: Keys that reach less than their principal's rights.
         locked: Who is locked.
         own_limits: Returns what somebody has set for themselves, as the texts of limits.
+        locked_out: Hears of whoever was turned away because they are locked.
+        released: Hears of a robot that was taken from whoever had it: what has not begun yet is to
+            be admitted once more.
     """
 
     clock: CheckedClock
@@ -61,3 +65,5 @@ class AccessState(NamedTuple):
     narrow: Collection[KeyId]
     locked: Collection[PrincipalId]
     own_limits: Callable[[PrincipalId], tuple[str, ...]]
+    locked_out: Callable[[PrincipalId], object]
+    released: Callable[[RobotId], object]

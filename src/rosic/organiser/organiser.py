@@ -24,18 +24,17 @@ from rosic.core.skill import Argument
 from rosic.errors import NotPermitted, TimeInDoubt
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.grounds import NOTHING, AccessState, Grounds
-from rosic.organiser.rates import Rates
 from rosic.organiser.refusing import CLOCK_SET_BACK, LOCKED, Refusing
 from rosic.organiser.words_rates import person_full
 
 if TYPE_CHECKING:
     from rosic.core.asking import Allowed, Decision
-    from rosic.core.rate import RateLimit
     from rosic.core.rights import Rights
     from rosic.core.robot import Profile, RobotId
     from rosic.core.slot import SlotRule
     from rosic.core.stopboard import StopBoard
     from rosic.errors import Refusal
+    from rosic.organiser.rates import Rates
 
 Moment: TypeAlias = Callable[[PrincipalId, int], str]
 NameOf: TypeAlias = Callable[[PrincipalId], str]
@@ -49,8 +48,6 @@ class Organiser:
     Attributes:
         rights: The present snapshot; replacing it is one assignment.
         locked, narrow, key_of, own_limits: As in `AccessState`.
-        locked_out: Hears of whoever was turned away because of it.
-        released: Hears of a robot that was taken from whoever had it.
         calendar: Whose time it is.
         leases: Who has each robot.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
@@ -64,24 +61,24 @@ class Organiser:
         stops: StopBoard,
         access: AccessState,
         *,
-        limit: RateLimit,
+        rates: Rates,
         lease_idle_s: float,
     ) -> None:
         clock = access.clock
         self.rights, self.calendar = rights, Calendar(clock)
-        _, self.key_of, self.narrow, self.locked, self.own_limits = access
-        self.locked_out: Callable[[PrincipalId], object] = _nothing
-        self.released: Callable[[RobotId], object] = _nothing
+        self.key_of, self.narrow, self.locked = access.key_of, access.narrow, access.locked
+        self.own_limits = access.own_limits
+        self._locked_out, self._released = access.locked_out, access.released
         self.lease_idle_s, self.wall_ns = lease_idle_s, clock.wall_ns
         self.name_of: NameOf = str
         self.moment: Moment = lambda _who, _at_ns: said("some time ago")
         self._slots: dict[RobotId, SlotRule] = {}
         self._stops, self._clock = stops, clock
-        self.rates, self._idle_ns = Rates(clock, limit), int(lease_idle_s * 1e9)
+        self.rates, self._idle_ns = rates, int(lease_idle_s * 1e9)
         self._warned: set[PrincipalId] = set()
         self.leases = Leases()
         for profile in profiles.values():
-            self.enlist(profile)
+            self.enlist(profile, fence=0)  # until `remember_fences`
         self._refusing = Refusing(self, profiles, stops)
 
     @property
@@ -303,7 +300,7 @@ class Organiser:
             NotPermitted: They are.
         """
         if caller.principal in self.locked:
-            self.locked_out(caller.principal)
+            self._locked_out(caller.principal)
             raise NotPermitted(LOCKED)
 
     def allows(self, principal: PrincipalId, robot: RobotId, skill: str) -> bool:
@@ -371,7 +368,7 @@ class Organiser:
     def release(self, robot: RobotId) -> None:
         """Take a robot from whoever has it; orders still under way become void."""
         self.leases[robot].release()
-        self.released(robot)
+        self._released(robot)
 
     def yielded(self, robot: RobotId, principal: PrincipalId) -> None:
         """Let somebody have a robot that was given up for them, until they use it or it idles."""
@@ -389,12 +386,8 @@ class Organiser:
             self.release(robot)
         return held
 
-    def enlist(self, profile: Profile, fence: int = 0) -> None:
+    def enlist(self, profile: Profile, fence: int) -> None:
         """Know one more robot, from the highest fence it has seen (I13)."""
         self.leases[profile.id] = Lease(fence)
         if profile.slots is not Slots.NONE:
             self._slots[profile.id] = profile.slots.value
-
-
-def _nothing(_about: str) -> None:
-    return None

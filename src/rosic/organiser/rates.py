@@ -68,21 +68,34 @@ class Rates:
         person: The limit of each person.
         robots: The limits of robots that have one, each for everybody together.
         roles: Those of roles, each for everybody who acts under it.
-        shown_of: How a robot is shown.
+
+    Args:
         note: Keeps facts, soon and in order with everything else that is written.
+        shown_of: How a robot is shown.
     """
 
-    def __init__(self, clock: Clock, person: RateLimit) -> None:
+    def __init__(
+        self,
+        clock: Clock,
+        person: RateLimit,
+        robots: Mapping[RobotId, RateLimit],
+        roles: Mapping[str, RateLimit],
+        note: Callable[[Fact], None],
+        shown_of: Callable[[RobotId], str],
+    ) -> None:
         self.person = person
-        self.robots: Mapping[RobotId, RateLimit] = {}
-        self.roles: Mapping[str, RateLimit] = {}
-        self.shown_of: Callable[[RobotId], str] = str
-        self.note: Callable[[Fact], None] | None = None
+        self.robots = dict(robots)
+        self.roles = roles
+        self._note, self._shown_of = note, shown_of
         self._clock = clock
         self._people: dict[PrincipalId, Bucket] = {}
         self._others: dict[tuple[str, str], Bucket] = {}
         self._unsaved = False
         self._empty_ns: int | None = None  # monotonic: everything counts as empty then
+
+    def enlist(self, robot: RobotId, limit: RateLimit) -> None:
+        """Limit one more robot from now on."""
+        self.robots[robot] = limit
 
     # ---- for each order ----
 
@@ -152,15 +165,15 @@ class Rates:
     def _refusal(self, kind: str, name: str, wait_s: float) -> TooManyRequests:
         if kind == PERSON:
             return person_full(wait_s)
-        return robot_full(self.shown_of(name), wait_s) if kind == ROBOT else role_full(name, wait_s)
+        return (
+            robot_full(self._shown_of(name), wait_s) if kind == ROBOT else role_full(name, wait_s)
+        )
 
     # ---- over a restart ----
 
     def _mark(self) -> None:
         self._unsaved = True
-        if self.note is not None:
-            body = _encode(Fill(self._clock.wall_ns()))
-            self.note(Fact(kind=KIND, key=OPEN, body=body))
+        self._note(Fact(kind=KIND, key=OPEN, body=_encode(Fill(self._clock.wall_ns()))))
 
     def save(self) -> tuple[Fact, ...]:
         """Return what is to be written now, in one; nothing if nothing was taken since the last.

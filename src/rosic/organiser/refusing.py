@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.asking import Code
+from rosic.core.authority import RESUME
 from rosic.core.language.suggestions import AND, OR
 from rosic.core.limits import broken_limit
 from rosic.core.robot import Slots
@@ -180,15 +181,17 @@ class Refusing:
             else said("a right nobody has yet")
         )
         what = _spoken(denied.ask.skill).capitalize()
-        shown = self._shown(denied.ask.robot)
+        shown, resumes = self._shown(denied.ask.robot), denied.ask.skill == RESUME
+        sentence = said(
+            "{what} needs {role} on {shown}. {who_grants}",
+            what=what,
+            role=role,
+            shown=shown,
+            who_grants=self._who_grants(denied.who),
+        )
+        more = [self.who_resumes(denied.ask.principal, denied.ask.robot)] if resumes else []
         return NotPermitted(
-            said(
-                "{what} needs {role} on {shown}. {who_grants}",
-                what=what,
-                role=role,
-                shown=shown,
-                who_grants=self._who_grants(denied.who),
-            ),
+            joined(" ", (sentence, *more)),
             petition=_petition(denied),
         )
 
@@ -267,19 +270,32 @@ class Refusing:
         shown = self._shown(robot)
         if stopped.by:
             sentence = said(
-                "{shown} is stopped, by {name}, since {when}. It stays stopped until someone who "
-                "may resumes it. Nothing was done.",
+                "{shown} is stopped, by {name}, since {when}.",
                 shown=shown,
                 name=self._organiser.name_of(stopped.by),
                 when=self._organiser.moment(denied.ask.principal, stopped.since_ns),
             )
         else:
-            sentence = said(
-                "{shown} is stopped. It stays stopped until someone who may resumes it. "
-                "Nothing was done.",
-                shown=shown,
-            )
-        return RobotStopped(sentence, offers=(f"resume {robot}",))
+            sentence = said("{shown} is stopped.", shown=shown)
+        principal = denied.ask.principal
+        if may_resume(self._organiser, self._stops, principal, robot):
+            more = said("It stays stopped until you resume it. Nothing was done.")
+            return RobotStopped(joined(" ", (sentence, more)), offers=(f"resume {robot}",))
+        who = self.who_resumes(principal, robot)
+        givers = self._organiser.rights.givers(robot, self._organiser.wall_ns(), besides=principal)
+        return RobotStopped(
+            joined(" ", (sentence, who, NOTHING_DONE)),
+            petition=f"/ask {robot} {RESUME}" if givers else "",
+        )
+
+    def who_resumes(self, principal: PrincipalId, robot: RobotId) -> str:
+        """Say who else can resume a robot."""
+        organiser = self._organiser
+        found = organiser.rights.resumers(robot, organiser.wall_ns(), besides=principal)
+        names = [organiser.name_of(who) for who in found if who not in organiser.locked]
+        if not names:
+            return said("The operator of this place can resume it.")
+        return said("{names} can resume it.", names=joined(OR, names))
 
     def _slot(self, denied: Denied) -> Refusal:
         calendar, robot = self._organiser.calendar, denied.ask.robot
@@ -311,6 +327,22 @@ class Refusing:
                 seconds=seconds,
             )
         return RobotTaken(sentence, offers=(f"wait {robot}",))
+
+
+def may_resume(
+    organiser: Organiser, stops: StopBoard, principal: PrincipalId, robot: RobotId
+) -> bool:
+    """Whether a stop is somebody's to undo: by right, or as they stopped their own order."""
+    by_right = organiser.allows(principal, robot, RESUME)
+    return by_right or stopped_own(organiser, stops, principal, robot)
+
+
+def stopped_own(
+    organiser: Organiser, stops: StopBoard, principal: PrincipalId, robot: RobotId
+) -> bool:
+    """Whether a robot is stopped as somebody stopped their own order, and may move it."""
+    own = stops[robot].own == principal
+    return own and organiser.why_not_move(principal, robot) is None
 
 
 def _petition(denied: Denied) -> str:

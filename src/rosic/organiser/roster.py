@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import msgspec
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.core.record import Record
+
+OwnLimits: TypeAlias = "Callable[[PrincipalId], tuple[str, ...]]"
 
 GRANT = "grant"
 MOST = 64  # for one person; more are a role that nobody has named yet
@@ -37,12 +39,13 @@ class Roster:
 
     Roles without end or bounds are the person's own; whatever ends or is bounded is a grant.
 
-    Attributes:
-        own_limits: What somebody has set for themselves: a cap on their speed.
+    Args:
+        clock: Says when something was given.
+        own_limits: Returns what somebody has set for themselves: a cap on their speed.
     """
 
-    def __init__(self, clock: Clock) -> None:
-        self.own_limits: Callable[[PrincipalId], tuple[str, ...]] = _no_limits
+    def __init__(self, clock: Clock, own_limits: OwnLimits) -> None:
+        self.own_limits: Final = own_limits
         self._clock = clock
         self._roles: dict[PrincipalId, tuple[str, ...]] = {}
         self._grants: dict[PrincipalId, dict[str, Grant]] = {}
@@ -162,10 +165,6 @@ class Roster:
             act="ungrant", by=by, about=principal, at_ns=now_ns, digest=grant.encode()
         )
         return decided, Fact(kind=GRANT, key=grant, body=b"")
-
-
-def _no_limits(_principal: PrincipalId) -> tuple[str, ...]:
-    return ()
 
 
 def fact_of(principal: PrincipalId, grant: Grant) -> Fact:

@@ -82,6 +82,12 @@ class Agreements:
         parts = tuple(self._parts(line, caller))
         return Act(self.named(line), self._shown(line.group, parts), parts, self._digest(parts))
 
+    def together(self, line: Errand, caller: Caller) -> str:
+        """Return what a command to several robots comes to now; empty: to nothing."""
+        parts = self._all((line,), caller) if line.verb in TOGETHER else ()
+        name = line.rest.strip().partition(" ")[0]
+        return self._shown("" if JOINED in name else name, parts) if parts else ""
+
     def bind(self, button: Button, caller: Caller, chat: Chat) -> Button:
         """Return a button bound to what it lets robots do for somebody in a chat, if anything.
 
@@ -144,10 +150,14 @@ class Agreements:
 
     def named(self, line: Do) -> str:
         """Return what was said with the name of whom it is for, if that was left out."""
-        text, name = line.text, line.group or line.robots[0]
+        return self.named_for(line.group or line.robots[0], line.text)
+
+    def named_for(self, name: str, text: str) -> str:
+        """Return what was said to a robot or a group with its name, if that was left out."""
         everybody = frozenset(self._rooms.profiles)
         found = self._reader.lines(text, "", everybody)
-        return text if len(found) == 1 and _is_for(found[0], name) else f"{name} {text}"
+        whole = len(found) == 1 and (_is_for(found[0], name) or isinstance(found[0], Errand))
+        return text if whole else f"{name} {text.lstrip('/')}"
 
     def name_in(self, refusal: Refusal, line: Line) -> None:
         """Let what is offered again name whom it was for, whatever is chosen by then."""

@@ -45,6 +45,7 @@ class _Heap:
         offers: The newest commands that came too late, by what they say.
         answers: The newest other answers.
         catalogue: Of whoever wrote last.
+        away: The network was, when each of the commands was sent.
     """
 
     def __init__(self, messenger: Messenger, chat: Chat) -> None:
@@ -55,6 +56,7 @@ class _Heap:
         self.offers: dict[str, tuple[Button, ...]] = {}
         self.answers: deque[Note] = deque(maxlen=ANSWERS_KEPT)
         self.catalogue: Catalogue | None = None
+        self.away = True
 
 
 class Arrears:
@@ -73,13 +75,16 @@ class Arrears:
         """Whether nothing is kept back."""
         return not self._heaps and not self._writing
 
-    def keep(self, note: Note, refusal: Refusal | None, catalogue: Catalogue | None) -> None:
+    def keep(
+        self, note: Note, refusal: Refusal | None, catalogue: Catalogue | None, *, away: bool
+    ) -> None:
         """Keep an answer back.
 
         Args:
             note: As it would be said by itself.
             refusal: Why nothing was done; None for an answer to a question.
             catalogue: Of whoever is answered.
+            away: The network was, when it was sent.
         """
         heap = self._heap(note)
         heap.catalogue = catalogue
@@ -87,6 +92,7 @@ class Arrears:
             heap.answers.append(note)
             return
         heap.cids.append(note.cid)
+        heap.away = heap.away and away
         if len(heap.refused) <= SINGLY:
             heap.refused.append(note)
         if isinstance(refusal, Expired) and note.outbound.buttons:
@@ -156,7 +162,13 @@ class Arrears:
                 self._teller.say(note)
         else:
             self._teller.say(
-                together(heap.messenger, heap.chat, heap.cids, tuple(heap.offers.values()))
+                together(
+                    heap.messenger,
+                    heap.chat,
+                    heap.cids,
+                    tuple(heap.offers.values()),
+                    away=heap.away,
+                )
             )
         for note in heap.answers:
             self._teller.say(note)
@@ -167,15 +179,29 @@ def together(
     chat: Chat,
     cids: list[CommandId],
     offers: tuple[tuple[Button, ...], ...] = (),
+    *,
+    away: bool = False,
 ) -> Note:
     """Return one answer to many commands of a chat, of which none was carried out."""
-    text: str = said_n(
-        "While I could not listen, {n} command came in here. It was not carried out.",
-        "While I could not listen, {n} commands came in here. None of them was carried out.",
-        len(cids),
-    )
+    text: str = _network_away(len(cids)) if away else _unheard(len(cids))
     if offers:
         text = joined("\n", [text, said("What you still want, tap to send it again.")])
     outbound = Outbound(chat=chat, text=text, buttons=offers, weight=Weight.OUTCOME)
     first, *also = cids
     return Note(messenger, outbound, first, also=tuple(also))
+
+
+def _unheard(n: int) -> str:
+    return said_n(
+        "While I could not listen, {n} command came in here. It was not carried out.",
+        "While I could not listen, {n} commands came in here. None of them was carried out.",
+        n,
+    )
+
+
+def _network_away(n: int) -> str:
+    return said_n(
+        "While the network was away, {n} command came in here. It was not carried out.",
+        "While the network was away, {n} commands came in here. None of them was carried out.",
+        n,
+    )

@@ -209,7 +209,7 @@ class CancelLane:
         await asyncio.wait((ending, too_long), return_when=asyncio.FIRST_COMPLETED)
         too_long.cancel()
         ending.cancel()
-        return [text for one in also if one.done() and (text := one.result())]
+        return [text for one in also if one.done() and (text := _ended_by(one))]
 
     async def _cut_off(self, order: Order, reason: str) -> Rested:
         """End one order, and see its robot at rest; or stop it, if that is not seen in time."""
@@ -298,3 +298,14 @@ class CancelLane:
         """Wait for answers under way, briefly; robots come to rest with their orders."""
         if self._tasks:
             await asyncio.wait(tuple(self._tasks), timeout=2.0)
+
+
+def _ended_by(also: asyncio.Task[str]) -> str:
+    """Return what one of them says, or that it did not succeed: the others' words stay."""
+    try:
+        return also.result()
+    except Refusal as why:
+        return why.sentence
+    except (Exception, asyncio.CancelledError):
+        log.exception("something could not be cancelled")
+        return words.NOT_ALL

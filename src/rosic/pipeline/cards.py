@@ -34,6 +34,8 @@ class Card:
         untold: Orders that ended and whose author has not read it here.
         cids: The orders whose lives are shown here.
         about: The robot or group that was commanded, for whoever replies to it.
+        buttons: Beneath it while anything in it goes on.
+        after: Beneath it once all of it has ended.
         open: How many lives have not ended; at 0 nothing more will be said here.
         ending: An ending is on its way to the disk, or there.
         doubted: A message that said the ending may have arrived, or not.
@@ -45,6 +47,7 @@ class Card:
         "_lives",
         "about",
         "adopted",
+        "after",
         "buttons",
         "chat",
         "cids",
@@ -86,6 +89,7 @@ class Card:
         self.untold: tuple[CommandId, ...] = ()
         self.cids: tuple[CommandId, ...] = ()
         self.buttons: tuple[tuple[Button, ...], ...] = ()
+        self.after: tuple[tuple[Button, ...], ...] = ()
         self._face = face
         self._lives: tuple[Life, ...] = ()
         self.open = 0

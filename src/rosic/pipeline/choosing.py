@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.language import Do, Misunderstood
+from rosic.core.language import Do, Errand, Misunderstood
 from rosic.core.language.binding import place
 from rosic.core.language.showing import show, show_choice, show_named
 from rosic.core.language.stepping import beginning, stepped
@@ -75,6 +75,8 @@ class Choosing:
         line = self._reader.lines(command, selected, visible)[0]
         if isinstance(line, Misunderstood):
             raise NotUnderstood(line.sentence, offers=line.offers)
+        if isinstance(line, Errand) and (several := self._agreements.together(line, caller)):
+            return _question(several, command, (), trail)
         if not isinstance(line, Do):
             raise NotUnderstood(NOTHING_TO_DO)
         if line.group:

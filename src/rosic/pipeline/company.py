@@ -7,6 +7,7 @@ is, one of the chat's admins must have written it: the messenger is asked who th
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
@@ -21,10 +22,14 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
     from rosic.pipeline.rooms import Rooms
 
+log = logging.getLogger(__name__)
+
 ASKED_AGAIN_NS: Final = 30_000_000_000
-"""Of one chat; anybody may put a bot anywhere, and say stop there as nobody."""
+"""Of one chat, once that was answered: anybody may put a bot anywhere, and say stop as nobody."""
 CHATS_AT_MOST: Final = 1_000
-AT_ONCE: Final = 4
+AT_ONCE: Final = 8
+WAITING_AT_MOST: Final = 200
+"""Two whole answers of Telegram, each message of a chat of its own."""
 WITHIN_S: Final = 5.0
 
 
@@ -37,7 +42,8 @@ class Company:
         self._container = rooms.container
         self._clock = clock
         self._asked_ns: OrderedDict[tuple[str, str], int] = OrderedDict()
-        self._asking = 0
+        self._asking = asyncio.Semaphore(AT_ONCE)
+        self._open: dict[tuple[str, str], asyncio.Future[frozenset[RobotId]]] = {}
 
     def hears(self, inbound: Inbound) -> bool:
         """Say whether a stop could be in a message at all: in a stranger's words none is sought.
@@ -58,31 +64,44 @@ class Company:
         return frozenset().union(*map(self._organiser.visible, there))
 
     async def ask(self, messenger: Messenger, inbound: Inbound) -> frozenset[RobotId]:
-        """Return what those of its admins may see who are known; ask the messenger who they are."""
-        chat, ask = inbound.chat, admins_of(messenger)
-        if ask is None or not is_unnamed(inbound) or not self._may_ask(messenger.name, chat):
-            return frozenset()
-        self._asking += 1
-        try:
-            async with asyncio.timeout(WITHIN_S):
-                found = [self._authoriser.directory.at(one) for one in await ask(chat)]
-        except (MessengerFault, TimeoutError):
-            return frozenset()
-        finally:
-            self._asking -= 1
-        for person in (one[0] for one in found if one is not None):
-            self._container.meet(person.id, chat)
-        return self.visible(chat)
+        """Return what those of its admins may see who are known; ask the messenger who they are.
 
-    def _may_ask(self, messenger: str, chat: Chat) -> bool:
-        now_ns, where = self._clock.monotonic_ns(), (messenger, chat.id)
-        if self._asking >= AT_ONCE or now_ns < self._asked_ns.get(where, 0):
-            return False
-        self._asked_ns[where] = now_ns + ASKED_AGAIN_NS
+        A chat is asked about once at a time: who says stop there meanwhile waits for that answer.
+        Chats of strangers wait in the same line, so that none keeps another from being asked about.
+        """
+        chat, ask = inbound.chat, admins_of(messenger)
+        if ask is None or not is_unnamed(inbound):
+            return frozenset()
+        where = (messenger.name, chat.id)
+        if where in self._open:
+            return await asyncio.shield(self._open[where])
+        if not self._may_ask(where):
+            return frozenset()
+        answer = self._open[where] = asyncio.get_running_loop().create_future()
+        found: frozenset[RobotId] = frozenset()
+        try:
+            async with asyncio.timeout(WITHIN_S), self._asking:
+                admins = await ask(chat)
+            self._is_answered(where)
+            for one in filter(None, map(self._authoriser.directory.at, admins)):
+                self._container.meet(one[0].id, chat)
+            found = self.visible(chat)
+        except (MessengerFault, TimeoutError):
+            log.info("who the admins of a chat are was not told: a stop of nobody's stops nothing")
+        finally:
+            del self._open[where]
+            answer.set_result(found)
+        return found
+
+    def _may_ask(self, where: tuple[str, str]) -> bool:
+        free = len(self._open) < WAITING_AT_MOST
+        return free and self._clock.monotonic_ns() >= self._asked_ns.get(where, 0)
+
+    def _is_answered(self, where: tuple[str, str]) -> None:
+        self._asked_ns[where] = self._clock.monotonic_ns() + ASKED_AGAIN_NS
         self._asked_ns.move_to_end(where)
         if len(self._asked_ns) > CHATS_AT_MOST:
             self._asked_ns.popitem(last=False)
-        return True
 
 
 def is_unnamed(inbound: Inbound) -> bool:

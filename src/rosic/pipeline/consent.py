@@ -25,10 +25,11 @@ from rosic.pipeline.desk import Reply
 from rosic.pipeline.replies import CONFIRMED, DO_IT, LEAVE, LEAVE_IT
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
+    from rosic.core.robot import RobotId
     from rosic.organiser.organiser import Organiser
     from rosic.pipeline.office import Asked
     from rosic.pipeline.reach import Reach
@@ -79,7 +80,7 @@ class Resolver(Protocol):
 class Consent:
     """Asks for what a skill wants besides the right to it; remembers who agreed, for minutes.
 
-    Attributes:
+    Args:
         has_phone: Whether somebody has set up an authenticator that could show a code.
     """
 
@@ -90,6 +91,7 @@ class Consent:
         agreements: Resolver,
         clock: Clock,
         entropy: Entropy,
+        has_phone: Callable[[PrincipalId], bool],
     ) -> None:
         self._organiser = organiser
         self._agreements = agreements
@@ -97,7 +99,7 @@ class Consent:
         self._clock = clock
         self._entropy = entropy
         self._requests: OrderedDict[str, Request] = OrderedDict()
-        self.has_phone: Callable[[PrincipalId], bool] = lambda _: True
+        self._has_phone = has_phone
 
     def ask(self, caller: Caller, line: Do, needed: FirstNeeded) -> Reply:
         """Return what to say to somebody who may, once something else has happened.
@@ -111,7 +113,7 @@ class Consent:
             return Reply(question, _do_it(f"{CONFIRMED}{act.command}", act))
         if needed.need == Need.SECOND_PERSON.value:
             return Reply(self._ask_others(caller, line, needed))
-        if needed.need == Need.STEP_UP.value and not self.has_phone(caller.principal):
+        if needed.need == Need.STEP_UP.value and not self._has_phone(caller.principal):
             return Reply(
                 said(
                     "{needed} You have not set one up yet: send /authenticator in a private chat "
@@ -186,9 +188,19 @@ class Consent:
         ]
         return tuple(able[:PEOPLE_ASKED])
 
-    async def withdraw(self, principal: PrincipalId, _robots: object = ()) -> str:
-        """Ask nobody any more about what somebody wanted: they have cancelled it."""
-        theirs = [n for n, one in self._requests.items() if one.caller.principal == principal]
+    async def withdraw(self, principal: PrincipalId, robots: Collection[RobotId]) -> str:
+        """Ask nobody any more about what somebody wanted: they have cancelled it.
+
+        Args:
+            principal: Who wanted it.
+            robots: What is about none of these stays asked; none: all of it goes.
+        """
+        theirs = [
+            number
+            for number, one in self._requests.items()
+            if one.caller.principal == principal
+            and (not robots or not set(one.line.robots).isdisjoint(robots))
+        ]
         for number in theirs:
             del self._requests[number]
         return words.withdrawn(len(theirs)) if theirs else ""

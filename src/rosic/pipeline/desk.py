@@ -76,6 +76,8 @@ class Desk:
         self._help_menu = HelpMenu(rooms)
         self._earlier = Earlier()
         reception.office.employ("undo", self.undo)
+        reception.office.employ("again", self.again)
+        reception.office.employ("information", self.information)
 
     def answer(self, caller: Caller, chat: Chat, line: Line) -> Reply:
         """Answer a line that moves nothing."""
@@ -141,6 +143,11 @@ class Desk:
         if not visible:
             return Reply(words.NO_INFORMATION)
         return Reply(joined("\n", (words.INFORMATION, self._states(sorted(visible)))))
+
+    async def again(self, asked: Asked) -> Reply:
+        """Ask whether the last command of somebody in this chat is to be done once more."""
+        visible = self._organiser.visible(asked.caller.principal)
+        return self._choosing.again(asked.caller, asked.inbound.chat, visible)
 
     def menu(self, principal: PrincipalId) -> Reply:
         """Return what somebody may begin with: robots; where there is only one, what it can do."""

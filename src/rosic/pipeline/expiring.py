@@ -1,7 +1,7 @@
 """Buttons that are no longer good disappear: nobody is left with one that only looks alive.
 
 What was tapped is edited by its answer. This is for questions that nobody answered: when their
-time is over they lose their buttons, all but the ones that stop.
+time is over they lose their buttons, all but the ones that are good for ever.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.authoriser.buttons import is_stop, lifetime_of
+from rosic.authoriser.buttons import is_lasting, lifetime_of
 from rosic.core.message import Weight
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class Expiring:
         where = f"{note.messenger.name}/{note.outbound.chat.id}/{message}"
         self._shown.pop(where, None)
         buttons = [button for row in note.outbound.buttons for button in row]
-        mortal = [button for button in buttons if not is_stop(button)]
+        mortal = [button for button in buttons if not is_lasting(button)]
         if not mortal or not note.messenger.edits:
             return
         if len(self._shown) >= AT_MOST:
@@ -76,7 +76,9 @@ class Expiring:
 
     def _strip(self, note: Note) -> None:
         left = tuple(
-            kept for row in note.outbound.buttons if (kept := tuple(b for b in row if is_stop(b)))
+            kept
+            for row in note.outbound.buttons
+            if (kept := tuple(b for b in row if is_lasting(b)))
         )
         self._teller.say(
             replace(

@@ -15,6 +15,7 @@ MINUTE_S = 60
 HOUR_S = 3600
 ERRAND_LIFETIME_NS: Final = 30_000_000_000
 MISSED: Final = said("You sent this while I could not listen. Nothing was done.")
+NETWORK_AWAY: Final = said("You sent this while the network was away. Nothing was done.")
 
 
 def check_fresh(inbound: Inbound, request: Request, now_ns: int) -> None:
@@ -33,7 +34,7 @@ def check_fresh(inbound: Inbound, request: Request, now_ns: int) -> None:
         total_ns = now_ns - (request.deadline_ns - lifetime_ns)
         raise Expired(too_old(inbound, total_ns, lifetime_ns), offers=(request.text,))
     if request.skill.actuates and inbound.sent_ns < inbound.listening_since_ns:
-        raise Expired(MISSED, offers=(request.text,))
+        raise Expired(_missed(inbound), offers=(request.text,))
 
 
 def check_errand_fresh(inbound: Inbound, again: str) -> None:
@@ -62,12 +63,16 @@ def check_heard_in_time(inbound: Inbound, lifetime_ns: int, again: str) -> None:
     if age_ns > lifetime_ns:
         raise Expired(too_old(inbound, age_ns, lifetime_ns), offers=(again,))
     if is_missed(inbound):
-        raise Expired(MISSED, offers=(again,))
+        raise Expired(_missed(inbound), offers=(again,))
 
 
 def is_missed(inbound: Inbound) -> bool:
     """Whether it was sent while nobody listened."""
     return inbound.sent_ns < inbound.listening_since_ns
+
+
+def _missed(inbound: Inbound) -> str:
+    return NETWORK_AWAY if inbound.network_away else MISSED
 
 
 def too_old(inbound: Inbound, age_ns: int, lifetime_ns: int) -> str:
@@ -78,6 +83,10 @@ def too_old(inbound: Inbound, age_ns: int, lifetime_ns: int) -> str:
         age_ns: Now, since it was sent.
         lifetime_ns: For how long it would have been good.
     """
+    if is_missed(inbound) and inbound.network_away:
+        return said(
+            "Your command is {age} old (the network was away). Nothing was done.", age=age(age_ns)
+        )
     if is_missed(inbound):
         return said(
             "Your command is {age} old: you sent it while I could not listen. Nothing was done.",

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.core import words
+from rosic.core.authority import RESUME
 from rosic.core.language.stepping import beginning
 from rosic.core.message import Button
-from rosic.core.reach import FLEET
+from rosic.core.reach import FLEET, GRANT
 from rosic.core.robot import Slots
 from rosic.core.saying import joined, said
 from rosic.core.view import Sight
@@ -60,6 +61,13 @@ _SAID: Final = {
     "mydata": said("What is kept of you"),
 }
 
+
+# By the right about the place that each needs.
+_ABOUT_PEOPLE: Final = {
+    "invite": ("invite",),
+    "people": ("people", "revoke", "security"),
+    "lock": ("lock",),
+}
 
 # What to type. A translation is understood: it stands in `rosic.core.language.words.ALIASES`.
 TYPED: Final = {
@@ -158,6 +166,7 @@ class HelpMenu:
         yield _line("stop")
         if examples:
             yield _line("cancel")
+        if any(self._organiser.allows(principal, robot, RESUME) for robot in visible):
             yield _line("resume")
 
     def _see(self, _: PrincipalId, visible: frozenset[RobotId]) -> Lines:
@@ -178,9 +187,12 @@ class HelpMenu:
         booked = (r for r in visible if self._profiles[r].slots is not Slots.NONE)
         if any(organiser.why_not_move(principal, robot) is None for robot in booked):
             yield from _commands("slots", "book", "wish", "wait", "cancel booking", "handover")
-        yield from _commands("me", "role", "ask", "settings", "files", "mydata")
-        if organiser.allows(principal, FLEET, "people"):
-            yield from _commands("people", "invite", "grant", "revoke", "lock", "security")
+        yield from _commands("me", "ask", "settings", "files", "mydata")
+        if any(organiser.allows(principal, robot, GRANT) for robot in (FLEET, *visible)):
+            yield from _commands("role", "grant")
+        for verb, names in _ABOUT_PEOPLE.items():
+            if organiser.allows(principal, FLEET, verb):
+                yield from _commands(*names)
         if organiser.allows(principal, FLEET, "slots"):
             yield from _commands("plan")
 

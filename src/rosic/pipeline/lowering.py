@@ -6,8 +6,8 @@ refused when it is above their limits, and never changed.
 
 from __future__ import annotations
 
-from math import floor
-from typing import TYPE_CHECKING
+from math import ceil, floor
+from typing import TYPE_CHECKING, NamedTuple
 
 from msgspec.structs import replace
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller, CommandId
     from rosic.core.language import Do
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
+    from rosic.core.language.units import Unit, UnitTable
     from rosic.core.limits import Limit
     from rosic.core.order import Permit
     from rosic.core.robot import RobotId
@@ -82,7 +83,7 @@ class Lowering:
         Raises:
             NotUnderstood, OutOfBounds: It cannot be carried out as it was said.
         """
-        values: dict[str, float] = {}
+        open_at: dict[str, list[_Open]] = {}
         notes: dict[str, None] = {}
         for robot, skill in zip(line.robots, line.skills, strict=True):
             compiled, given = place(
@@ -91,14 +92,21 @@ class Lowering:
             request = Request(b"", robot, skill, line.spoken, line.text, 0, 0, 0, 0, line.group)
             arguments = self._rooms.container.complete(request).arguments
             found, limits = self.within(caller, robot, compiled, arguments, given)
-            for name, value in found.items():
-                number = compiled.by_name[name].unit.from_si(value)
-                values[name] = min(values.get(name, number), number)
+            for parameter in compiled.numbers:
+                usual = arguments.get(parameter.name)
+                if isinstance(usual, int | float):
+                    here = _Open(parameter.unit, usual, found.get(parameter.name, usual))
+                    open_at.setdefault(parameter.name, []).append(here)
             notes.update(dict.fromkeys(self._said(caller, limit) for limit in limits))
-        if not values:
+        if not notes:
             return line, ""
-        more = tuple(Spoken(name, float(f"{n:.8g}"), "") for name, n in values.items())
-        return replace(line, spoken=(*line.spoken, *more)), joined(", ", notes)
+        units = self._rooms.vocabulary.units
+        changed = {name: of for name, of in open_at.items() if any(o.value != o.usual for o in of)}
+        more = [_for_all(name, each, units) for name, each in changed.items()]
+        said = tuple(spoken for spoken in more if spoken is not None)
+        if len(said) < len(more):
+            return line, ""
+        return replace(line, spoken=(*line.spoken, *said)), joined(", ", notes)
 
     def within(
         self,
@@ -132,8 +140,37 @@ class Lowering:
         return said("as much as your limit allows ({limit})", limit=bound)
 
 
+class _Open(NamedTuple):
+    """What becomes of one parameter of one robot that nobody gave a value: SI."""
+
+    unit: Unit
+    usual: float
+    value: float
+
+
+def _for_all(name: str, robots: list[_Open], units: UnitTable) -> Spoken | None:
+    """Return a value that is said to all robots of a line; None where no one value fits.
+
+    Where one is lowered, nobody goes further than their own default; where one is raised, no
+    further than it has to.
+    """
+    raised = [one.value for one in robots if one.value > one.usual]
+    if raised and any(one.value < one.usual for one in robots):
+        return None
+    value = max(raised) if raised else min(one.value for one in robots)
+    unit = robots[0].unit
+    # Without a unit it would be taken in each robot's own.
+    word = "" if all(one.unit == unit for one in robots) else unit.symbol
+    if word and units.find(word) != unit:
+        return None
+    return Spoken(name, float(f"{unit.from_si(value):.8g}"), word)
+
+
 def _within(parameter: CompiledParameter, value: float, limit: Limit) -> float:
     """Return a value within a limit, SI, as somebody would write it: a limit has some slack."""
     number = parameter.unit.from_si(min(max(value, limit.min), limit.max))
-    number = floor(number + WHOLE) if parameter.integer else float(f"{number:.8g}")
-    return parameter.unit.to_si(number)
+    if not parameter.integer:
+        return parameter.unit.to_si(float(f"{number:.8g}"))
+    return parameter.unit.to_si(
+        ceil(number - WHOLE) if value < limit.min else floor(number + WHOLE)
+    )

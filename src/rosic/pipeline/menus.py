@@ -37,7 +37,6 @@ EVERYBODY: Final = (
     ("wish", said("Say when you would like a robot")),
     ("ask", said("Ask for a right that you lack")),
     ("me", said("What you may do, and until when")),
-    ("role", said("What the roles here give")),
     ("help", said("What you can say")),
 )
 IN_GROUPS: Final = ("robots", "status", "use", "stop", "cancel", "resume", "help")
@@ -45,6 +44,7 @@ TOPIC: Final = ("topic", said("Say which robot this topic is about"))
 ADMINS: Final = (
     ("people", said("Who is known here")),
     ("invite", said("Let somebody in")),
+    ("role", said("What the roles here give")),
     ("grant", said("Give somebody a right for a while")),
     ("revoke", said("Take somebody's key back")),
     ("lock", said("Shut somebody out at once")),
@@ -78,8 +78,9 @@ class Menus:
         self._clock = clock
         self._platforms: list[tuple[str, SetMenus]] = []
         self._with_own: dict[str, set[str]] = {}
-        self._due = False
-        self._task: asyncio.Task[None] | None = None
+        # Each messenger by itself: one that cannot be reached keeps the others waiting for nothing.
+        self._due: set[int] = set()
+        self._tasks: dict[int, asyncio.Task[None]] = {}
 
     def show_on(self, platform: str, set_menus: SetMenus) -> None:
         """Look after the menus of one more messenger."""
@@ -87,17 +88,19 @@ class Menus:
 
     def look(self) -> None:
         """Roles may have changed: see to it soon. Returns at once."""
-        self._due = True
-        if self._platforms and (self._task is None or self._task.done()):
-            self._task = asyncio.create_task(self._follow())
+        for number in range(len(self._platforms)):
+            self._due.add(number)
+            task = self._tasks.get(number)
+            if task is None or task.done():
+                self._tasks[number] = asyncio.create_task(self._follow(number))
 
-    async def _follow(self) -> None:
-        while self._due:
+    async def _follow(self, number: int) -> None:
+        platform, set_menus = self._platforms[number]
+        while number in self._due:
             await self._clock.sleep(SETTLE_S)
-            self._due = False
+            self._due.discard(number)
             try:
-                for platform, set_menus in self._platforms:
-                    await set_menus(self.of(platform))
+                await set_menus(self.of(platform))
             except Exception:
                 log.exception("the menus could not be shown")
 
@@ -128,9 +131,9 @@ class Menus:
 
     async def close(self) -> None:
         """Look no more."""
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
+        for task in self._tasks.values():
+            task.cancel()
+        await asyncio.gather(*self._tasks.values(), return_exceptions=True)
 
 
 def _said(

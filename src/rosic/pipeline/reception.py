@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, TypeAlias
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.message import Button, Chat, ChatKind
 from rosic.core.robot import RobotId
-from rosic.errors import Refusal
+from rosic.core.saying import said
+from rosic.errors import Expired, Refusal
 from rosic.pipeline.office import Office
 
 if TYPE_CHECKING:
@@ -79,10 +80,10 @@ class Reception:
         """Return what a button that confirms says, and who has agreed to it.
 
         Raises:
-            Expired: It was agreed to too long ago.
+            Expired: It was agreed to too long ago, or nobody was ever asked to agree.
         """
-        if self.consent is None:  # then nobody was ever asked to agree
-            return command, None
+        if self.consent is None:
+            raise Expired(said("That question is settled already. Nothing was done."))
         return self.consent.redeem(command, caller, act)
 
 

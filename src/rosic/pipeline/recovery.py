@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import CommandId
     from rosic.core.message import Chat
     from rosic.linker.linker import Linker
+    from rosic.pipeline.end_buttons import EndButtons
 
 log = logging.getLogger("rosic.recovery")
 
@@ -52,12 +53,14 @@ class Recovery:
         teller: Teller,
         clock: Clock,
         messengers: Mapping[str, Messenger],
+        ends: EndButtons,
     ) -> None:
         self._store = store
         self._linker = linker
         self._teller = teller
         self._clock = clock
         self._messengers = messengers
+        self._ends = ends
 
     async def settle(self, unfinished: Iterable[Unfinished], exists: Callable[[str], bool]) -> int:
         """Hold robots in doubt, write the missing outcomes, tell what was not told.
@@ -157,8 +160,16 @@ class Recovery:
         if not told.shown and any(life.ending is not None for life in lives):
             text = words.said_again(text)
         reply_to = "" if told.shown else origin.message
-        plain = in_language(text, self._teller.languages.of(lives[0].principal))
-        outbound = Outbound(chat=origin.chat, text=plain, reply_to=reply_to, weight=Weight.OUTCOME)
+        catalogue = self._teller.languages.of(lives[0].principal)
+        name, _, asked = origin.title.partition(": ")
+        asked_of = lives[0].robot if len(lives) == 1 else name
+        outbound = Outbound(
+            chat=origin.chat,
+            text=in_language(text, catalogue),
+            reply_to=reply_to,
+            buttons=self._ends[asked_of, asked, catalogue] if asked else (),
+            weight=Weight.OUTCOME,
+        )
         self._say(origin.messenger, outbound, lives, edit_of=told.shown)
 
     def _say(

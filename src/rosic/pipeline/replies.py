@@ -6,6 +6,7 @@ from collections import OrderedDict
 from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
+from rosic.authoriser.buttons import OPEN
 from rosic.container.letters import Answer
 from rosic.core.message import Button, ChatKind, Outbound, Weight
 from rosic.core.rate import Bucket, RateLimit
@@ -78,7 +79,7 @@ class Replies:
         """Answer without buttons."""
         plain = in_language(text, self._languages.of_sender(inbound))
         outbound = Outbound(chat=inbound.chat, text=plain, reply_to=reply_id(inbound))
-        self._say(Note(messenger, outbound, None, inbound.under), inbound)
+        self._say(Note(messenger, outbound, None, edited_by(inbound)), inbound)
 
     def offer(
         self,
@@ -92,7 +93,7 @@ class Replies:
         bound = self._bind(inbound, caller, buttons)
         outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
         plain = translated(outbound, self._languages.of(caller.principal))
-        self._say(Note(messenger, plain, None, inbound.under), inbound)
+        self._say(Note(messenger, plain, None, edited_by(inbound)), inbound)
 
     def _bind(
         self, inbound: Inbound, caller: Caller, buttons: tuple[tuple[Button, ...], ...]
@@ -126,7 +127,7 @@ class Replies:
         if reply.attachment is not None:  # no file comes into a message that is there
             self._teller.say(note)
         else:
-            note.edit_of = "" if reply.anew else inbound.under
+            note.edit_of = "" if reply.anew else edited_by(inbound)
             self._say(note, inbound)
 
     def say_with(self, messenger: Messenger, inbound: Inbound, reply: Reply) -> None:
@@ -140,7 +141,7 @@ class Replies:
             chat=inbound.chat, text=reply.text, reply_to=reply_id(inbound), buttons=reply.buttons
         )
         plain = translated(outbound, self._languages.of_sender(inbound))
-        self._teller.say(Note(messenger, plain, None, inbound.under))
+        self._teller.say(Note(messenger, plain, None, edited_by(inbound)))
 
     async def refuse(
         self,
@@ -152,13 +153,13 @@ class Replies:
     ) -> None:
         """Write a refusal down, then tell it, once.
 
-        Of what was sent while nobody listened it is only begun, if the messenger waits for it
-        before it confirms anything.
+        It is only begun, if the messenger waits for it before it confirms anything: nothing moves
+        by it, and a stop may wait behind a hundred of them.
         """
         if refusal.silent:
             return
         writing = self._refuse(messenger, inbound, caller, cid, refusal)
-        if is_missed(inbound) and self.arrears.settles(messenger):
+        if self.arrears.settles(messenger):
             self.arrears.begin(writing)
         else:
             await writing
@@ -189,12 +190,13 @@ class Replies:
             buttons=self._bind(inbound, caller, buttons), weight=Weight.OUTCOME,
         )  # fmt: skip
         told = translated(outbound, self._languages.of(caller.principal))
-        note = Note(messenger, told, cid, inbound.under, to=caller.principal)
+        note = Note(messenger, told, cid, edited_by(inbound), to=caller.principal)
         self._say(note, inbound, refusal)
 
     def _say(self, note: Note, inbound: Inbound, refusal: Refusal | None = None) -> None:
         if is_missed(inbound):
-            self.arrears.keep(note, refusal, self._languages.of_sender(inbound))
+            catalogue = self._languages.of_sender(inbound)
+            self.arrears.keep(note, refusal, catalogue, away=inbound.network_away)
         else:
             self._teller.say(note)
 
@@ -231,6 +233,15 @@ class Replies:
 def ask_for_it() -> str:
     """Return the label of the button that asks for the right that is missing."""
     return said("Ask for it")
+
+
+def edited_by(inbound: Inbound) -> str:
+    """Return which message the answer takes the place of: mostly the one that was tapped.
+
+    What says how an order ended goes on saying it, however often its buttons are tapped.
+    """
+    lasts = inbound.nonce is not None and inbound.nonce.startswith(OPEN)
+    return "" if lasts else inbound.under
 
 
 def reply_id(inbound: Inbound) -> str:

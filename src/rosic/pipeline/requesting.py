@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.authoriser.buttons import OPEN
 from rosic.core.identity import command_id, robot_command_id
 from rosic.core.order import Request
 from rosic.core.saying import said
@@ -74,10 +75,14 @@ class Requesting:
 
 
 def line_id(inbound: Inbound, number: int) -> CommandId:
-    """Return the identity of one line of a message, or of what a tap says."""
-    if inbound.nonce is not None:  # in a group, several may tap the same one
+    """Return the identity of one line of a message, or of what a tap says.
+
+    A button that is nobody's may be tapped again, so what counts is the tap.
+    """
+    nonce = inbound.nonce
+    if nonce is not None and not nonce.startswith(OPEN):  # in a group, several may tap the same one
         sender = inbound.sender
-        return command_id("tap", inbound.nonce, sender.platform, sender.account, str(number))
+        return command_id("tap", nonce, sender.platform, sender.account, str(number))
     return command_id(*message_parts(inbound), str(number))
 
 

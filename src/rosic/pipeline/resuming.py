@@ -23,18 +23,18 @@ from rosic.errors import (
     NotPermitted,
     NotUnderstood,
     RecordUnavailable,
+    Refusal,
     RobotStopped,
     TimeInDoubt,
 )
-from rosic.organiser.refusing import CLOCK_SET_BACK
+from rosic.organiser.refusing import CLOCK_SET_BACK, may_resume, stopped_own
 from rosic.pipeline.freshness import check_heard_in_time
 from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Awaitable, Callable, Collection, Mapping, Sequence
 
     from rosic.core.language import Resume
-    from rosic.core.message import Inbound
     from rosic.core.robot import RobotId
     from rosic.pipeline.rooms import Rooms
     from rosic.pipeline.said import Said
@@ -70,25 +70,29 @@ class Resuming:
             NotPermitted: Not this person; no robot was resumed.
             NotUnderstood: Several are stopped, and it was not said which.
             Expired: It is backlog, too old, or was received before the stop it would undo: stops
-                overtake, so an older resume can arrive after a younger stop (I5).
+                overtake, so an older resume can arrive after a younger stop (I5). Or its button was
+                shown before that stop: whoever taps it does not know of it.
             TimeInDoubt: By the clock of this computer it came before the stop: that was set back.
-            Repeated, RecordUnavailable, RobotStopped: Robots not resumed so far stay stopped.
+            Repeated, RecordUnavailable, RobotStopped: Robots not resumed so far stay stopped; the
+                sentence says which were resumed before it came to this.
         """
-        caller, inbound = asked.caller, asked.inbound
+        caller = asked.caller
         stopped = self._stopped(caller, line)
         for robot in stopped:
             self._check_may(asked, robot)
             # Before the time is looked at: said again, it would be refused again.
             self._check_not_barred(robot)
-            self._check_later(inbound, robot)
+            self._check_later(asked, robot)
         # As they were when this was asked: what is stopped meanwhile stays stopped.
         generations = {robot: self._board[robot].generation for robot in stopped}
-        for robot, generation in generations.items():
+
+        async def one(robot: RobotId, generation: int) -> None:
             robot_cid = robot_command_id(cid, robot)
             await self._container.resume(robot_cid, caller, robot, generation)
             self._check_may(asked, robot)  # the right may have ended meanwhile
             await self._go_on(robot, generation)
-        return self._told(stopped)
+
+        return await self._each(generations, one)
 
     async def by_operator(self, robots: Collection[RobotId], at_ns: int) -> str:
         """Resume robots for the operator of this machine, who asks no organiser, and on the record.
@@ -98,17 +102,46 @@ class Resuming:
             at_ns: Wall clock; the same stop may be asked about again, once it can be written.
 
         Raises:
-            Refusal: What bars one, or it is not written: this one and those after it stay stopped.
+            Refusal: What bars one, or it is not written: this one and those after it stay stopped,
+                and the sentence says which went on.
         """
-        stopped = [robot for robot in robots if self._board[robot].latched]
-        for robot in stopped:
+        generations = {r: self._board[r].generation for r in robots if self._board[r].latched}
+        for robot in generations:
             self._check_not_barred(robot)
-        for robot in stopped:
-            generation = self._board[robot].generation
+
+        async def one(robot: RobotId, generation: int) -> None:
             cid = command_id(OPERATOR, RESUME, robot, str(generation), str(at_ns))
             await self._container.resume(cid, OPERATING, robot, generation)
             await self._go_on(robot, generation)
-        return self._told(stopped)
+
+        return await self._each(generations, one)
+
+    async def _each(
+        self,
+        generations: Mapping[RobotId, int],
+        resume: Callable[[RobotId, int], Awaitable[None]],
+    ) -> str:
+        """Resume one robot after another. Return what to say.
+
+        Raises:
+            Refusal: Of the first that stays stopped. Its sentence says which were resumed before,
+                and which are left.
+        """
+        left = list(generations)
+        done: list[RobotId] = []
+        try:
+            for robot, generation in generations.items():
+                left.remove(robot)
+                await resume(robot, generation)
+                done.append(robot)
+        except Refusal as why:
+            if why.silent:
+                raise  # the message came before: its first robots are the ones it resumed then
+            others = [self._linker.profile(r).shown for r in left if self._board[r].latched]
+            parts = (self._told(done) if done else "", why.sentence, words.still_stopped(others))
+            why.reworded(joined("\n", filter(None, parts)))
+            raise
+        return self._told(done)
 
     async def _go_on(self, robot: RobotId, generation: int) -> None:
         """Let a robot go on whose resume is on disk.
@@ -143,20 +176,14 @@ class Resuming:
         try:
             self._organiser.check_word(asked.caller, robot, RESUME, asked.grounds())
         except NotPermitted:
-            if not self._stopped_own(asked.caller.principal, robot):
+            if not stopped_own(self._organiser, self._board, asked.caller.principal, robot):
                 raise
-
-    def _stopped_own(self, principal: PrincipalId, robot: RobotId) -> bool:
-        """Whether a robot is stopped as somebody stopped their own order, and may move it."""
-        own = self._board[robot].own == principal
-        return own and self._organiser.why_not_move(principal, robot) is None
 
     def may(self, principal: PrincipalId, robot: RobotId) -> bool:
         """Whether somebody could resume a robot now, for offering it."""
         if not self._board[robot].latched or self._board.barred(robot) is not None:
             return False
-        by_right = self._organiser.allows(principal, robot, RESUME)
-        return by_right or self._stopped_own(principal, robot)
+        return may_resume(self._organiser, self._board, principal, robot)
 
     def buttons(self, robots: Sequence[RobotId]) -> tuple[tuple[Button, ...], ...]:
         """Return a button for each of some stopped robots, and one for all of them."""
@@ -174,9 +201,16 @@ class Resuming:
         if why is not None:
             raise why
 
-    def _check_later(self, inbound: Inbound, robot: RobotId) -> None:
+    def _check_later(self, asked: Said, robot: RobotId) -> None:
+        inbound = asked.inbound
         check_heard_in_time(inbound, RESUME_LIFETIME_NS, f"resume {robot}")
         stopped_ns = self._board[robot].at_ns
+        if 0 < asked.shown_ns < stopped_ns:
+            again = said(
+                "{shown} was stopped again since this was shown. It stays stopped.",
+                shown=self._linker.profile(robot).shown,
+            )
+            raise Expired(again, offers=(f"resume {robot}",))
         # A platform may give whole seconds: within one, the order of receiving decides.
         if inbound.received_ns <= stopped_ns or inbound.sent_ns + SECOND_NS < stopped_ns:
             if self._organiser.in_doubt:
@@ -191,9 +225,11 @@ class Resuming:
         visible = self._organiser.visible(caller.principal)
         stopped = [r for r in line.robots or sorted(visible) if self._board[r].latched]
         if not line.robots and len(stopped) > 1:
-            offers = tuple(f"resume {r}" for r in stopped if self._board.barred(r) is None)
-            if not offers:
+            free = [robot for robot in stopped if self._board.barred(robot) is None]
+            if not free:
                 self._check_not_barred(stopped[0])
+            may = [robot for robot in free if self.may(caller.principal, robot)]
+            offers = tuple(f"resume {robot}" for robot in may)
             raise NotUnderstood(
                 said("Several robots are stopped. Say which one may go on."),
                 offers=(*offers, "resume all") if len(offers) == len(stopped) else offers,

@@ -32,13 +32,14 @@ class Said:
             nothing.
         confirmed: A button said it that asked whether it is meant.
         second: Who else has agreed to it.
+        shown_ns: When the button was shown that said it, wall clock; 0: it was typed.
         note: What is said beside its orders: that a default was lowered; mostly empty.
         proven: It was asked whether they have shown a second factor lately, and they have.
     """
 
     __slots__ = (
         "act", "arrived_ns", "asked", "caller", "confirmed", "inbound",
-        "messenger", "note", "proven", "second", "stepup",
+        "messenger", "note", "proven", "second", "shown_ns", "stepup",
     )  # fmt: skip
 
     def __init__(
@@ -53,6 +54,7 @@ class Said:
         self.note = ""
         self.confirmed = self.proven = False
         self.second: PrincipalId | None = None
+        self.shown_ns = 0
         self.stepup = stepup
         self.messenger = messenger
         self.inbound = inbound

@@ -279,8 +279,9 @@ class Teller:
 
     async def _show_line_by_line(self, card: Card) -> None:
         while card.lines:
-            text = card.lines[0]
-            await card.messenger.send(Outbound(chat=card.chat, text=text))
+            text, last = card.lines[0], len(card.lines) == 1 and not card.open
+            buttons = card.after if last else ()
+            await card.messenger.send(Outbound(chat=card.chat, text=text, buttons=buttons))
             card.lines = card.lines[1:]
         if not card.open and card.untold:
             self._containers.told(*card.untold)

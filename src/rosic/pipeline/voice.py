@@ -140,6 +140,6 @@ def outbound_of(card: Card, *, endings: bool) -> Outbound:
         chat=card.chat,
         text=card.text(endings=endings),
         reply_to=card.reply_to,
-        buttons=card.buttons if card.open else (),
+        buttons=card.buttons if card.open else card.after if endings else (),
         weight=OUTCOME if card.untold else weight_of(card),
     )

@@ -31,6 +31,7 @@ from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.choosing import Choosing
 from rosic.pipeline.desk import Desk
 from rosic.pipeline.edited_messages import EditedMessages
+from rosic.pipeline.end_buttons import EndButtons
 from rosic.pipeline.expiring import Expiring
 from rosic.pipeline.lives import Lives
 from rosic.pipeline.lowering import Lowering
@@ -80,6 +81,7 @@ class Pipeline:
         arrears: Answers to what was sent while nobody listened.
         face: What a clock on the wall shows here.
         agreements: Binds what a tap agrees to.
+        ends: What stands beneath an order that has ended.
     """
 
     def __init__(
@@ -109,14 +111,13 @@ class Pipeline:
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience, self._busy = Audience(organiser), BusyRobots(rooms, self.lives)
         self.reception = Reception()
+        self.ends = EndButtons(rooms, self.agreements, self.reception)
         self.cancels = CancelLane(
             rooms, self.lives, stop_lane, self._replies, self.reception.office, clock
         )
         self._stop_lane = stop_lane
         self._urgent = UrgentLane(stop_lane, self.cancels, self.lives)
         self._desk = Desk(rooms, self._choosing, self.reception, resuming)
-        self.reception.office.employ("information", self._desk.information)
-        self.reception.office.employ("again", self._again)
 
     async def receive(self, messenger: Messenger, inbound: Inbound) -> None:
         """Take one message. On return it is settled, or on disk and under way.
@@ -178,7 +179,8 @@ class Pipeline:
     async def _tapped(self, said: Said) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller
         try:
-            command, said.act = await self._replies.redeem(messenger, inbound, caller)
+            tapped = await self._replies.redeem(messenger, inbound, caller)
+            command, said.act, said.shown_ns = tapped
         except Repeated as void:
             self._outdated(said, void)
             raise
@@ -272,10 +274,6 @@ class Pipeline:
             self._replies.hand_over(said.messenger, said.inbound, said.caller, reply)
         else:
             self._question(said, line)
-
-    async def _again(self, asked: Asked) -> Reply:
-        visible = self._rooms.organiser.visible(asked.caller.principal)
-        return self._choosing.again(asked.caller, asked.inbound.chat, visible)
 
     async def _brought_a_code(self, messenger: Messenger, inbound: Inbound) -> bool:
         """Whether somebody brought an invitation, or showed one in a group; then it is answered."""
@@ -372,6 +370,7 @@ class Pipeline:
         card = Card(messenger, chat, reply_id(said.inbound), caller.principal, self.face, words)
         card.about = line.group or line.robots[0]
         card.buttons = stop_button(card.about)
+        card.after = self.ends[card.about, line.text, catalogue]
         if said.confirmed and messenger.edits and len(said.asked) == len(orders):
             # The question that was answered becomes the life it asked for.
             card.message, card.adopted = said.inbound.under, bool(said.inbound.under)
@@ -398,3 +397,4 @@ class Pipeline:
         """Understand one more robot: what was read before it was there is read anew."""
         self._shown[robot] = shown
         self._reader.forget()
+        self.ends.clear()

@@ -84,8 +84,9 @@ class Writer:
             return self._open()
         except BaseException as error:
             self.close()
-            if isinstance(error, sqlite.FAILURES):
-                raise unusable(error, self._folder) from error
+            cause = error.__cause__ if isinstance(error, StoreFault) else error
+            if isinstance(cause, sqlite.FAILURES):
+                raise unusable(cause, self._folder) from error
             raise
 
     def _open(self) -> Memory:
@@ -264,13 +265,12 @@ class Writer:
             if self._failing:  # a connection gets one chance to recover by itself
                 self._disconnect()
             self._failing = True
-        sentence = f"{sqlite.reason(error)}. Nothing was written."
         for job in group:
             if job.future is None:
                 job.content = tuple(map(late, job.content))
                 self._late.append(job)
             else:
-                job.error = fault(sentence, error)
+                job.error = unwritten(error)
         surplus = len(self._late) - self._settings.notes_max
         if surplus > 0:
             del self._late[:surplus]
@@ -304,8 +304,8 @@ class Writer:
         Raises:
             StoreFault: Nothing was forgotten.
         """
-        connection, _ = self._connected()
         try:
+            connection, _ = self._connected()
             with connection.begin():
                 before_ns = upkeep.horizon(connection, self._clock.wall_ns(), self._settings)
                 return self._erasure.prune(connection, before_ns)
@@ -318,8 +318,8 @@ class Writer:
         Raises:
             StoreFault: Nothing was forgotten.
         """
-        connection, _ = self._connected()
         try:
+            connection, _ = self._connected()
             with connection.begin():
                 return self._erasure.forget_decisions(connection, before_ns, kept_ns)
         except sqlite.FAILURES as error:
@@ -331,8 +331,8 @@ class Writer:
         Raises:
             StoreFault: Not erased, or still in the log file; doing it again is safe.
         """
-        connection, scribe = self._connected()
         try:
+            connection, scribe = self._connected()
             scribe.forget_key(container)
             with connection.begin():
                 self._erasure.shred(connection, container)
@@ -364,6 +364,13 @@ def fault(sentence: str, cause: BaseException) -> StoreFault:
     error = StoreFault(sentence)
     error.__cause__ = cause
     return error
+
+
+def unwritten(cause: Exception) -> StoreFault:
+    """Say why a group was not written: a fault that says so itself is told as it is."""
+    if isinstance(cause, StoreFault):
+        return fault(cause.args[0], cause)
+    return fault(f"{sqlite.reason(cause)}. Nothing was written.", cause)
 
 
 def unusable(error: BaseException, folder: Folder) -> ConfigurationError:

@@ -44,12 +44,15 @@ class ManualClock:
         self._wall_ns += int(seconds * 1e9)
 
     async def sleep(self, seconds: float) -> None:
-        """Wait until the test has advanced far enough."""
+        """Wait until the test has advanced far enough: by a nanosecond at least.
+
+        Whoever waits for what is left of a time would otherwise wait for ever at one moment.
+        """
         if seconds <= 0:
             await asyncio.sleep(0)
             return
         future: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        wake_ns = self._loop_ns + int(seconds * 1e9)
+        wake_ns = self._loop_ns + max(1, int(seconds * 1e9))
         heapq.heappush(self._sleepers, (wake_ns, next(self._order), future))
         await future
 

@@ -143,10 +143,24 @@ def test_out_of_bounds_is_refused_with_the_bound(
          "KUKA iiwa: grasp takes one number, force; 12 is one too many. Nothing was done.", ()),
         ("yumi handover 3",
          "YuMi: handover takes no number, so 3 has no place. Nothing was done.", ()),
-        ("omni move 50 Mm", 'omni: move does not know "Mm". Did you mean mm?',
-         ("omni move 50 mm",)),
-        ("omni move 2 lft", 'omni: move does not know "lft". Did you mean ft or left?',
-         ("omni move 2 ft", "omni move 2 left")),
+        ("omni move 50 Mm",
+         ('omni: move does not know "Mm". It takes a length (m) or a speed (m/s). '
+          "Nothing was done."), ()),
+        ("omni move 2 lft", 'omni: move does not know "lft". Did you mean left?',
+         ("omni move 2 left",)),
+        ("omni move 50 centimettres",
+         'omni: move does not know "centimettres". Did you mean centimetres?',
+         ("omni move 50 centimetres",)),
+        ("omni turn left 5 gon",
+         'omni: turn does not know "gon". It takes an angle (deg). Nothing was done.', ()),
+        ("omni turn left 5 dg",
+         'omni: turn does not know "dg". It takes an angle (deg). Nothing was done.', ()),
+        ("omni move 5 decametres",
+         ('omni: move does not know "decametres". It takes a length (m) or a speed (m/s). '
+          "Nothing was done."), ()),
+        ("omni move 2 meteer lfet",
+         ('omni: move does not know "meteer". It takes a length (m) or a speed (m/s). '
+          "Nothing was done."), ()),
         ("omni move 2 m fwd",
          ('omni: move does not know "fwd". It takes forward, back, left or right. '
           "Nothing was done."), ()),
@@ -373,3 +387,13 @@ def test_every_offer_to_a_misunderstood_line_is_understood(means: Means) -> None
             understood = means(offer)
             # Or it leads on: which robot?
             assert not isinstance(understood, Misunderstood) or "Which robot" in understood.sentence
+
+
+def test_a_smaller_value_is_not_offered_beside_a_word_that_says_nothing(
+    arguments: Arguments,
+) -> None:
+    with pytest.raises(OutOfBounds) as refused:
+        arguments("omni move 40 m lfet")
+
+    assert str(refused.value) == "omni: one move may be at most 5 m. Nothing was done."
+    assert refused.value.offers == ()

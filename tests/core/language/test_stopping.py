@@ -59,6 +59,7 @@ SAID_KINDLY = [
     "STOP ALL ROBOTS", "stop it", "stop moving", "stop right now", "no stop", "ok, stop",
     "could you please stop", "everybody stop", "please, all robots stop now", "stop them all",
     "stop immediately", "stop stop stop", "halt sofort", "стоп пожалуйста", "stop " * 200,
+    "somebody stop", "watch out, STOP", "oh no! stop!!!", "stop_it", "STOPIT", "stopall",
     "stop omni and everything", "@lab_robots_bot stop", "stop @lab_robots_bot", "stop omni, all!",
 ]  # fmt: skip
 SLIPS = """
@@ -112,6 +113,10 @@ def test_a_stop_is_understood_in(language: str, words: str) -> None:
         ("stopomni", ("omni",)),
         ("stop omin", ("omin",)),
         ("stop @omni", ("omni",)),
+        ("/stop_omni", ("omni",)),
+        ("somebody stop omni", ("omni",)),
+        ("omni move 1 m, stop omni", ("omni",)),
+        ("omni stop it is going to fall", ("omni", "going", "fall")),
     ],
 )
 def test_names_beside_a_stop_are_kept(
@@ -128,7 +133,7 @@ def test_names_beside_a_stop_are_kept(
         "we should not stop", "let us talk about the next stop on the way", "status", "start",
         "omni move forward 0.5", "unstoppable", "halting problem", "nonstop", "stopwatch", "salty",
         "不要停止", "nicht stoppen", "omni turn left", "hold", "help", "home", "shops", "50",
-        "half a m",
+        "half a m", "a long day, a full stop", "wait there, don't stop",
         "It was a long day and in the evening we came to a stop and had a rest, all of us together",
         "stop" * 30, "?", "👋", "👍", "قفز", "停车场",
     ],
@@ -190,7 +195,8 @@ def test_a_long_line_stops_only_if_it_begins_so_or_says_nothing_else() -> None:
     names = hears_stop(beginning)
     assert names is not None
     assert names[0] == "omni"
-    assert hears_stop("omni " + "and kuka1 " * 8 + "stop", {"omni", "kuka1"}) is None
+    assert hears_stop("omni " + "and kuka1 " * 8 + "stop", {"omni", "kuka1"}) is not None
+    assert hears_stop("omni " + "and kuka1 drove " * 8 + "stop", {"omni", "kuka1"}) is None
     assert hears_stop("stop, said the man to the robot, " + "and so on " * 30) is None
 
 

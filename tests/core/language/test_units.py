@@ -58,6 +58,18 @@ if TYPE_CHECKING:
         ("Hz", "frequency", 1),
         ("V", "voltage", 1),
         ("Nm", "torque", 1),
+        ("Grad", "angle", pi / 180),
+        ("grade", "angle", pi / 180),
+        ("Umdrehungen", "angle", 2 * pi),
+        ("Metern", "length", 1),
+        ("Zentimeter", "length", 0.01),
+        ("fuß", "length", 0.3048),
+        ("Sekunden", "time", 1),
+        ("Minute", "time", 60),
+        ("stunden", "time", 3600),
+        ("Meter pro Sekunde", "speed", 1),
+        ("Grad pro Sekunde", "turning speed", pi / 180),
+        ("Prozent", "share", 0.01),
     ],
 )
 def test_a_spelling_has_its_unit(units: UnitTable, spelled: str, dimension: str, si: float) -> None:
@@ -103,6 +115,41 @@ def test_every_factor_is_what_the_whole_of_pint_says(units: UnitTable) -> None:
                 assert value * unit.factor + unit.offset == pytest.approx(there, rel=1e-12)
             checked += 1
     assert checked > 60
+
+
+# ---- slips of a finger ----
+
+
+def test_no_unit_that_pint_knows_is_taken_for_another(units: UnitTable) -> None:
+    """A gradian is no radian, a decametre no decimetre."""
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+    names = {name for name in registry._units if name.isalpha()}
+    names |= {prefix + name for prefix in registry._prefixes if prefix[2:] for name in names}
+    dimensions = {unit.dimension for unit in units.exact.values()}
+
+    taken = {
+        name: meant
+        for name in names
+        if units.find(name) is None and (meant := units.misspelt(name, dimensions))
+    }
+
+    assert len(names) > 10_000
+    assert taken == {"degRe": ("degree",)}  # a symbol of degrees Réaumur, typed by nobody
+
+
+def test_a_slip_in_a_full_name_is_that_unit_or_nothing(units: UnitTable) -> None:
+    mended = 0
+    for name, unit in units.exact.items():
+        for at in range(len(name)):
+            left_out = name[:at] + name[at + 1 :]
+            swapped = name[:at] + name[at : at + 2][::-1] + name[at + 2 :]
+            for slip in (left_out, swapped, name[:at] + name[at] * 2 + name[at + 1 :]):
+                if units.find(slip) is None:
+                    meant = units.misspelt(slip, {unit.dimension})
+                    assert {units.exact[m] for m in meant} <= {unit}, (slip, name, meant)
+                    mended += bool(meant)
+                    assert not meant or len(slip) >= 5
+    assert mended > 500
 
 
 # ---- the factors that ship ----

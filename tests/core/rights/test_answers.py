@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from rosic.core import tables
+from rosic.core.asking import Allowed, Ask, Code, Denied, Key, State
 from rosic.core.authority import Scope
+from rosic.core.decision import decide
 from rosic.core.reach import FLEET, GRANT
 from rosic.core.rights import MOST_NAMED, Rights
-from rosic.core.roles import DEFAULT_ROLES, Grant, Role, Rulebook
+from rosic.core.roles import DEFAULT_ROLES, Assurance, Grant, Role, Rulebook
 from tests.core.rights.product import CONVERT
 from tests.core.rights.test_rights import FLEET_HERE, rights
 from tests.core.rights.worlds import NOW
@@ -173,3 +176,71 @@ def test_drawn_up_anew_it_says_the_same() -> None:
     assert anew.people() == snapshot.people()
     assert anew.givers("kuka1", NOW) == ("a",)
     assert anew.may("a", FLEET, GRANT)
+
+
+SOFT = Role(includes=("operator",), limits=("force <= 20 N",))
+NEAR = Role(includes=("operator",), assurance="local")
+
+
+def ways(roles: dict[str, Role], includes: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """Return by which ways a role that includes others gives a skill."""
+    snapshot = rights({"p": (Grant(role="all"),)}, {**roles, "all": Role(includes=includes)})
+    right = snapshot.may("p", "kuka1", "grasp")
+    return [] if right is None else [way.via for way in right.ways]
+
+
+@pytest.mark.parametrize("includes", [("soft", "near"), ("near", "soft")])
+def test_every_way_that_allows_something_of_its_own_is_kept(includes: tuple[str, ...]) -> None:
+    """Whoever is at the robot may grasp hard, whoever writes from elsewhere only softly."""
+    roles = {"soft": SOFT, "near": NEAR, "all": Role(includes=includes)}
+    snapshot = rights({"p": (Grant(role="all"),)}, roles)
+    key = Key(id="k", principal="p")
+    found = {
+        (force, channel): isinstance(
+            decide(
+                State(rights=snapshot, key=key, now_ns=NOW),
+                Ask(principal="p", key="k", robot="kuka1", skill="grasp", channel=channel,
+                    arguments={"force": force, "hand": "left"}),
+            ), Allowed,
+        )
+        for force in (10.0, 30.0)
+        for channel in (Assurance.PROVIDER_READABLE, Assurance.LOCAL)
+    }  # fmt: skip
+    assert found == {
+        (10.0, Assurance.PROVIDER_READABLE): True, (10.0, Assurance.LOCAL): True,
+        (30.0, Assurance.PROVIDER_READABLE): False, (30.0, Assurance.LOCAL): True,
+    }  # fmt: skip
+
+
+def test_a_way_that_allows_nothing_of_its_own_is_not_kept() -> None:
+    roles = {"soft": SOFT, "near": NEAR, "twin": SOFT}
+    assert ways(roles, ("soft", "twin")) == [("all", "soft", "operator")]
+    assert ways(roles, ("soft", "near", "operator")) == [("all", "operator")]
+    assert ways(roles, ("operator", "near", "soft")) == [("all", "operator")]
+
+
+def test_what_is_worked_out_once_is_remembered_within_bounds() -> None:
+    snapshot = rights({"p": (FOR_GOOD,), "q": (FOR_GOOD,)})
+    kept = snapshot._tables
+    assert snapshot._people["p"][0] is snapshot._people["q"][0]
+    assert snapshot.roles_giving("omni", "move") is snapshot.roles_giving("omni", "move")
+    assert snapshot.roles_giving("omni", "unknown") == ()
+    scope = Scope("omni", "move")
+    assert kept.named(scope, "omni") is kept.named(scope, "omni")
+    others = (Scope(f"r{number}", "move") for number in range(tables._MOST_NAMED))
+    kept._named.update({(other, "omni"): frozenset() for other in others})
+    full = len(kept._named)
+    assert kept.named(Scope("*", "move"), "omni") == {"move", "read"}
+    assert len(kept._named) == full
+
+
+def test_of_rights_that_have_ended_the_last_is_named() -> None:
+    ended = [Grant(id=f"g{ago}", role="operator", expires_ns=NOW - ago) for ago in (9, 3, 5)]
+    snapshot = rights({"p": (*ended, Grant(role="viewer"))})
+    key = Key(id="k", principal="p")
+    no = decide(
+        State(rights=snapshot, key=key, now_ns=NOW),
+        Ask(principal="p", key="k", robot="kuka1", skill="home"),
+    )
+    assert isinstance(no, Denied)
+    assert (no.code, no.when_ns, no.grant) == (Code.RIGHT_ENDED, NOW - 3, ended[1])

@@ -17,6 +17,8 @@ MOVE = Skill(
         "distance": Parameter(min=1, max=500, unit="cm"),
         "direction": Parameter(choices={"left": (), "right": ()}),
         "times": Parameter(min=1, max=9),
+        "rise": Parameter(min=0, max=2, unit="m"),
+        "reach": Parameter(min=1, max=2, unit="cubit"),
     },
 )
 
@@ -39,6 +41,7 @@ def fitted(*texts: str) -> tuple[Limit, ...]:
         (("speed >= -0.5 m/s", "speed <= 0.2 m/s"), -0.5, 0.2),
         (("speed <= -0.2 m/s",), -inf, -0.2),
         (("times <= 3",), -inf, 3.0),
+        (("rise <= 0 m",), -inf, 0.0),
     ],
 )
 def test_a_limit_is_two_bounds_in_si(texts: tuple[str, ...], low: float, high: float) -> None:
@@ -55,6 +58,7 @@ def test_a_limit_is_two_bounds_in_si(texts: tuple[str, ...], low: float, high: f
         (("times <= 3 m",), "'m' does not fit, it has no unit"),
         (("direction <= 3",), "direction of move is a word"),
         (("distance <= 1 mm",), "is no unit"),
+        (("reach <= 1 m",), "its unit 'cubit' is unknown"),
         (
             ("distance <= 0.5 cm",),
             "leaves nothing of distance of move, which goes from 1 to 500 cm",
@@ -79,6 +83,13 @@ def test_a_limit_on_what_a_skill_does_not_have_says_nothing_about_it() -> None:
 def test_what_is_no_limit_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="is not a limit: write for example speed <= "):
         parse_limit(text)
+
+
+def test_a_limit_is_as_long_as_a_line_at_most() -> None:
+    text = "speed <= 1 " + "m" * 109
+    assert parse_limit(text).said == text
+    with pytest.raises(ValueError, match="is not a limit"):
+        parse_limit(text + "m")
 
 
 def test_whatever_follows_the_number_is_a_unit() -> None:

@@ -76,7 +76,7 @@ class TriedRobot(Ros2Robot):
     """
 
     def __init__(self, profile: Profile, clock: Clock) -> None:
-        super().__init__(profile, Gate(profile.id), clock)
+        super().__init__(profile, Gate.new(profile.id), clock)
         self._salt = os.urandom(8)
         self.book = OrderBook(profile, clock)
         self.begun_before = 0

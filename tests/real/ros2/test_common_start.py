@@ -89,7 +89,7 @@ async def test_who_hears_of_a_common_start_too_late_does_not_begin(
         with pytest.raises(OrderVoid, match="too late to begin with the others"):
             await robot.execute(late(), lambda _report: None)
 
-        strict, robot.gate = robot.gate, LetsAllBegin("omni")
+        strict, robot.gate = robot.gate, LetsAllBegin.new("omni")
         declined = await robot.execute(late(), lambda _report: None)
         assert declined.ending is Ending.REFUSED
         assert declined.note == "heard of the common start too late. Nothing was done."

@@ -67,7 +67,7 @@ async def onlooker(omni: Simulated) -> AsyncIterator[RosRuntime]:
 async def tried(folder: Path) -> tuple[Finding, Finding]:
     """Try it; return what was found of its stop, and of its watchdog."""
     config = load_config(write_config(folder, OMNI))
-    stop, watchdog = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
+    stop, watchdog, _ = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
     return stop, watchdog
 
 
@@ -144,7 +144,7 @@ async def test_the_command_says_so_line_by_line(tmp_path: Path, omni: Simulated)
     )
 
     assert ran.err == ""
-    *_, stop, watchdog = ran.out.splitlines()
+    *_, stop, watchdog, _ = ran.out.splitlines()
     assert re.fullmatch(r"omni +stop: at rest after \d+\.\d\d s \(from a slow drive\)", stop)
     assert re.fullmatch(r"omni +watchdog: at rest \d+\.\d\d s after the last message; .*", watchdog)
 

@@ -52,7 +52,7 @@ async def robot(camera: Camera = JPEG) -> AsyncIterator[Ros2Robot]:
         pose=PoseSource(topic="/omni/pose", type="geometry_msgs/msg/PoseStamped"),
         path=PathSource(topic="/omni/path"),
     )
-    made = Ros2Robot(profile, Gate("omni"), SystemClock())
+    made = Ros2Robot(profile, Gate.new("omni"), SystemClock())
     await made.open(lambda _: None)
     try:
         yield made

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import pty
 import re
-import select
 import shlex
 import time
 from contextlib import contextmanager
@@ -16,8 +13,7 @@ import pytest
 
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built
 from rosic.testing.telegram import FakeTelegram
-from tests.cli.running import environment
-from tests.cli.warm import Warmed
+from tests.cli.terminal import rosic_at
 from tests.pace import pace
 from tests.real.ros2.simulated import simulated
 from tests.real.ros2.test_my_robot_page import Block, blocks
@@ -27,60 +23,18 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.testing.ros2.graph import RosGraph
+    from tests.cli.terminal import Terminal
 
 CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
 ROBOT = "rover"
-
-
-class Terminal:
-    """One command in a terminal of its own, and what it has shown so far."""
-
-    def __init__(self, words: list[str], folder: Path) -> None:
-        self._ours, theirs = pty.openpty()
-        files = (theirs, theirs, theirs)
-        self.process = Warmed(words, files, folder, environment())
-        os.close(theirs)
-        self.shown = ""
-
-    def wait_for(self, text: str, within_s: float = 90) -> None:
-        end_s = time.monotonic() + within_s * pace()
-        while text not in self.shown:
-            assert time.monotonic() < end_s, f"no {text!r} in: {self.shown}"
-            self.look(0.1)
-
-    def type(self, line: str) -> None:
-        os.write(self._ours, f"{line}\n".encode())
-
-    def look(self, wait_s: float) -> None:
-        if select.select([self._ours], [], [], wait_s)[0]:
-            try:
-                self.shown += os.read(self._ours, 65_536).decode(errors="replace")
-            except OSError:  # the command has ended and nobody holds the other side
-                time.sleep(wait_s)
-
-    def ended(self) -> int:
-        end_s = time.monotonic() + 120 * pace()
-        while (status := self.process.poll()) is None:
-            assert time.monotonic() < end_s, self.shown
-            self.look(0.1)
-        self.look(0.1)
-        return status
-
-    def close(self) -> None:
-        self.process.kill()
-        self.process.wait(60)
-        os.close(self._ours)
 
 
 @contextmanager
 def terminal(line: str, folder: Path) -> Iterator[Terminal]:
     name, *words = shlex.split(line)
     assert name == "rosic"
-    opened = Terminal(words, folder)
-    try:
+    with rosic_at(words, folder) as opened:
         yield opened
-    finally:
-        opened.close()
 
 
 def pairs(block: Block) -> list[tuple[str, str]]:

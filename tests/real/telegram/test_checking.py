@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from typing import TYPE_CHECKING
 
@@ -30,6 +31,23 @@ async def test_it_names_the_bot_and_receives_nothing(
     assert said == f"@{server.world.state.bot.username} answers"
     assert server.pending() == 1
     assert gateway.messenger._line._bot is None, "a connection was left open"
+
+
+async def test_a_request_looks_for_no_module(
+    gateway: Gateway, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await gateway.messenger.check()  # what is imported once is
+    looked: list[str] = []
+
+    class Noting:
+        @staticmethod
+        def find_spec(name: str, *_more: object) -> None:
+            looked.append(name)
+
+    monkeypatch.setattr(sys, "meta_path", [Noting, *sys.meta_path])
+    await gateway.messenger.check()
+
+    assert looked == []
 
 
 async def test_a_wrong_token_is_a_sentence_without_it(server: FakeTelegram) -> None:

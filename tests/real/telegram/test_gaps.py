@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -15,6 +17,7 @@ from tests.pace import pace
 from tests.real.telegram.gateway import Gateway, is_backlog, to
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
 MOVE = Button("Move", "omni move 1 m", "n-move")
@@ -51,6 +54,54 @@ async def test_after_a_long_pause_what_was_sent_in_it_is_backlog(
         server.tap(ada, ada, sent, "Move")
         heard = await gateway.hear(4)
     assert [is_backlog(inbound) for inbound in heard] == [True, True, False, False]
+
+
+@contextmanager
+def no_network(server: FakeTelegram, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Break the connection that is there; no other can be made meanwhile."""
+
+    async def unreachable(*_: object, **__: object) -> None:
+        raise OSError(errno.ENETUNREACH, "Network is unreachable")
+
+    with monkeypatch.context() as away:
+        away.setattr(asyncio.get_running_loop(), "create_connection", unreachable)
+        server.fail("reset", "getUpdates", times=1)
+        yield
+
+
+async def test_that_the_network_was_away_is_known_of_what_was_sent_meanwhile(
+    server: FakeTelegram, gateway: Gateway, ada: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with gateway.listening():
+        with no_network(server, monkeypatch):
+            await gateway.until(lambda: gateway.messenger._listener._failures > 2)
+            gateway.let_pass(2)
+            server.say(ada, ada, "omni move 1 m")
+            gateway.let_pass(10)
+        await gateway.hear(1)
+        await gateway.until(lambda: not gateway.frozen)
+        server.say(ada, ada, "omni move 2 m")
+        server.fail("bad_gateway", "getUpdates", times=1_000)
+        await gateway.until(lambda: gateway.calls("getUpdates")[-1]["code"] == 502)
+        gateway.let_pass(2)
+        server.say(ada, ada, "omni move 3 m")
+        gateway.let_pass(10)
+        server.calm()
+        await gateway.hear(3)
+    assert is_backlog(gateway.heard[0])
+    assert is_backlog(await gateway.hears("omni move 3 m"))
+    assert [inbound.network_away for inbound in gateway.heard] == [True, False, False]
+
+
+async def test_before_a_start_it_was_not_the_network(
+    server: FakeTelegram, gateway: Gateway, ada: int
+) -> None:
+    server.say(ada, ada, "omni move 1 m")
+    gateway.let_pass(100)
+    async with gateway.listening():
+        [heard] = await gateway.hear(1)
+    assert is_backlog(heard)
+    assert not heard.network_away
 
 
 @pytest.mark.parametrize(

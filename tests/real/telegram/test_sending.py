@@ -191,7 +191,7 @@ async def test_retry_after_is_obeyed_to_the_end(
     first, free, last = gateway.calls("sendMessage")
     assert (first["code"], free["code"], last["code"]) == (429, 200, 200)
     assert last["time_s"] - first["time_s"] >= 1.0
-    assert free["time_s"] - first["time_s"] < 0.9
+    assert [call["parameters"]["text"] for call in (first, free, last)] == ["held", "free", "held"]
 
 
 async def test_what_certainly_did_not_arrive_is_sent_again() -> None:
@@ -259,11 +259,14 @@ async def test_an_urgent_message_overtakes_what_waits(
 ) -> None:
     waiting = [
         asyncio.create_task(gateway.messenger.send(to(ada, f"card {number}")))
-        for number in range(6)
+        for number in range(20)
     ]
-    await gateway.until(lambda: len(shown(server, ada)) == 3)
+    await gateway.until(lambda: len(shown(server, ada)) >= 3)
+    before = len(shown(server, ada))
     await gateway.messenger.send(to(ada, "STOP: omni at rest (0.1 s)", weight=Weight.STOP))
-    assert len(shown(server, ada)) == 4
+    texts = [message["text"] for message in shown(server, ada)]
+    # One card may be on its way already; the others wait a second each.
+    assert texts.index("STOP: omni at rest (0.1 s)") <= before + 1 < len(waiting)
     for task in waiting:
         task.cancel()
     await asyncio.gather(*waiting, return_exceptions=True)

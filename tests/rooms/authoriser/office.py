@@ -59,8 +59,8 @@ class Office:
         self.tally = Tally()
         self.locks = Locks(self.time)
         self.directory = Directory()
-        self.authoriser = Authoriser(self.directory, self.clock, entropy)
-        self.authoriser.count = self.tally.count
+        self.keys = KeyRing(self.time, entropy, self.tally)
+        self.authoriser = Authoriser(self.directory, self.keys, self.clock, entropy)
         self.enrolment = Enrolment(
             self.directory,
             self.locks,
@@ -70,7 +70,6 @@ class Office:
             EnrolmentRules(lambda _who, _given: True, limits or GuessLimits()),
         )
         self.stepup = StepUp(self.time, entropy, self.tally, place="lab")
-        self.keys = KeyRing(self.time, entropy, self.tally)
         self.security = Security(
             self.authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
         )

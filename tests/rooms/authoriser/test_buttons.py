@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.authoriser.buttons import LIFETIME_NS, MENU_LIFETIME_NS, Buttons, lifetime_of
+from rosic.authoriser.buttons import (
+    ANYBODY,
+    LIFETIME_NS,
+    MENU_LIFETIME_NS,
+    Buttons,
+    lifetime_of,
+)
 from rosic.core.identity import Address
 from rosic.core.message import Button, Chat, Inbound
 from rosic.errors import Expired, NotPermitted
@@ -31,7 +37,7 @@ class Shown:
             sender=Address("memory", "1"), chat=Chat("memory", chat), message="m", text="",
             nonce=nonce, sent_ns=now_ns, received_ns=now_ns, listening_since_ns=since_ns,
         )  # fmt: skip
-        return self.buttons.redeem(nonce, who, inbound)
+        return self.buttons.redeem(nonce, who, inbound)[:2]
 
     async def past_ns(self, lasts_ns: int) -> None:
         await self.clock.advance(lasts_ns / 1e9)
@@ -114,6 +120,46 @@ def test_a_stop_is_on_the_button_itself_and_good_for_ever(command: str) -> None:
     shown = Shown()
     assert shown.buttons.issue(Button("Stop", command), "p1", "c1").nonce == command
     assert shown.buttons.issue(Button("?", "stopwatch"), "p1", "c1").nonce != "stopwatch"
+
+
+@pytest.mark.parametrize(
+    ("command", "for_ever"),
+    [("cancel omni", True), ("cancel all", True), ("cancel booking 3", False), ("cancels", False)],
+)
+def test_what_ends_what_the_tapper_does_is_on_the_button_itself_and_a_booking_is_not(
+    command: str, *, for_ever: bool
+) -> None:
+    shown = Shown()
+    issued = shown.buttons.issue(Button("Cancel", command), "p1", "c1")
+    assert (issued.nonce == command) is for_ever
+
+
+async def test_a_button_for_anybody_is_good_for_all_in_its_chat_as_often_as_they_like() -> None:
+    shown = Shown()
+    nonce = shown.buttons.issue(MOVE, ANYBODY, "c1").nonce
+    for who in ("p1", "p2", "p1"):
+        assert shown.tap(nonce, who)
+    with pytest.raises(NotPermitted):
+        shown.tap(nonce, "p1", "c2")
+    await shown.past_ns(LIFETIME_NS + 1_000)
+    with pytest.raises(Expired, match="too old"):
+        shown.tap(nonce)
+
+
+def test_what_was_asked_of_somebody_can_be_made_void_and_nothing_else() -> None:
+    shown = Shown()
+    asked, other, of_another, again = (
+        shown.buttons.issue(Button("?", command), who, "c1").nonce
+        for command, who in (("!omni move", "p1"), ("omni move", "p1"), ("!omni move", "p2"),
+                             ("!cf1 move", "p1"))
+    )  # fmt: skip
+    assert shown.buttons.void("p1", "?") == 0
+    assert shown.buttons.void("p1", "!") == 2
+    for nonce in (asked, again):
+        with pytest.raises(Expired, match="no longer good"):
+            shown.tap(nonce)
+    assert shown.tap(other)
+    assert shown.tap(of_another, "p2")
 
 
 def test_the_oldest_buttons_die_first_when_there_are_too_many() -> None:

@@ -147,6 +147,12 @@ async def test_who_waits_cannot_use_a_second_code_up(office: Office) -> None:
     again = await office.redeem(code)
     assert isinstance(again, TurnedAway)
     assert first.applicant.words in again.sentence
+    assert again.sentence.endswith("I wait for 24 hours.")
+    await office.clock.advance(7_200.0)
+    code, _ = await office.invite("senior")
+    third = await office.redeem(code)
+    assert isinstance(third, TurnedAway)
+    assert third.sentence.endswith("I wait for 22 hours.")
     assert isinstance(await office.redeem(code, DI), Waiting)
 
 

@@ -13,10 +13,16 @@ from rosic.testing.clock import ManualClock, settle
 class Turns:
     """Who got a turn, and when, in seconds from the beginning."""
 
-    def __init__(self, *, spoke_before: bool = False, answers_s: float | None = None) -> None:
+    def __init__(
+        self,
+        *,
+        spoke_before: bool = False,
+        answers_s: float | None = None,
+        clock: ManualClock | None = None,
+    ) -> None:
         self.answers_s = answers_s
         self.answered: list[float] = []
-        self.clock = ManualClock()
+        self.clock = clock or ManualClock()
         self.limiter = Limiter(self.clock, spoke_before=spoke_before)
         self.began_ns = self.clock.monotonic_ns()
         self.given: list[tuple[str, float]] = []
@@ -306,3 +312,52 @@ async def test_what_weighs_more_goes_first_over_all_chats() -> None:
     await turns.clock.advance(30.0)
 
     assert turns.names() == [weight.name for weight in Weight for _ in range(8)]
+
+
+class Disk(dict[str, bytes]):
+    """What is kept over a restart."""
+
+    def keep(self, name: str, body: bytes) -> None:
+        if body:
+            self[name] = body
+        else:
+            self.pop(name, None)
+
+
+async def test_a_groups_minute_outlives_a_restart() -> None:
+    disk, clock = Disk(), ManualClock()
+    said_s: list[float] = []
+    for run in range(6):
+        turns = Turns(spoke_before=run > 0, answers_s=0.2, clock=clock)
+        turns.limiter.keep_pace(dict(disk), disk.keep)
+        for number in range(30):
+            turns.ask(f"m{number}", "-100", (Weight.OUTCOME, Weight.STOP)[number % 2])
+        await turns.clock.advance(17)
+        said_s += [run * 17 + at_s for at_s in turns.answered]
+        for task in turns.tasks:
+            task.cancel()
+        await settle()
+    assert len(said_s) > 20
+    for at_s in said_s:
+        within = [other for other in said_s if at_s <= other < at_s + 60]
+        assert len(within) <= 20, f"{len(within)} in the minute from {at_s} s"
+    assert "-100" not in repr(disk)
+
+
+async def test_a_group_that_was_quiet_for_a_minute_is_not_remembered() -> None:
+    disk, clock = Disk(), ManualClock()
+    turns = Turns(answers_s=0.0, clock=clock)
+    turns.limiter.keep_pace({}, disk.keep)
+    turns.ask("m", "-100")
+    turns.ask("m", "1")
+    await clock.advance(1)
+    assert len(disk) == 1, "of a chat of two nothing has to be known"
+    await clock.advance(61)
+    Turns(clock=clock).limiter.keep_pace(dict(disk), disk.keep)
+    assert not disk
+
+
+async def test_what_cannot_be_read_of_an_earlier_run_is_passed_over() -> None:
+    disk = Disk(x=b"?", y=b"\xc0")
+    Turns().limiter.keep_pace(dict(disk), disk.keep)
+    assert not disk

@@ -11,7 +11,9 @@ from rosic.messengers.telegram.listening import (
     SHORT_POLLS,
     Listening,
     Moment,
+    Outage,
 )
+from rosic.messengers.telegram.trouble import Network
 
 START = Moment(1_700_000_000 * SECOND_NS, 50 * SECOND_NS)
 
@@ -144,3 +146,65 @@ def test_after_a_gap_the_polls_are_counted_anew() -> None:
     assert drained(listening, False, False) == [False, False]
     listening.contested(at(30))
     assert drained(listening, False, False, False) == [False, False, True]
+
+
+# ---- when the network was away ----
+
+AWAY, SILENT, THERE = Network.AWAY, Network.SILENT, Network.THERE
+WITHIN_S = 40.0
+
+
+def polled(*shown: Network) -> Outage:
+    """Return what is known after polls that failed at 0, 10, 20 ... s; one at 100 s is answered."""
+    outage = Outage()
+    for number, network in enumerate(shown):
+        outage.failed(after(number * 10), after(number * 10 + 5), network, WITHIN_S)
+    outage.answered(after(100))
+    return outage
+
+
+@pytest.mark.parametrize(
+    ("shown", "said"),
+    [
+        ((AWAY,), True),
+        ((SILENT, AWAY, AWAY), True),
+        ((AWAY, SILENT), True),
+        ((), False),
+        ((SILENT, SILENT), False),
+        ((THERE,), False),
+        ((AWAY, THERE), False),
+        ((THERE, AWAY), False),
+    ],
+)
+def test_the_network_was_away_if_there_was_no_way_and_nobody_answered(
+    shown: tuple[Network, ...], said: bool
+) -> None:
+    outage = polled(*shown)
+    assert outage.covers(after(50).wall_ns) is said
+    assert not outage.covers(after(-1).wall_ns), "sent before"
+    assert not outage.covers(after(99.5).wall_ns), "perhaps sent after"
+    outage.over()
+    assert not outage.covers(after(50).wall_ns)
+
+
+def test_of_a_time_in_which_we_did_not_run_nothing_is_said() -> None:
+    outage = Outage()
+    outage.failed(after(0), after(0, wall_also=8 * 3600), AWAY, WITHIN_S)  # asleep while it asked
+    outage.answered(after(10, wall_also=8 * 3600))
+    assert not outage.covers(after(3600).wall_ns)
+    assert outage.covers(after(2, wall_also=8 * 3600).wall_ns)
+
+    outage = Outage()
+    outage.failed(after(0), after(1), AWAY, WITHIN_S)
+    outage.failed(after(7200), after(7201), AWAY, WITHIN_S)  # asleep between two
+    outage.answered(after(7210))
+    assert not outage.covers(after(3600).wall_ns)
+    assert outage.covers(after(7202).wall_ns)
+
+
+def test_another_outage_is_another() -> None:
+    outage = polled(AWAY)
+    outage.failed(after(110), after(115), THERE, WITHIN_S)
+    outage.answered(after(120))
+    assert outage.covers(after(50).wall_ns)
+    assert not outage.covers(after(116).wall_ns)

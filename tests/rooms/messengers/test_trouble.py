@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import inspect
+import socket
 import warnings
+from itertools import pairwise
 
+import httpx
 import pytest
 from telegram import error as foreign
 
 from rosic.core.secret import Secret
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.scrub import hide
-from rosic.messengers.telegram.trouble import Kind, TooFast, Trouble, trouble
+from rosic.messengers.telegram.trouble import Kind, Network, TooFast, Trouble, trouble
 
 TOKEN = "777:another-token-that-opens-nothing"  # noqa: S105
 MEANING = {
@@ -70,3 +74,45 @@ def test_it_never_speaks_of_what_people_need_not_know() -> None:
         sentence = str(Trouble.__str__(trouble(made(kind))))
         assert "httpx" not in sentence
         assert "!" not in sentence
+
+
+def caused(*chain: BaseException) -> BaseException:
+    """Return the first of some exceptions, each raised because of the next."""
+    for error, cause in pairwise(chain):
+        error.__cause__ = cause
+    return chain[0]
+
+
+SEVERAL = ExceptionGroup("all", [OSError(errno.EHOSTUNREACH, "v6"), OSError(errno.ENETUNREACH, "")])
+
+
+@pytest.mark.parametrize(
+    ("chain", "shown"),
+    [
+        ((httpx.ConnectError("x"), OSError(errno.ENETUNREACH, "no way")), Network.AWAY),
+        ((httpx.ConnectError("x"), OSError("all failed"), SEVERAL), Network.AWAY),
+        ((httpx.ConnectError("x"), socket.gaierror(socket.EAI_AGAIN, "later")), Network.AWAY),
+        ((httpx.ConnectTimeout("x"),), Network.AWAY),
+        ((httpx.ConnectError("x"), socket.gaierror(socket.EAI_NONAME, "no")), Network.SILENT),
+        ((httpx.ReadError("x"),), Network.SILENT),
+        ((httpx.ReadTimeout("x"),), Network.SILENT),
+        ((httpx.ConnectError("x"), ConnectionRefusedError()), Network.THERE),
+        ((), Network.THERE),  # an answer that was none: 502
+    ],
+)
+def test_it_is_told_what_a_failure_shows_of_the_network(
+    chain: tuple[Exception, ...], shown: Network
+) -> None:
+    assert trouble(caused(foreign.NetworkError("x"), *chain)).network is shown
+
+
+def test_whoever_answers_is_there() -> None:
+    assert trouble(TooFast(3.0)).network is Network.THERE
+    assert trouble(made(foreign.Conflict)).network is Network.THERE
+    assert trouble(TimeoutError()).network is Network.SILENT
+
+
+def test_causes_that_go_round_are_not_followed_for_ever() -> None:
+    one, other = foreign.NetworkError("x"), httpx.ReadError("x")
+    one.__cause__, other.__cause__ = other, one
+    assert trouble(one).network is Network.SILENT

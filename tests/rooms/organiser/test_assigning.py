@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from time import perf_counter
+from time import thread_time
 
 import pytest
 from msgspec.structs import replace
@@ -16,6 +16,7 @@ from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import Need, Standing, Task
 from rosic.organiser.assigning import Assignment
 from rosic.organiser.assigning import assign as choose
+from tests.pace import sample_of_work_s
 
 
 def assign(fleet: FleetState, glances: dict[str, Glance], now_ns: int) -> Assignment:
@@ -54,15 +55,16 @@ def test_it_is_the_best_there_is_on_floors_so_small_that_every_way_can_be_tried(
         assert small.cost_m(found.pairs) == pytest.approx(small.cost_m(best_pairs(small)))
 
 
-def test_a_thousand_tasks_and_two_hundred_robots_take_less_than_a_second() -> None:
+def test_a_thousand_tasks_and_two_hundred_robots_take_little_work() -> None:
     large = floor(1, 1_000, 200)
     assign(floor(0, 2, 2).fleet, FREE, NOW_NS)  # the solver is loaded
-    took = []
+    took, samples = [], []
     for _ in range(3):
-        began = perf_counter()
+        samples.append(sample_of_work_s())
+        began = thread_time()
         assign(large.fleet, large.glances, NOW_NS)
-        took.append(perf_counter() - began)
-    assert min(took) < 1.0
+        took.append(thread_time() - began)
+    assert min(took) < 10 * min(samples)  # a second where a sample takes its usual 0.1 s
     found = assign(large.fleet, large.glances, NOW_NS)
     assert len(found.pairs) == 200
     assert len(dict(found.pairs)) == len({robot for _, robot in found.pairs}) == 200

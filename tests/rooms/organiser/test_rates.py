@@ -30,11 +30,10 @@ class Desk:
     def begin(self) -> None:
         self.up_s = 0
         person, robot, role = self.limits
-        self.rates = Rates(self.clock, person)
-        self.rates.robots = {"omni": robot} if robot else {}
-        self.rates.roles = {"student": role} if role else {}
+        robots = {"omni": robot} if robot else {}
+        roles = {"student": role} if role else {}
+        self.rates = Rates(self.clock, person, robots, roles, self.keep, str.upper)
         self.rates.restore(self.disk.values())
-        self.rates.note = self.keep
 
     def keep(self, *facts: Fact) -> None:
         for fact in facts:
@@ -99,7 +98,6 @@ def test_whose_limit_it_is_is_said() -> None:
         RateLimit(burst=3, per_s=0.5), robot=RateLimit(burst=1, per_s=0.01),
         role=RateLimit(burst=1, per_s=0.0001),
     )  # fmt: skip
-    desk.rates.shown_of = str.upper
     assert desk.robot()
     assert desk.role()
     said = str(desk.rates.spend("ada", 1.0, [("omni", 1.0)], ()))

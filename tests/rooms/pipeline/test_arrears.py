@@ -5,7 +5,10 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from rosic.core.message import ChatKind
+import pytest
+from msgspec.structs import replace
+
+from rosic.core.message import Chat, ChatKind
 from rosic.core.rate import RateLimit
 from rosic.messengers.memory import MemoryMessenger
 from rosic.stores.memory import MemoryStore
@@ -26,6 +29,23 @@ async def old(place: Place, text: str, count: int = 1, **how: object) -> None:
     for _ in range(count):
         place.chat.say(text, sent_ns=place.clock.wall_ns() - HOUR_NS, **how)  # type: ignore[arg-type]
     await place.quiet()
+
+
+@pytest.mark.parametrize("also", [True, False])
+async def test_many_commands_are_answered_as_one_and_name_the_network_if_it_was_that(
+    also: bool,
+) -> None:
+    async with Place().open() as place:
+        place.chat.gap()
+        sent_ns = place.clock.wall_ns() - HOUR_NS
+        for number in range(5):
+            inbound = place.chat._inbound(ADA, Chat("memory", ADA), f"m{number}", sent_ns)
+            away = number < 4 or also
+            place.chat.deliver(replace(inbound, text="omni wave", network_away=away))
+        await place.quiet()
+        await place.clock.advance(1.0)
+        why = "While the network was away" if also else "While I could not listen"
+        assert place.chat.told[-1].outbound.text.startswith(f"{why}, 5 commands came in here.")
 
 
 async def test_many_commands_are_answered_as_one_and_the_newest_are_on_offer() -> None:
@@ -127,6 +147,27 @@ async def test_what_a_disk_is_slow_to_take_holds_up_no_further_message_of_its_ch
         await place.clock.advance(1.0)
         (told,) = place.chat.told
         assert "5 commands came in here" in told.outbound.text
+
+
+async def test_a_refusal_that_a_disk_is_slow_to_take_holds_up_no_further_message_either() -> None:
+    store = SlowStore()
+    async with Place(store, chat=lambda clock: Settling("memory", clock=clock)).open() as place:
+        assert isinstance(place.chat, Settling)
+        store.may.clear()
+        before = store.asked
+        for number in range(1, 6):
+            place.chat.say(f"omni move {number}00 m")
+        await place.chat.wait_until_received(timeout_s=30)
+        await settle()
+        assert store.asked == before + 5, "one waited for the other's commit"
+        assert not await place.chat.settle(0.01), "it would be confirmed before it is on disk"
+        await place.clock.advance(1.0)
+        assert not place.chat.told, "told before it was on disk"
+        store.may.set()
+        assert await place.chat.settle(30.0)
+        await place.quiet()
+        told = [told.outbound.text for told in place.chat.told]
+        assert ["at most 5 m" in text for text in told] == [True] * 5, told
 
 
 async def test_a_messenger_that_does_not_ask_is_given_only_what_is_settled() -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 from msgspec.structs import replace
 
 from rosic.core.message import ChatKind, Standing
 from rosic.core.record import Claimed
 from rosic.core.robot import Busy, Presence
+from rosic.errors import RecordUnavailable
 from rosic.robots.memory import MemoryRobot
 from tests.rooms.pipeline.place import BO, VI, Place, SlowStore, profile
 
@@ -276,3 +279,26 @@ async def test_cancel_booking_is_about_bookings_whatever_moves() -> None:
         await place.say("/task cf2 move 1 m")
         assert "Task 1" in await place.say("cancel task 1")
         assert _works(place) == ["omni", "kuka1", "cf1"]
+
+
+@pytest.mark.parametrize(
+    ("raised", "told"),
+    [
+        (RuntimeError("a fault of ours"), "Something else of yours could not be ended."),
+        (asyncio.CancelledError(), "Something else of yours could not be ended."),
+        (RecordUnavailable("It could not be written."), "It could not be written."),
+    ],
+)
+async def test_what_else_cannot_be_ended_does_not_take_the_answer_with_it(
+    raised: BaseException, told: str
+) -> None:
+    async def fail(_who: object, _robots: object) -> str:
+        raise raised
+
+    async with Place().open() as place:
+        place.gateway.pipeline.cancels.also(fail)
+        await _at_work(place)
+        await place.say("/task cf2 move 1 m")
+        answer = await place.say("cancel")
+        assert "Cancelled. omni is at rest (0.00 s). kuka1 is at rest (0.00 s). " in answer
+        assert told in answer

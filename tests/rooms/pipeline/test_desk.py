@@ -62,8 +62,10 @@ async def test_help_is_a_menu_of_what_one_may_and_has_no_empty_line() -> None:
             pages[who] = "\n".join(told)
         wanted = ("/book", "/wish", "/role", "/ask", "/plan", "/lock", "/fleet", "/task", "/alerts")
         assert all(verb in pages[ADA] for verb in wanted)
-        assert all(verb in pages[BO] for verb in ("/book", "/wish", "/role", "/ask"))
+        assert all(verb in pages[BO] for verb in ("/book", "/wish", "/resume", "/ask"))
         assert "/plan" not in pages[BO]
+        assert "/role" not in pages[BO], "who gives no rights is refused there"
+        assert "/resume" not in pages[VI]
         assert "/people" not in pages[BO]
         assert "/ask" in pages[VI]
         assert "/wish" not in pages[VI], "they move nothing"

@@ -58,7 +58,7 @@ async def test_the_question_becomes_the_life_it_asked_for() -> None:
         await place.tap(*place.button("Do it"))
         assert place.last()[0] == question
         assert "done" in place.last()[1].text
-        assert _labels(place, question) == []
+        assert _labels(place, question) == ["Again", "Back", "Menu"]
 
 
 async def test_where_the_question_is_gone_the_life_has_a_message_of_its_own() -> None:

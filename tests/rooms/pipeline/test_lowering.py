@@ -69,6 +69,60 @@ async def test_of_a_group_all_are_lowered() -> None:
         assert arguments() == [{**METRE, "direction": "left"}] * 2
 
 
+def _swarm(monkeypatch: pytest.MonkeyPatch, **parameters: Parameter) -> None:
+    """Let cf2 have other parameters than the others."""
+    other = replace(FAR, parameters={**FAR.parameters, **parameters})
+    fleet = tuple(
+        replace(p, skills={**p.skills, "move": other if p.id == "cf2" else FAR}) for p in FLEET
+    )
+    monkeypatch.setattr("tests.rooms.pipeline.test_rights.FLEET", fleet)
+
+
+@pytest.mark.parametrize(
+    ("limit", "unit", "default", "metres"),
+    [
+        ("distance <= 1 m", "cm", 200.0, 1.0),
+        ("distance <= 1 m", "cm", 50.0, 0.5),
+        ("distance <= 1 m", "m", 0.5, 0.5),
+        ("distance >= 3 m", "cm", 200.0, 3.0),
+        ("distance >= 3 m", "m", 4.0, 3.0),
+    ],
+)
+async def test_of_a_group_each_reads_it_in_its_own_unit_and_none_goes_further_than_it_has_to(
+    monkeypatch: pytest.MonkeyPatch, limit: str, unit: str, default: float, metres: float
+) -> None:
+    most = 500.0 if unit == "cm" else 5.0
+    _swarm(monkeypatch, distance=Parameter(unit=unit, min=0.01, max=most, default=default))
+    student = replace(STUDENT, limits=(limit,))
+    async with lab(rules(student=student), {"Bo": "student"}) as place:
+        await asks(place, "swarm move")
+        assert [values["distance"] for values in arguments()] == [pytest.approx(metres)] * 2
+
+
+async def test_where_one_would_be_lowered_and_another_raised_nothing_is_done(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    _swarm(monkeypatch, distance=Parameter(unit="m", min=0.01, max=5.0, default=0.1))
+    student = replace(STUDENT, limits=("distance <= 1 m", "distance >= 0.5 m"))
+    async with lab(rules(student=student), {"Bo": "student"}) as place:
+        assert "Nothing was done." in await asks(place, "swarm move")
+        assert arguments() == []
+
+
+async def test_a_whole_number_below_ones_limit_is_raised_above_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    turns = Parameter(min=0, max=10, default=1, integer=True)
+    fleet = tuple(
+        replace(p, skills={"move": replace(FAR, parameters={"turns": turns})}) for p in FLEET
+    )
+    monkeypatch.setattr("tests.rooms.pipeline.test_rights.FLEET", fleet)
+    student = replace(STUDENT, limits=("turns >= 1.5",))
+    async with lab(rules(student=student), {"Bo": "student"}) as place:
+        await asks(place, "omni move")
+        assert arguments() == [{"turns": 2}]
+
+
 async def test_what_is_asked_first_shows_what_it_is_lowered_to() -> None:
     care = Care(scopes=("omni:move",), confirm=True)
     async with lab(rules(care, student=STUDENT), {"Bo": "student"}) as place:
@@ -88,10 +142,7 @@ async def test_what_a_menu_proposes_can_be_done() -> None:
 
 async def test_ones_own_setting_is_not_said_to_be_somebody_elses_rule() -> None:
     async with lab(rules()) as place:
-        roster = place.gateway.authority.roster
-        roster.own_limits = lambda _who: ("omni:move speed <= 0.5 m/s",)
-        place.gateway.authority.draw_up()
-        place.gateway.authority.moved()
+        await asks(place, "/settings speed 0.5 m/s")
         told = await asks(place, "omni move speed=1")
         assert told == (
             "omni: move is allowed with speed <= 0.5 m/s by your own settings. Nothing was done. "

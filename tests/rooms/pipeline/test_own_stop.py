@@ -10,7 +10,7 @@ from rosic.core.message import ChatKind
 from rosic.core.roles import DEFAULT_ROLES, Role, Rulebook
 from rosic.core.stopboard import StopBoard, not_known_yet
 from rosic.pipeline.stopped_by import restore, stopped_by
-from tests.rooms.pipeline.place import PEOPLE, VI, Place
+from tests.rooms.pipeline.place import ADA, BO, PEOPLE, VI, Place
 
 if TYPE_CHECKING:
     from rosic.core.message import Button
@@ -158,6 +158,39 @@ async def test_a_stopped_robots_menu_leads_with_resume_for_those_who_may() -> No
         assert "Resume omni" not in _labels(place)
 
 
+async def test_who_may_not_resume_is_offered_what_they_may_do_and_hears_who_can() -> None:
+    async with School().open() as place:
+        await place.say("stop omni kuka1", account=STU, chat=STU)
+        told = await place.say("omni move 1 m", account=STU, chat=STU)
+        assert told.startswith("omni is stopped, by Stu, since ")
+        assert told.endswith(". Ada or Bo can resume it. Nothing was done.")
+        assert _labels(place) == ["Ask for it"]
+        await _tap(place, place.button("Ask for it"), STU)
+        asked = "I have asked Ada: resume on omni, for 1 h. You hear from me within 1 h."
+        assert asked in [place.chat.shown(told.message).text for told in place.chat.told]
+        told = await place.say("resume omni", account=STU, chat=STU)
+        assert told.endswith("Ada can give it. It counts at once. Ada or Bo can resume it.")
+        await place.say("resume", account=STU, chat=STU)
+        assert not [label for label in _labels(place) if "resume" in label.casefold()]
+
+        told = await place.say("omni move 1 m")
+        assert told.endswith("It stays stopped until you resume it. Nothing was done.")
+        assert _labels(place) == ["resume omni"]
+
+
+async def test_help_and_me_say_only_what_is_theirs() -> None:
+    async with School().open() as place:
+        for page, lacks in (("move", ("/resume",)), ("share", ("/role", "/grant", "/people"))):
+            students = await place.say(f"help {page}", account=STU, chat=STU)
+            admins = await place.say(f"help {page}")
+            assert [command for command in lacks if f"  {command} " in students] == []
+            assert all(f"  {command} " in admins for command in lacks)
+        told = await place.say("/me", account=STU, chat=STU)
+        assert "kuka1: wave and look; not move or resume" in told
+        assert "everything" not in told
+        assert ": everything" in await place.say("/me")
+
+
 async def test_several_that_are_stopped_may_be_resumed_at_once() -> None:
     async with School().open() as place:
         await place.say("stop omni kuka1")
@@ -176,3 +209,17 @@ async def test_it_is_known_after_a_restart_whose_own_order_was_stopped() -> None
     later = StopBoard(["omni", "kuka1"], {"omni": (1, True), "kuka1": (1, True)}, not_known_yet())
     restore(later, facts)
     assert (later["omni"].own, later["kuka1"].own) == ("p1", "")
+
+
+async def test_a_button_shown_before_another_stop_does_not_undo_that_stop() -> None:
+    async with Place().open() as place:
+        await place.say("stop omni")
+        shown = place.button("Resume omni")
+        await place.say("resume omni")
+        await place.clock.advance(1)
+        await place.say("stop omni", account=BO)
+        await place.clock.advance(5)
+        told = await _tap(place, shown, ADA)
+        assert told == "omni was stopped again since this was shown. It stays stopped."
+        assert place.robot("omni").gate.latched
+        assert await place.say("resume omni") == "omni is ready again."

@@ -204,3 +204,20 @@ def test_whoever_cannot_agree_is_told_what_is_in_the_way() -> None:
     assert _why_not(chat, "wave on omni").startswith("You cannot agree to this in this chat: ")
     role = Denied(ask=ask, code=Code.NOT_GRANTED, rules=())
     assert _why_not(role, "wave") == "Only somebody who may do that can agree to it."
+
+
+async def test_a_cancel_of_another_robot_leaves_the_question_and_one_of_this_withdraws_it() -> None:
+    async with lab(rules(Care(scopes=("kuka1:wave",), second_person=True))) as place:
+        await place.say("kuka1 wave", account=BO, chat=BO)
+        told = await place.say("cancel omni", account=BO, chat=BO)
+        assert told == "Nothing of yours is under way."
+        await place.clock.advance(1.0)
+        button, under = place.button("I agree")
+        assert "Bo is told that you agree." in await place.tap(button, under)
+        await place.tap(*place.button("Do it"), account=BO)
+        assert place.acted("kuka1") == 1
+        await place.say("kuka1 wave", account=BO, chat=BO)
+        told = await place.say("cancel kuka1", account=BO, chat=BO)
+        assert told == "Cancelled. The question to a second person is withdrawn."
+        assert "Nothing was done." in await place.tap(*place.button("I agree"))
+        assert place.acted("kuka1") == 1

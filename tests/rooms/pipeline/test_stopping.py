@@ -59,7 +59,7 @@ async def test_after_a_stop_nothing_moves_until_somebody_who_may_resumes() -> No
         await place.say("stop")
         told = await place.say("omni move 1 m")
         assert told.startswith(
-            "omni is stopped, by Ada, since 22:13. It stays stopped until someone who may"
+            "omni is stopped, by Ada, since 22:13. It stays stopped until you resume it."
         )
         refused = await place.say("resume omni", account=VI, chat="3")
         assert refused.startswith('Resume needs the right "operator" on omni.')
@@ -144,8 +144,10 @@ async def test_an_anonymous_stop_counts_for_the_people_of_that_chat() -> None:
         assert place.robot("omni").gate.latched
 
 
-async def unnamed_stop(place: Place, standing: Standing = Standing.ANONYMOUS) -> None:
-    await place.say("stop", chat="g", kind=ChatKind.GROUP, account="1087968824", standing=standing)
+async def unnamed_stop(
+    place: Place, standing: Standing = Standing.ANONYMOUS, chat: str = "g"
+) -> None:
+    await place.say("stop", chat=chat, kind=ChatKind.GROUP, account="1087968824", standing=standing)
 
 
 @pytest.mark.parametrize("standing", [Standing.ANONYMOUS, Standing.CHANNEL])

@@ -143,7 +143,7 @@ async def test_a_robot_that_moves_again_is_not_said_to_stay_stopped() -> None:
 
 
 def test_the_same_stop_again_changes_nothing_after_a_resume() -> None:
-    gate = Gate("r")
+    gate = Gate.new("r")
     gate.apply_stop(Stop("r", 1))
     gate.resume(1)
     gate.apply_stop(Stop("r", 1))

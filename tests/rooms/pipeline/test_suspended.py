@@ -94,7 +94,7 @@ class Together(Slow):
     """Passes its gate as what keeps a common start does."""
 
     def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
-        super().__init__(profile, _KeepsStarts(gate.robot), clock)
+        super().__init__(profile, _KeepsStarts.new(gate.robot), clock)
 
 
 class _KeepsStarts(Gate):
@@ -264,9 +264,9 @@ async def test_what_is_late_is_not_handed_to_the_robot(clock_of: str) -> None:
             return await super().execute(order, tell)
 
     clock, kind = ManualClock(), FLEET[0]
-    robot = Recording(kind, Gate(kind.id), clock)
+    robot = Recording(kind, Gate.new(kind.id), clock)
     board = StopBoard((kind.id,), {}, not_known_yet())
-    linker = Linker({kind.id: robot}, board, MemoryLatch(), clock)
+    linker = Linker({kind.id: robot}, board, MemoryLatch(), clock, clock.wall_ns)
     order = OrderBook(kind, clock).order("wave")
     order = replace(order, permit=replace(order.permit, epoch=linker.epoch))
     late = replace(order, **{clock_of: getattr(order, clock_of) - 6 * 10**9})

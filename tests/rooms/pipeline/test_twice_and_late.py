@@ -161,7 +161,12 @@ async def test_a_drive_that_the_machine_breaks_off_was_not_refused() -> None:
     clock = ManualClock()
     drive = Skill(
         id="drive",
-        topic=TopicBinding(name="/omni/cmd_vel", type="geometry_msgs/msg/Twist", stream_hz=10.0),
+        topic=TopicBinding(
+            name="/omni/cmd_vel",
+            type="geometry_msgs/msg/Twist",
+            stream_hz=10.0,
+            message={"linear.x": "$linear"},
+        ),
         parameters={
             "linear": Parameter(unit="m/s", min=-1.0, max=1.0),
             "duration": Parameter(unit="s", min=0.1, max=30.0),
@@ -171,7 +176,7 @@ async def test_a_drive_that_the_machine_breaks_off_was_not_refused() -> None:
         id="omni", link=Link(kind="simulated", model="omni"), watchdog_s=0.5,
         skills={"drive": drive},
     )  # fmt: skip
-    robot = SimulatedRobot(profile, Gate("omni"), clock)
+    robot = SimulatedRobot(profile, Gate.new("omni"), clock)
     await robot.open(lambda _said: None)
     machine = robot._machine
     assert isinstance(machine, Omni)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.message import ChatKind, Standing
+from rosic.core.message import Chat, ChatKind, Standing
 from rosic.core.rate import RateLimit
 from rosic.core.record import Concluded
 from rosic.pipeline.edited_messages import NOT_FOLLOWED
@@ -23,7 +23,11 @@ async def test_a_message_moves_a_robot_and_its_author_reads_what_it_did() -> Non
         assert shown.text == (
             "omni: move, 0.50 m left\nsent 12:00:00 · received by the robot 12:00:00\ndone 12:00:00"
         )
-        assert shown.buttons == ()
+        assert [button.label for row in shown.buttons for button in row] == [
+            "Again",
+            "Back",
+            "Menu",
+        ]
         assert len({told.message for told in place.chat.told}) == 1, message
 
 
@@ -232,6 +236,24 @@ async def test_what_is_old_for_another_reason_does_not_blame_the_network() -> No
         assert place.last()[1].text == (
             "Your command is 4 minutes old: you sent it while I could not listen. Nothing was done."
         )
+        assert place.acted() == 0
+
+
+async def test_the_network_is_blamed_where_it_was_the_network() -> None:
+    async with Place().open() as place:
+        for minutes, told in (
+            (4, "Your command is 4 minutes old (the network was away). Nothing was done."),
+            (0, "You sent this while the network was away. Nothing was done."),
+        ):
+            place.chat.gap()
+            sent_ns = place.clock.wall_ns() - minutes * MINUTE_NS - 1_000_000_000
+            inbound = place.chat._inbound(ADA, Chat("memory", ADA), f"m{minutes}", sent_ns)
+            away = replace(inbound, text="omni move 1 m", network_away=True)
+            place.chat.deliver(away)
+            await place.quiet()
+            await place.clock.advance(1.0)
+            await place.quiet()
+            assert place.last()[1].text == told
         assert place.acted() == 0
 
 

@@ -36,7 +36,7 @@ class Here:
         self.manual = ManualClock()
         self.clock = clock or self.manual
         profile = load_profile(shipped_profiles()["omni"])
-        self.robot = SimulatedRobot(profile, Gate("omni"), self.clock)
+        self.robot = SimulatedRobot(profile, Gate.new("omni"), self.clock)
         self.book = OrderBook(profile, self.clock)
 
     def order(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shutil
+import sqlite3
+from contextlib import closing
 from typing import TYPE_CHECKING
 
 import pytest
@@ -57,6 +59,22 @@ def emptied(folder: Path) -> None:
     (folder / DATABASE).touch(0o600)
 
 
+def without_tables(folder: Path) -> None:
+    """Leave a good database of some pages, in which nothing stands."""
+    without_database(folder)
+    with closing(sqlite3.connect(folder / DATABASE)) as database:
+        database.execute("PRAGMA journal_mode=WAL")
+        database.execute("CREATE TABLE one (number)")
+        database.execute("DROP TABLE one")
+    (folder / DATABASE).chmod(0o600)
+    assert (folder / DATABASE).stat().st_size
+
+
+def without_tables_and_mark(folder: Path) -> None:
+    without_tables(folder)
+    (folder / MARK).unlink()
+
+
 def only_the_stop_file(folder: Path) -> None:
     without_database(folder)
     (folder / ROOT_KEY).unlink()
@@ -78,8 +96,8 @@ def with_a_damaged_mark(folder: Path) -> None:
 
 
 LOSSES = (
-    without_database, emptied, only_the_stop_file, only_the_key, without_its_mark,
-    with_a_damaged_mark,
+    without_database, emptied, without_tables, without_tables_and_mark, only_the_stop_file,
+    only_the_key, without_its_mark, with_a_damaged_mark,
 )  # fmt: skip
 
 
@@ -179,7 +197,7 @@ async def test_nothing_is_claimed_while_a_file_is_gone(
     assert store.lost_file() == ""
     take_away(folder / name, tmp_path / "original")
     assert store.lost_file() == name
-    with pytest.raises(StoreFault):
+    with pytest.raises(StoreFault, match=f"^{name} is gone or was replaced"):
         await store.write(a_claim(2, n=2))
     if name == STOPS:
         with pytest.raises(StoreFault, match="could not be kept on disk"):
@@ -214,6 +232,6 @@ async def test_what_is_written_while_it_vanishes_is_refused(tmp_path: Path) -> N
     await store.open()
     looks = iter(["", str(tmp_path / LOCK)])
     kept.lost = lambda: next(looks, "")  # type: ignore[method-assign]
-    with pytest.raises(StoreFault):
+    with pytest.raises(StoreFault, match=f"^{LOCK} is gone or was replaced"):
         await store.write(a_claim(1, n=1))
     await store.close()

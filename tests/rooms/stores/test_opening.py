@@ -200,6 +200,47 @@ async def test_a_damaged_page_is_refused(tmp_path: Path) -> None:
     assert "damaged" in await refused(folder)
 
 
+async def test_whichever_page_is_damaged_no_start_ends_in_anything_but_a_sentence(
+    tmp_path: Path,
+) -> None:
+    """A small record is read whole; of a large one a damaged page may be met much later."""
+    folder = await a_used_folder(tmp_path / "data")
+    content = (folder / DATABASE).read_bytes()
+    small, large = Settings(checked_bytes=len(content)), Settings(checked_bytes=len(content) - 1)
+    met = []
+    for at in range(0, len(content), 4096):
+        other = tmp_path / f"{at}"
+        shutil.copytree(folder, other)
+        (other / DATABASE).write_bytes(content[:at] + b"\x5a" * 4096 + content[at + 4096 :])
+        assert "damaged" in await refused(other, small)
+        store, said = a_store(other, large), ""
+        try:
+            await store.open()
+        except ConfigurationError as error:
+            said = str(error)
+        await store.close()
+        assert not said or "damaged" in said, at
+        met.append(bool(said))
+    assert any(met)
+    assert not all(met), "a large record is not read whole"
+
+
+async def test_a_record_that_another_program_holds_is_refused_and_said(tmp_path: Path) -> None:
+    folder = await a_used_folder(tmp_path)
+    with closing(sqlite3.connect(folder / DATABASE, isolation_level=None)) as other:
+        other.execute("BEGIN EXCLUSIVE")
+        with pytest.raises(ConfigurationError, match="another program holds the record") as caught:
+            await a_store(folder, Settings(busy_timeout_ms=20)).open()
+        assert caught.value.hint == "Close the other program."
+        other.execute("ROLLBACK")
+    await a_used_folder(tmp_path / "another")
+    (folder / DATABASE).unlink()
+    (folder / DATABASE).mkdir()
+    with pytest.raises(ConfigurationError) as caught:
+        await a_store(folder).open()
+    assert "other program" not in caught.value.hint
+
+
 async def test_a_root_key_that_others_can_read_is_refused(tmp_path: Path) -> None:
     folder = await a_used_folder(tmp_path)
     (folder / ROOT_KEY).chmod(0o640)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import stat
 from typing import TYPE_CHECKING
 
 import pytest
@@ -10,10 +12,11 @@ import pytest
 from rosic.core.record import Fact, Letter
 from rosic.errors import ConfigurationError
 from rosic.stores.database import DatabaseStore
-from rosic.stores.rootkey import ROOT_KEY, SALT, create
+from rosic.stores.rootkey import ROOT_KEY, SALT, create, read_key, root_of
 from rosic.testing.clock import ManualClock
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
 WORDS = "four robots in a row\n"
@@ -49,6 +52,14 @@ def secret_file(path: Path, content: str | bytes) -> Path:
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     path.chmod(0o600)
     return path
+
+
+@pytest.fixture
+def nothing_stays_open() -> Iterator[None]:
+    """See that a test leaves as many files open as it found."""
+    before = sorted(os.listdir("/proc/self/fd"))  # noqa: PTH208 - a descriptor is no path
+    yield
+    assert sorted(os.listdir("/proc/self/fd")) == before  # noqa: PTH208
 
 
 async def test_a_passphrase_opens_a_record_and_no_key_lies_beside_it(
@@ -134,6 +145,7 @@ def test_a_key_is_on_disk_before_it_has_its_name_and_its_name_before_it_is_used(
             each.name for each in (tmp_path, *tmp_path.iterdir()) if each.stat().st_ino == inode
         ]
         seen.append((of, {each.name for each in tmp_path.iterdir()}))
+        assert [each.read_bytes() for each in tmp_path.iterdir()] == [b"k" * 32]
 
     create(path, b"k" * 32, wait_for_disk=confirm)
     draft = f"{ROOT_KEY}.new"
@@ -143,9 +155,111 @@ def test_a_key_is_on_disk_before_it_has_its_name_and_its_name_before_it_is_used(
 
 
 def test_a_key_that_the_disk_did_not_confirm_is_not_there(tmp_path: Path) -> None:
-    def fail(_descriptor: int) -> None:
-        raise OSError(5, "Input/output error")
+    def fail(descriptor: int) -> None:
+        if stat.S_ISREG(os.fstat(descriptor).st_mode):
+            raise OSError(5, "Input/output error")
 
     with pytest.raises(OSError, match="Input/output"):
         create(tmp_path / ROOT_KEY, b"k" * 32, wait_for_disk=fail)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("nothing_stays_open")
+@pytest.mark.parametrize("name", [ROOT_KEY, SALT])
+def test_a_secret_of_the_folder_is_not_looked_for_elsewhere(name: str, tmp_path: Path) -> None:
+    """Whoever may put a link into the folder does not choose the key."""
+    folder, words = tmp_path / "data", secret_file(tmp_path / "words", WORDS)
+    folder.mkdir()
+    create(tmp_path / "elsewhere", bytes(32 if name == ROOT_KEY else 16))
+    (folder / name).symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(OSError, match=name) as caught:
+        root_of(folder, {"ROSIC_PASSPHRASE_FILE": str(words)}, begun=True)
+    assert caught.value.errno == errno.ELOOP
+
+
+@pytest.mark.usefixtures("nothing_stays_open")
+def test_a_link_is_followed_where_it_was_handed_over(tmp_path: Path) -> None:
+    """As whatever hands credentials over may well give them."""
+    folder, given = tmp_path / "data", tmp_path / "credentials"
+    folder.mkdir()
+    given.mkdir()
+    create(tmp_path / "elsewhere", b"k" * 32)
+    (given / "rosic.root-key").symlink_to(tmp_path / "elsewhere")
+    found = root_of(folder, {"CREDENTIALS_DIRECTORY": str(given)}, begun=True)
+    wrapped = found.new_key("one")
+    create(folder / ROOT_KEY, b"k" * 32)
+    root_of(folder, {}, begun=True).unwrap("one", wrapped.wrapped)
+
+
+def test_a_credential_is_looked_for_in_no_folder_when_none_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The folder in which the gateway happens to be started is nobody's credential."""
+    monkeypatch.chdir(tmp_path)
+    create(tmp_path / "rosic.root-key", b"k" * 32)
+    folder = tmp_path / "data"
+    folder.mkdir()
+    root_of(folder, {}, begun=False)
+    assert (folder / ROOT_KEY).exists()
+
+
+def test_a_credential_that_was_not_handed_over_after_all_is_none(tmp_path: Path) -> None:
+    (tmp_path / "credentials").mkdir()
+    (tmp_path / "data").mkdir()
+    words = secret_file(tmp_path / "words", WORDS)
+    environ = {
+        "CREDENTIALS_DIRECTORY": str(tmp_path / "credentials"), "ROSIC_PASSPHRASE_FILE": str(words),
+    }  # fmt: skip
+    root_of(tmp_path / "data", environ, begun=False)
+    assert (tmp_path / "data" / SALT).exists()
+
+
+def test_a_passphrase_has_a_longest_length(tmp_path: Path) -> None:
+    folder = tmp_path / "data"
+    folder.mkdir()
+    environ = {"ROSIC_PASSPHRASE_FILE": str(tmp_path / "words")}
+    secret_file(tmp_path / "words", b"w" * 1025)
+    with pytest.raises(ConfigurationError, match="must have 12 to 1024 bytes"):
+        root_of(folder, environ, begun=False)
+    secret_file(tmp_path / "words", b"w" * 1024)
+    root_of(folder, environ, begun=False)
+    secret_file(tmp_path / "words", b"w" * 12 + b"\r\n")
+    root_of(folder, environ, begun=True)
+
+
+@pytest.mark.usefixtures("nothing_stays_open")
+@pytest.mark.parametrize(
+    ("size", "mode", "why"),
+    [(31, 0o600, "damaged"), (33, 0o600, "damaged"), (32, 0o640, "can be read by others"),
+     (32, 0o604, "can be read by others"), (32, 0o601, "can be read by others")],
+)  # fmt: skip
+def test_what_is_not_a_key_of_the_owner_alone_is_refused(
+    size: int, mode: int, why: str, tmp_path: Path
+) -> None:
+    path = secret_file(tmp_path / ROOT_KEY, bytes(size))
+    path.chmod(mode)
+    with pytest.raises(ConfigurationError, match=why):
+        read_key(path)
+
+
+@pytest.mark.usefixtures("nothing_stays_open")
+def test_a_passphrase_may_come_through_a_pipe_with_a_name(tmp_path: Path) -> None:
+    """Nothing lies in it for others to read, whatever its mode."""
+    (tmp_path / "data").mkdir()
+    os.mkfifo(tmp_path / "pipe", 0o644)
+    pipe = os.open(tmp_path / "pipe", os.O_RDWR)
+    try:
+        os.write(pipe, WORDS.encode())
+        root_of(tmp_path / "data", {"ROSIC_PASSPHRASE_FILE": str(tmp_path / "pipe")}, begun=False)
+    finally:
+        os.close(pipe)
+    assert (tmp_path / "data" / SALT).exists()
+
+
+@pytest.mark.usefixtures("nothing_stays_open")
+def test_what_a_start_that_was_cut_off_left_is_made_anew(tmp_path: Path) -> None:
+    (tmp_path / f"{ROOT_KEY}.new").write_bytes(b"half")
+    (tmp_path / f"{ROOT_KEY}.new").chmod(0o666)
+    create(tmp_path / ROOT_KEY, b"k" * 32)
+    assert [path.name for path in tmp_path.iterdir()] == [ROOT_KEY]
+    assert read_key(tmp_path / ROOT_KEY) == b"k" * 32

@@ -173,6 +173,20 @@ async def test_what_does_not_fit_fails_alone(tmp_path: Path, clock: ManualClock)
     assert rows(tmp_path, "SELECT count(*) FROM commands") == [(38,)]
 
 
+async def test_a_note_that_does_not_fit_is_counted_as_lost(
+    tmp_path: Path, clock: ManualClock
+) -> None:
+    """Nobody waits for it, so that nobody would be told."""
+    async with opened(tmp_path, clock) as store:
+        store.note(a_stop(1 << 70))
+        store.note(a_stop(2))
+        await store.write(a_claim(1))
+        assert store.lost == 1
+        await store.write(a_claim(2))
+    assert rows(tmp_path, "SELECT generation FROM stops") == [(2,)]
+    assert rows(tmp_path, "SELECT lost FROM gaps") == [(1,)]
+
+
 async def test_a_group_that_fails_leaves_no_trace_in_memory(
     tmp_path: Path, clock: ManualClock
 ) -> None:

@@ -145,7 +145,7 @@ async def test_ptb_understands_the_errors(
 
 
 async def test_ptb_is_told_of_another_poller(server: FakeTelegram, ptb: PtbApplication) -> None:
-    first = asyncio.create_task(ptb.bot.get_updates(timeout=5))
+    first = asyncio.create_task(ptb.bot.get_updates(timeout=50))
     await server.wait(server.seq, kinds=["call"])
     async with PtbBot(server.token, server.api_base, server.file_base) as thief:
         second = asyncio.create_task(thief.get_updates(timeout=1))
@@ -295,7 +295,7 @@ async def test_aiogram_understands_the_errors(
 async def test_aiogram_is_told_of_another_poller(server: FakeTelegram, aiogram_bot: Bot) -> None:
     from aiogram import exceptions as aiogram_error
 
-    first = asyncio.create_task(aiogram_bot.get_updates(timeout=5))
+    first = asyncio.create_task(aiogram_bot.get_updates(timeout=50))
     await server.wait(server.seq, kinds=["call"])
     second = asyncio.create_task(aiogram_bot.get_updates(timeout=1))
     with pytest.raises(aiogram_error.TelegramConflictError, match="other getUpdates request"):

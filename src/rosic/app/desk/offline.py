@@ -12,14 +12,12 @@ from rosic.app.desk.books import Books, zone_or_universal
 from rosic.app.desk.naming import CONFIGURED, people_lines, people_listed
 from rosic.app.desk.operator_desk import OperatorDesk
 from rosic.app.documents.profiles import known_units
-from rosic.app.placing.access import Access
+from rosic.app.placing.access import Access, authoriser_of
 from rosic.app.placing.authority import Authority
 from rosic.app.placing.enlisted import KIND as ENLISTED
 from rosic.app.placing.enlisted import with_enlisted
-from rosic.app.placing.holding import Around, holdings_of
+from rosic.app.placing.holding import Around, holdings_of, preferences_of
 from rosic.app.placing.people import remember, seed
-from rosic.authoriser.authoriser import Authoriser
-from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.archive import Archive
 from rosic.container.drawer import Room
@@ -29,7 +27,9 @@ from rosic.core.rate import RateLimit
 from rosic.core.roles import DEFAULT_ROLES, Assurance, Rulebook
 from rosic.core.saying import plain
 from rosic.core.stopboard import StopBoard, not_known_yet
+from rosic.errors import ConfigurationError
 from rosic.organiser.organiser import Organiser
+from rosic.organiser.rates import Rates
 from rosic.organiser.zones import UNIVERSAL
 from rosic.pipeline.containers.clerks import books_kept
 from rosic.pipeline.containers.parts import Vault
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
     from rosic.core.language import UnitTable
-    from rosic.core.record import Memory
+    from rosic.core.record import Fact, Memory
     from rosic.core.robot import Profile, RobotId
     from rosic.pipeline.containers.parts import Holdings
 
@@ -92,7 +92,8 @@ class Alone:
         """Do what is asked and return the answers.
 
         Raises:
-            ConfigurationError: The data cannot be used, for example because a gateway just started.
+            ConfigurationError: The data cannot be used, for example because a gateway just started,
+                or there is none and something is to be changed.
             Refusal: Why not; nothing was changed.
             StoreFault: Not written; nothing was changed.
         """
@@ -124,8 +125,14 @@ class Alone:
 
     @asynccontextmanager
     async def _opened(self, seeding: Seeding) -> AsyncIterator[Books]:
-        """Open the data. What only looks makes no data where there is none."""
-        there = seeding is Seeding.WRITTEN or was_begun(self._data)
+        """Open the data. Nothing is made where there is none: it may only be elsewhere for now."""
+        there = was_begun(self._data)
+        if seeding is Seeding.WRITTEN and not there:
+            raise ConfigurationError(
+                f"Nothing has run on {self._data}: there is no record. Nothing was changed.",
+                hint="Look whether the folder was moved or its disk is missing. A new gateway is "
+                "started first: rosic run.",
+            )
         store: Store = DatabaseStore(self._data, clock=self._clock) if there else MemoryStore()
         memory = await store.open()
         try:
@@ -140,23 +147,26 @@ class Alone:
         rulebook = Rulebook(roles=DEFAULT_ROLES) if config is None else config.rulebook
         profiles = {profile.id: profile for profile in robots}
         time = HighWater(clock)
-        authoriser = Authoriser(Directory(), clock, entropy)
+        authoriser = authoriser_of(time, clock, entropy)
         roles = remember(authoriser, memory)
         if seeding is not Seeding.LEFT:
             sink = store if seeding is Seeding.WRITTEN else await _nowhere()
             roles |= await seed(self._seeds, memory, authoriser, sink, clock, entropy)
-        authority = Authority(rulebook, robots, known_units(), time)
+        preferences = preferences_of(robots, known_units(), clock, memory)
+        authority = Authority(rulebook, robots, known_units(), time, preferences.limits)
         authority.restore(memory, roles)
         stops = await self._stops(memory, profiles)
         place = "rosic" if config is None else config.name
-        access = Access(authoriser, authority, store, time, entropy, place=place)
-        organiser = Organiser(
-            authority.draw_up(), profiles, StopBoard(profiles, stops, not_known_yet()),
-            access.state, limit=RateLimit(), lease_idle_s=1.0,
-        )  # fmt: skip
+        access = Access(authoriser, authority, store, entropy, place)
+        board = StopBoard(profiles, stops, not_known_yet())
+        rights = authority.draw_up()
+        rates = Rates(time, RateLimit(), {}, rights.rates, _nothing_is_asked, str)
+        organiser = Organiser(rights, profiles, board, access.state, rates=rates, lease_idle_s=1.0)
         organiser.name_of = lambda who: clean(authoriser.directory.name(who))
-        access.restore(memory, organiser)
-        around = Around(access, authoriser, organiser, profiles, clock, _nobody_hears, Habits())
+        access.restore(memory, organiser, board)
+        around = Around(
+            preferences, access, authoriser, organiser, profiles, clock, _nobody_hears, Habits()
+        )
         return Books(
             access=access, authority=authority, authoriser=authoriser, organiser=organiser,
             vocabulary=Vocabulary.build(robots, known_units()), profiles=profiles, clock=time,
@@ -207,3 +217,7 @@ async def _nowhere() -> MemoryStore:
 
 def _nobody_hears(_people: tuple[PrincipalId, ...], _text: str) -> None:
     """Without a gateway nobody is reached."""
+
+
+def _nothing_is_asked(_fact: Fact) -> None:
+    """Without a gateway nobody asks anything of a robot, so no bucket is used."""

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from rosic.app.desk.asked import Ask
     from rosic.app.desk.operator_desk import OperatorDesk
     from rosic.app.gateway import Gateway
+    from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
 
 
@@ -111,10 +112,16 @@ class Operating:
             found.update(dict.fromkeys(members))
         return tuple(found)
 
-    async def stop(self, names: Sequence[str] = ()) -> AsyncIterator[str]:
+    async def stop(
+        self, names: Sequence[str] = (), *, by: PrincipalId = OPERATOR
+    ) -> AsyncIterator[str]:
         """Stop robots at once; yield what was done, then what was measured.
 
         A name that nobody knows stops everything, as in a chat.
+
+        Args:
+            names: Robots and groups; none: every robot.
+            by: Who is said to have stopped them.
         """
         rooms = self._gateway.rooms
         misheard = ""
@@ -123,7 +130,7 @@ class Operating:
         except NotUnderstood as unknown:
             robots = tuple(rooms.profiles)
             misheard = f"{unknown} Everything is stopped.\n"
-        halting = self._gateway.stop_lane.stop_robots(robots, OPERATOR)
+        halting = self._gateway.stop_lane.stop_robots(robots, by)
         yield misheard + words.stopping([rooms.profiles[robot].shown for robot in robots])
         # Waiting is all that may be cut off when whoever asked goes away; the stop goes on.
         await asyncio.wait(halting.rests.values())

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from rosic.app.adapters import robot_factory
 from rosic.app.doctor.findings import Finding, Verdict
 from rosic.app.documents.profiles import known_units
+from rosic.app.placing.gates import stops_of
 from rosic.app.start import latch_of
+from rosic.core.authority import RESUME
 from rosic.core.gate import Gate
-from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR
+from rosic.core.identity import COMMAND_ID_BYTES, OPERATOR, command_id
 from rosic.core.language import Vocabulary
 from rosic.core.order import Ending, Order, Outcome, Permit, Rest, Stage, Stop
-from rosic.core.record import Claimed, Concluded, Stopped, Told
+from rosic.core.record import Claimed, Concluded, Resumed, Stopped, Told
 from rosic.errors import RosicError
 from rosic.stores.database import DatabaseStore
 
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.robot import Robot, Tell
-    from rosic.contracts.store import Store
+    from rosic.contracts.store import Latch, Store
     from rosic.core.robot import Profile
     from rosic.core.skill import Argument, Skill
 
@@ -58,11 +60,18 @@ class Trial:
     """One robot, opened by itself, with the record open so that no gateway can start meanwhile."""
 
     def __init__(
-        self, profile: Profile, robot: Robot, store: Store, clock: Clock, entropy: Entropy
+        self,
+        profile: Profile,
+        robot: Robot,
+        store: Store,
+        latch: Latch,
+        clock: Clock,
+        entropy: Entropy,
     ) -> None:
         self._profile = profile
         self._robot = robot
         self._store = store
+        self._latch = latch
         self._clock = clock
         self._entropy = entropy
         self._skill = streaming_skill(profile)
@@ -79,8 +88,26 @@ class Trial:
             text = f"{self._profile.shown} is stopped, so it was not moved; resume it first"
             yield Finding(about, Verdict.NOT_MEASURED, text)
             return
-        yield await self._stop()
-        yield await self._watchdog()
+        measured = await self._stop()
+        yield measured
+        good = measured.verdict is not Verdict.LOOK
+        measured = await self._watchdog()
+        yield measured
+        yield await self._go_on(good=good and measured.verdict is not Verdict.LOOK)
+
+    async def _go_on(self, *, good: bool) -> Finding:
+        """Undo the stop of this trial, on disk first; after one that went badly it is left."""
+        about = self._profile.id
+        if not good:
+            text = f"it stays stopped, also after a start, until somebody says: resume {about}"
+            return Finding(about, Verdict.LOOK, text)
+        generation, at_ns = self._robot.gate.generation, self._clock.wall_ns()
+        cid = command_id(OPERATOR, RESUME, about, str(generation), str(at_ns))
+        await self._store.write(
+            Resumed(cid=cid, robot=about, generation=generation, principal=OPERATOR, at_ns=at_ns)
+        )
+        await self._latch.write(about, generation, latched=False)
+        return Finding(about, Verdict.GOOD, "resumed: it was stopped only to be measured")
 
     async def _stop(self) -> Finding:
         moved = await self._move_until_stopped() if self._skill is not None else None
@@ -208,13 +235,14 @@ async def try_robot(
     memory = await store.open()
     try:
         n, fence = memory.numbers.get(name, (0, 0))
-        generation, latched = latch.read().get(name, (0, False))
-        generation = max(generation, memory.generations.get(name, 0))
+        # What only the record knows holds too: a trial undoes nobody's stop but its own.
+        stops = stops_of(latch.read(), memory.generations)
+        generation, latched = stops.get(name, (0, False))
         gate = Gate(name, n=n, fence=fence, generation=generation, latched=latched)
         robot = robot_factory(profile.link.kind)(profile, gate, clock)
         await robot.open(lambda _text: None)
         try:
-            async for finding in Trial(profile, robot, store, clock, entropy).run():
+            async for finding in Trial(profile, robot, store, latch, clock, entropy).run():
                 yield finding
         except RosicError as error:
             yield Finding(name, Verdict.LOOK, str(error))

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from rosic.app.placing.authority import key_of
 from rosic.app.placing.people import person_of
+from rosic.authoriser.authoriser import Authoriser
+from rosic.authoriser.directory import Directory
 from rosic.authoriser.enrolment import Enrolment, EnrolmentRules
 from rosic.authoriser.keys import KeyRing
 from rosic.authoriser.locks import Locks
@@ -31,9 +33,9 @@ from rosic.pipeline.livecards.livecard import KIND as CARD
 
 if TYPE_CHECKING:
     from rosic.app.placing.authority import Authority
-    from rosic.authoriser.authoriser import Authoriser
     from rosic.authoriser.highwater import HighWater
     from rosic.authoriser.invitation import Given
+    from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
@@ -50,6 +52,12 @@ def _nobody_invites(_principal: PrincipalId, _given: Given) -> bool:
     return False
 
 
+def authoriser_of(time: HighWater, clock: Clock, entropy: Entropy) -> Authoriser:
+    """Return an authoriser who knows nobody yet."""
+    keys = KeyRing(time, entropy, Tally())
+    return Authoriser(Directory(), keys, clock, entropy)
+
+
 class Access:
     """The authoriser's and the organiser's books, and the way in which they change.
 
@@ -62,15 +70,14 @@ class Access:
     """
 
     def __init__(
-        self, authoriser: Authoriser, authority: Authority, store: Store, time: HighWater,
-        entropy: Entropy, *, place: str,
+        self, authoriser: Authoriser, authority: Authority, store: Store, entropy: Entropy,
+        place: str,
     ) -> None:  # fmt: skip
         self.changes = Changes(store)
         self.cards: tuple[Fact, ...] = ()
-        self.time = time
-        self.tally = Tally()
+        self.keys = authoriser.keys
+        self.time, self.tally = self.keys.time, self.keys.tally
         self.locks = Locks(self.time)
-        self.keys = KeyRing(self.time, entropy, self.tally)
         self.may_invite: Deferred[[PrincipalId, Given], bool] = Deferred(_nobody_invites)
         self.enrolment = Enrolment(
             authoriser.directory, self.locks, self.time, entropy, self.tally,
@@ -78,20 +85,17 @@ class Access:
         )  # fmt: skip
         self.stepup = StepUp(self.time, entropy, self.tally, place=place)
         self.misuse = Misuse(
-            time, MisuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
+            self.time, MisuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
         )
         self.security = Security(
             authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
         )
-        self.waiting = WaitingList(time)
-        self.wishes = Wishes(time.wall_ns)
-        authoriser.count = self.tally.count
+        self.waiting = WaitingList(self.time)
+        self.wishes = Wishes(self.time.wall_ns)
         self.petitions = Petitions(self.time.wall_ns, entropy)
         self._authoriser = authoriser
         self._authority = authority
         self._calendar: Calendar | None = None
-        authoriser.wall_ns = time.wall_ns
-        authoriser.ends_of = self.keys.ends_ns
 
     @property
     def state(self) -> AccessState:
@@ -102,10 +106,12 @@ class Access:
             key_of=partial(key_of, authoriser),
             narrow=authoriser.directory.narrowed,
             locked=self.locks.everybody(),
-            own_limits=lambda who: authority.roster.own_limits(who),  # noqa: PLW0108 - set later
+            own_limits=authority.roster.own_limits,
+            locked_out=lambda _principal: self.tally.count("locked"),
+            released=lambda _robot: authority.moved(),
         )
 
-    def restore(self, memory: Memory, organiser: Organiser, board: StopBoard | None = None) -> None:
+    def restore(self, memory: Memory, organiser: Organiser, board: StopBoard) -> None:
         """Take over what earlier runs wrote, and say who keeps what from now on."""
         authority, changes = self._authority, self.changes
         self.time.when_behind = partial(self._set_back, board)
@@ -141,10 +147,9 @@ class Access:
         changes.watch(KeyIssued, self._issued)
         changes.watch(KeyRevoked, self._revoked)
         changes.after(authority.enforce)
-        organiser.locked_out = lambda _principal: self.tally.count("locked")
 
-    def _set_back(self, board: StopBoard | None, behind: bool) -> None:
-        if board is not None and not behind:
+    def _set_back(self, board: StopBoard, behind: bool) -> None:
+        if not behind:
             board.not_later(self.time.wall_ns())
         self._authority.moved()
         self._authority.when_changed()

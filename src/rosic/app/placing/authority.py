@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rosic.core.record import Enrolled, Fact, Memory
     from rosic.core.robot import Profile, RobotId
     from rosic.core.roles import Rulebook
+    from rosic.organiser.roster import OwnLimits
     from rosic.pipeline.rooms import Rooms
     from rosic.pipeline.stopping import StopLane
 
@@ -48,12 +49,20 @@ class Authority:
         rolebook: What the roles are.
         rights: The present snapshot.
         when_changed: Called when what ends by the clock has changed: grants, keys, the clock.
+
+    Args:
+        own_limits: Returns what somebody has set for themselves, as the texts of limits.
     """
 
     def __init__(
-        self, rulebook: Rulebook, profiles: Iterable[Profile], units: UnitTable, clock: Clock
+        self,
+        rulebook: Rulebook,
+        profiles: Iterable[Profile],
+        units: UnitTable,
+        clock: Clock,
+        own_limits: OwnLimits,
     ) -> None:
-        self.roster = Roster(clock)
+        self.roster = Roster(clock, own_limits)
         self.when_changed: Callable[[], object] = _nothing
         self.rolebook = Rolebook(rulebook)
         self._fleet = fleet_of(profiles)
@@ -82,7 +91,6 @@ class Authority:
     def attach(self, rooms: Rooms, stop_lane: StopLane) -> None:
         """Say whose decisions rest on the snapshot."""
         self._rooms, self._stop_lane = rooms, stop_lane
-        rooms.organiser.released = lambda _robot: self.moved()
         self._put_in_force()
 
     # ---- what was written down becomes so ----
@@ -192,7 +200,7 @@ def key_of(authoriser: Authoriser, key_id: KeyId) -> Key | None:
     return Key(
         id=key.id,
         principal=key.principal,
-        expires_ns=authoriser.ends_of(key),
+        expires_ns=authoriser.keys.ends_ns(key),
         revoked=key.revoked_ns is not None,
         scopes=tuple(map(Scope.parse, key.scopes)),
     )

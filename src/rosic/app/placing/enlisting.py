@@ -311,8 +311,7 @@ class Enlisting:
         gateway.robots[name] = robot
         self._ways.opened(robot)
         if self._settings.robot_limit is not None:
-            rates = rooms.organiser.rates
-            rates.robots = {**rates.robots, name: self._settings.robot_limit}
+            rooms.organiser.rates.enlist(name, self._settings.robot_limit)
 
     def _answer(self, profile: Profile, advice: Sequence[str], *, stopped: bool) -> str:
         lines = [words.added(profile)]

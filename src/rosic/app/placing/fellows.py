@@ -14,7 +14,6 @@ from rosic.pipeline.among.digests import Digests
 from rosic.pipeline.among.fellowship import Circle, Fellowship
 from rosic.pipeline.among.guard import Guard
 from rosic.pipeline.among.helpdesk import HelpDesk
-from rosic.pipeline.among.helping import HelpBook
 from rosic.pipeline.among.parts import Around
 from rosic.pipeline.among.post import Post
 from rosic.pipeline.among.rights import FellowRights
@@ -44,7 +43,8 @@ def fellowship_of(gateway: Gateway, parts: Parts, teller: Teller, memory: Memory
     rights, guard = FellowRights(rooms), Guard()
     board = Board(clock.wall_ns)
     post = Post(rights, board, guard, clock)
-    book = HelpBook(clock.wall_ns)
+    fleet = gateway.furnishing.fleet
+    book = fleet.help_book
     around = Around(rights, rooms, changes, reach, post, parts.store, clock, entropy)
     circle = Circle(
         around,
@@ -57,11 +57,9 @@ def fellowship_of(gateway: Gateway, parts: Parts, teller: Teller, memory: Memory
     fellowship = Fellowship(circle)
     fellowship.restore(memory.facts)
     AmongClerk(fellowship, rooms).employ(gateway.pipeline.reception.office)
-    fleet = gateway.furnishing.fleet
     circle.desk.tasks = Assisting(rooms, fleet.dispatching, fleet.watching)
     gateway.holding.also_ends.append(post.end_all)
     gateway.holding.also_ended.append(fleet.dispatching.ended)
-    fleet.watching.engaged = book.engages
     for robot, adapter in gateway.robots.items():
         if isinstance(adapter, Fellow):
             fellowship.join(robot, adapter)

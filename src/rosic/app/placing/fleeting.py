@@ -12,6 +12,7 @@ from rosic.core.order import Ending
 from rosic.core.record import Refused, Told
 from rosic.errors import Repeated, StoreFault
 from rosic.organiser.zones import zone_named
+from rosic.pipeline.among.helping import HelpBook
 from rosic.pipeline.benchmarks.judging import follow
 from rosic.pipeline.fleet.attempting import Attempting, attempt_id
 from rosic.pipeline.fleet.cards import FLEET_CARD, FleetCards
@@ -65,6 +66,7 @@ class Fleeting:
         telling: Tells people.
         overview: Looks at all of it.
         robots: Asked who takes part.
+        help_book: Which robots help each other; meanwhile they are given nothing else.
     """
 
     def __init__(self, rooms: Rooms, changes: Changes, clock: Clock, hands: Hands) -> None:
@@ -77,7 +79,8 @@ class Fleeting:
             rooms, changes, clock, attempting, recalling,
             lambda: any(map(catching_up, hands.reach.messengers)),
         )  # fmt: skip
-        self.watching = Watching(rooms, self.dispatching, clock)
+        self.help_book = HelpBook(clock.wall_ns)
+        self.watching = Watching(rooms, self.dispatching, clock, self.help_book.engages)
         self.telling = Telling(rooms, hands.reach, self.dispatching)
         self.dispatching.tell = self.telling.tell
         self.dispatching.changed = self._changed

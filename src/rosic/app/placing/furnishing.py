@@ -70,7 +70,6 @@ if TYPE_CHECKING:
     from rosic.core.secret import Secret
     from rosic.errors import Refusal
     from rosic.pipeline import Pipeline
-    from rosic.pipeline.desk import Reply
     from rosic.pipeline.rooms import Rooms
     from rosic.pipeline.stopping import StopLane
     from rosic.pipeline.telling import Teller
@@ -130,7 +129,12 @@ class Furnishing:
         self.reach = Reach(rooms.authoriser, self._teller, messengers)
         self.handover = Handover(rooms, self._pipeline.lives, self._stop_lane, self.reach, clock)
         self.consent = Consent(
-            rooms.organiser, self.reach, self._pipeline.agreements, clock, entropy
+            rooms.organiser,
+            self.reach,
+            self._pipeline.agreements,
+            clock,
+            entropy,
+            self._access.stepup.is_set_up,
         )
         self._say_times_in(zone)
         reception.consent = self.consent
@@ -139,7 +143,6 @@ class Furnishing:
         answer = self._pipeline.answer
         reception.placed = lambda m, sent, who: answer(m, sent, who, going.ask(m, sent, who))
         reception.stepped_up = self._access.stepup.fresh
-        self.consent.has_phone = self._access.stepup.is_set_up
         reception.proof_used = self._proof_used
         reception.refused = self._refused
         self._furnish_times(clock)
@@ -150,8 +153,8 @@ class Furnishing:
 
     def alarms(self, memory: Memory, settings: Settings, clock: Clock, face: Face) -> Alarms:
         """Return what follows the rules about alarms, as the record left them; tasks likewise."""
-        lives = self._pipeline.lives
-        hands = Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face)
+        lives, ends = self._pipeline.lives, self._pipeline.ends
+        hands = Hands(lives, self._stop_lane, self.handover, self._teller, self.reach, face, ends)
         alarms = Alarms(self._rooms, self._access, clock, hands)
         alarms.furnish(self._pipeline, memory, settings.people)
         self.fleet = Fleeting(self._rooms, self._access.changes, clock, hands)
@@ -206,7 +209,7 @@ class Furnishing:
         access.may_invite.bind(powers.may_admit)
         self.notices = Notices(registry, powers)
         doorstep = Doorstep(self._teller, messengers, clock, entropy, count=access.tally.count)
-        self.admitting = Admitting(registry, powers, doorstep, menu=self._menu)
+        self.admitting = Admitting(registry, powers, doorstep, menu=self._pipeline.menu)
         joining = Joining(
             registry,
             powers,
@@ -255,9 +258,6 @@ class Furnishing:
         }
         access.changes.after(self.retracting.look)
 
-    def _menu(self, principal: PrincipalId) -> Reply:
-        return self._pipeline.menu(principal)
-
     def _names_robot(self, text: str) -> bool:
         return text.strip().casefold() in self._rooms.vocabulary.callees
 
@@ -293,6 +293,7 @@ class Furnishing:
             lease=organiser.lease,
             ready=self._ready,
             barred=lambda robot: rooms.board.barred(robot),  # noqa: PLW0108 - replaced
+            may_resume=self._pipeline.resuming.may,
             handover=self.handover.end,
             may_stay=lambda who, slot: self.handover.outranks(who, slot.principal, slot.robot),
         )

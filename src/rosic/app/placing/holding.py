@@ -68,6 +68,13 @@ class Making(Protocol):
         """Return the source of chance."""
 
 
+class Own(NamedTuple):
+    """What people have for themselves: what they set, and room for their files."""
+
+    preferences: PreferenceBook
+    room: Room
+
+
 class Holding:
     """The container room's books of one gateway.
 
@@ -87,9 +94,10 @@ class Holding:
         authority: Authority,
         clock: Clock,
         languages: Languages,
-        room: Room,
+        own: Own,
     ) -> None:
-        self._room = room
+        self._room = own.room
+        self.preferences = own.preferences
         self._languages = languages
         self._rooms = rooms
         self._access = access
@@ -124,11 +132,11 @@ class Holding:
         """Say who keeps what, take over what was, and finish what an erasure left."""
         rooms = self._rooms
         around = Around(
-            self._access, rooms.authoriser, rooms.organiser, rooms.profiles, self._clock,
-            furnishing.reach.tell, pipeline.habits,
+            self.preferences, self._access, rooms.authoriser, rooms.organiser, rooms.profiles,
+            self._clock, furnishing.reach.tell, pipeline.habits,
         )  # fmt: skip
         holdings = holdings_of(around, vault, self.archive, parts, self._room)
-        self.holdings, self.preferences = holdings, holdings.preferences
+        self.holdings = holdings
         erasing = self.erasing = Erasing(holdings, self._sides(pipeline, furnishing))
         filing = employ_clerks(pipeline.reception.office, holdings, erasing)
         take_over(memory.facts, holdings, erasing)
@@ -184,11 +192,8 @@ class Holding:
     def _follow_settings(self) -> None:
         """Let what people set for themselves count: a cap on their speed, their usual robot."""
         authority, preferences = self._authority, self.preferences
-        authority.roster.own_limits = preferences.limits
         for principal in authority.roster.everybody():
             self._speak_to(principal)
-            if preferences.limits(principal):
-                authority.renew(principal)
 
         def changed(fact: Fact) -> None:
             preferences.apply(fact)
@@ -296,9 +301,20 @@ def handing_of(
     return Handing(holdings, rooms.organiser, rooms.profiles, ways, pipeline.plain, aside)
 
 
+def preferences_of(
+    profiles: Iterable[Profile], units: UnitTable, clock: Clock, memory: Memory
+) -> PreferenceBook:
+    """Return what people have set for themselves: their speed is a limit of all their rights."""
+    skills = {profile.id: skills_of(profile) for profile in profiles}
+    preferences = PreferenceBook(clock, Caps(skills, unit_converter(units)), LANGUAGES)
+    preferences.restore(memory.facts.get(PREFERENCE, ()))
+    return preferences
+
+
 class Around(NamedTuple):
     """What stands around the books of containers."""
 
+    preferences: PreferenceBook
     access: Access
     authoriser: Authoriser
     organiser: Organiser
@@ -313,8 +329,7 @@ def holdings_of(
 ) -> Holdings:
     """Return the books, empty still."""
     organiser, clock, profiles = around.organiser, around.clock, around.profiles
-    skills = {profile.id: skills_of(profile) for profile in profiles.values()}
-    preferences = PreferenceBook(clock, Caps(skills, unit_converter(parts.units)), LANGUAGES)
+    preferences = around.preferences
     shelf = Shelf(clock, parts.entropy)
     shelf.is_robot = profiles.__contains__
     shelf.shown = lambda owner: profiles[owner].shown if owner in profiles else YOU

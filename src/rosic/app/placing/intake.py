@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rosic.contracts.messenger import account_of, account_since, know_with, settle_with
+from rosic.contracts.messenger import (
+    account_of,
+    account_since,
+    keep_pace_with,
+    know_with,
+    settle_with,
+)
 from rosic.core.record import Fact, Memory
 from rosic.errors import StoreFault
 
@@ -17,6 +23,7 @@ if TYPE_CHECKING:
 
 KIND: Final = "message-identity"
 KEY: Final = "account"
+SAID_LATELY: Final = "said-lately"
 CLOCKS_APART_NS: Final = 60_000_000_000
 """So far apart may a platform's clock and ours be."""
 NEVER: Final = 2**62
@@ -48,6 +55,19 @@ async def take_in(
         settle_with(messenger, settled)
         know_with(messenger, authoriser.knows)
         account_since(messenger, since_ns)
+        _keep_pace(messenger, memory, store)
+
+
+def _keep_pace(messenger: Messenger, memory: Memory, store: Store) -> None:
+    """Have what is said kept as far as its platform counts it: it does so over a restart."""
+    mine = f"{messenger.name}:"
+    facts = memory.facts.get(SAID_LATELY, ())
+    kept = {fact.key.removeprefix(mine): fact.body for fact in facts if fact.key.startswith(mine)}
+
+    def keep(name: str, body: bytes) -> None:
+        store.note(Fact(kind=SAID_LATELY, key=f"{mine}{name}", body=body))
+
+    keep_pace_with(messenger, kept, keep)
 
 
 async def _account_since(memory: Memory, store: Store, now_ns: int) -> int:

@@ -4,34 +4,32 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.organiser.rates import SAVE_EVERY_S
+from rosic.organiser.rates import SAVE_EVERY_S, Rates
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    from rosic.app.parts import Settings
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
-    from rosic.core.rate import RateLimit
     from rosic.core.record import Fact
+    from rosic.core.rights import Rights
     from rosic.core.robot import Profile, RobotId
-    from rosic.organiser.organiser import Organiser
-    from rosic.organiser.rates import Rates
 
 
-def limit_rates(
-    organiser: Organiser,
+def rates_of(
+    settings: Settings,
     profiles: Mapping[RobotId, Profile],
-    robots: Mapping[RobotId, RateLimit],
+    rights: Rights,
+    clock: Clock,
     note: Callable[[Fact], None],
-) -> None:
-    """Let robots and roles be asked only as often as was set, and say who keeps what is used.
+) -> Rates:
+    """Return what limits people, robots and roles; nothing of it is used yet."""
 
-    Before what was used is restored: it is taken over only for whom there is a limit.
-    """
-    rates = organiser.rates
-    rates.robots, rates.roles = robots, organiser.rights.rates
-    rates.shown_of = lambda robot: profiles[robot].shown
-    rates.note = note
+    def shown(robot: RobotId) -> str:
+        return profiles[robot].shown
+
+    return Rates(clock, settings.limit, settings.robot_limits, rights.rates, note, shown)
 
 
 async def save_now_and_then(rates: Rates, store: Store, clock: Clock) -> None:

@@ -168,7 +168,7 @@ async def _sit_down(stage: Stage, wish: Wish, seat: Seat, ending: Ending) -> int
     stage.muted.add(who)  # they read it at their seat
     curtain.title(f"You are: {who}. Try, for example:")
     curtain.plain("\n".join(f"  {hint}" for hint in stage.play.hints))
-    curtain.plain("Also: status, help. Ctrl-D leaves.")
+    curtain.plain("Also: status, help. Deutsch: /language de. Ctrl-D leaves.")
     seat.taken.set()
     await ending.over
     alone = is_terminal(sys.stdin) or seat.gone

@@ -6,6 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.messengers.terminal import TerminalMessenger
+from rosic.messengers.terminal.messenger import own_locale
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -21,7 +22,7 @@ class Seat(TerminalMessenger):
     """
 
     def __init__(self, *, clock: Clock, plain: bool) -> None:
-        super().__init__("seat", clock=clock, plain=plain)
+        super().__init__("seat", clock=clock, plain=plain, locale=own_locale())
         self.taken = asyncio.Event()
         self._unseen = 0
 

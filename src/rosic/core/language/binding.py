@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.language.cleaning import clean
-from rosic.core.language.compiled import TOLERANCE, CompiledParameter, CompiledSkill
 from rosic.core.language.objection import Objection
+from rosic.core.language.placing import place_value
 from rosic.core.saying import said
 from rosic.errors import NotUnderstood
 
 if TYPE_CHECKING:
-    from rosic.core.language.units import Unit, UnitTable
+    from rosic.core.language.compiled import CompiledSkill
     from rosic.core.language.vocabulary import Vocabulary
     from rosic.core.order import Spoken
     from rosic.core.robot import RobotId
@@ -73,90 +72,10 @@ def place(
         raise NotUnderstood(said("{robot} has no such skill. Nothing was done.", robot=robot))
     given: dict[str, Argument] = {}
     for value in spoken:
-        placed = _place(compiled, given, value, vocabulary.units)
+        placed = place_value(compiled, given, value, vocabulary.units)
         if placed is None:
             at = len(given)
             raise Objection(vocabulary, robot, compiled, spoken, group or robot).to(at, given)
         parameter, argument = placed
         given[parameter.name] = argument
     return compiled, given
-
-
-def _place(
-    compiled: CompiledSkill, given: dict[str, Argument], value: Spoken, units: UnitTable
-) -> tuple[CompiledParameter, Argument] | None:
-    """Return where a value goes and what it is there; None when something is wrong with it."""
-    if value.number is None:
-        return _place_word(compiled, given, value)
-    unit: Unit | None = None
-    if value.word:
-        unit = units.exact.get(value.word) or units.find(value.word)
-        if unit is None:
-            return None
-    if value.name:
-        parameter = compiled.by_name.get(value.name)
-        if parameter is None or parameter.name in given:
-            return None
-    else:
-        parameter = free_number(compiled, given, unit)
-        if parameter is None:
-            return None
-    argument = _number(parameter, value.number, unit)
-    return (parameter, argument) if argument is not None else None
-
-
-def free_number(
-    compiled: CompiledSkill, given: dict[str, Argument], unit: Unit | None
-) -> CompiledParameter | None:
-    """Return the first number that has no value yet, of a unit's dimension if there is one."""
-    for parameter in compiled.numbers:
-        if parameter.name not in given and (
-            unit is None or parameter.unit.dimension == unit.dimension
-        ):
-            return parameter
-    return None
-
-
-def _place_word(
-    compiled: CompiledSkill, given: dict[str, Argument], value: Spoken
-) -> tuple[CompiledParameter, Argument] | None:
-    word = value.word
-    if not value.name:
-        for parameter in compiled.choices:
-            if parameter.name not in given and parameter.words and word in parameter.words:
-                return parameter, parameter.words[word]
-        return None
-    named = compiled.by_name.get(value.name)
-    if named is None or named.name in given:
-        return None
-    if named.text:
-        text = clean(word).strip()
-        return (named, text) if text else None
-    choice = (named.words or {}).get(word)
-    return (named, choice) if choice is not None else None
-
-
-def _number(parameter: CompiledParameter, number: float, unit: Unit | None) -> Argument | None:
-    """Return a number in SI within its bounds; None for anything else, NaN included."""
-    declared = parameter.unit
-    if unit is None:
-        unit = declared
-    elif unit.dimension != declared.dimension:
-        return None
-    si = unit.to_si(number)
-    if not (parameter.is_number and parameter.low_edge <= si <= parameter.high_edge):
-        return None
-    if si < parameter.low:
-        si = parameter.low
-    elif si > parameter.high:
-        si = parameter.high
-    return _whole(si, declared) if parameter.integer else si
-
-
-def _whole(si: float, unit: Unit) -> Argument | None:
-    """Return a value that is whole in the declared unit; an ``int`` where that unit is SI."""
-    value = unit.from_si(si)
-    nearest = round(value)
-    if abs(value - nearest) > TOLERANCE * max(1.0, abs(value)):
-        return None
-    return nearest if unit.factor == 1.0 and unit.offset == 0.0 else si

@@ -104,4 +104,5 @@ def _line(line: str, vocabulary: Vocabulary, context: Context) -> Line:
     if slash:
         raw[0] = raw[0].partition("@")[0].lstrip("/") or "/"
         low[0] = low[0].partition("@")[0].lstrip("/") or "/"
-    return LineReader(line, raw, low, vocabulary, context).read(slash=slash)
+    reader = LineReader(line, (raw, low), vocabulary, context, mends=True)
+    return reader.read(slash=slash)

@@ -16,7 +16,7 @@ from rosic.core.language.words import HINTS, VERBS
 from rosic.core.saying import said
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from rosic.core.language.compiled import CompiledSkill
     from rosic.core.language.vocabulary import Callee, Vocabulary
@@ -27,21 +27,31 @@ LONGEST_OFFER = 128
 
 
 class Misunderstanding:
-    """Makes the answer to a line that was not understood."""
+    """Makes the answer to a line that was not understood.
 
-    __slots__ = ("_low", "_raw", "_visible", "_vocabulary")
+    A word is proposed only where the whole line can be read with it: a button that is refused
+    helps nobody.
+
+    Args:
+        words: Those of the line as typed, and in small letters.
+        vocabulary: What can be said.
+        visible: The robots that this person may see.
+        reads: Whether a line would be read to its end.
+    """
+
+    __slots__ = ("_low", "_raw", "_reads", "_visible", "_vocabulary")
 
     def __init__(
         self,
-        raw: list[str],
-        low: list[str],
+        words: tuple[list[str], list[str]],
         vocabulary: Vocabulary,
         visible: frozenset[RobotId],
+        reads: Callable[[str], bool],
     ) -> None:
-        self._raw = raw
-        self._low = low
+        self._raw, self._low = words
         self._vocabulary = vocabulary
         self._visible = visible
+        self._reads = reads
 
     def nothing_said(self) -> Misunderstood:
         """The line has only words that mean nothing here."""
@@ -67,7 +77,7 @@ class Misunderstanding:
                 quote=quote(self._raw[at]),
                 listed=listed(readings),
             ),
-            self._offers(at, readings),
+            tuple(self._mended(at, readings).values()),
         )
 
     def no_such_skill(self, callee: Callee, at: int, *, chosen: bool = False) -> Misunderstood:
@@ -86,33 +96,27 @@ class Misunderstanding:
             else said("{shown} has no {quote}.", shown=_shown(callee), quote=quote(self._raw[at]))
         )
         close = _one_each(did_you_mean(self._low[at], _phrases(callee)), _skills(callee))
-        if not close and chosen:
+        prefix = f"{callee.name} " if chosen else ""
+        mended = self._mended(at, close, prefix)
+        if not mended and chosen:
             return self._guess(at, sentence)
-        if not close:
+        if not mended:
             return Misunderstood(
                 said("{sentence} Say help {name}.", sentence=sentence, name=callee.name),
                 (f"help {callee.name}",),
             )
-        prefix = f"{callee.name} " if chosen else ""
-        offers = tuple([prefix + offer for offer in self._offers(at, close)])
-        return Misunderstood(
-            said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
-            offers,
-        )
+        return _meant(sentence, mended)
 
     def no_such_robot(self, at: int) -> Misunderstood:
         """A name names nobody the person may see."""
         close = did_you_mean(self._low[at], self._callees())
-        close = _one_each(close, self._vocabulary.callees)
+        mended = self._mended(at, _one_each(close, self._vocabulary.callees))
         sentence = said("I know no robot {quote}.", quote=quote(self._raw[at]))
-        if not close:
+        if not mended:
             return Misunderstood(
                 said("{sentence} Say robots for those you may use.", sentence=sentence), ("robots",)
             )
-        return Misunderstood(
-            said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
-            self._offers(at, close),
-        )
+        return _meant(sentence, mended)
 
     def nothing_known(self, at: int) -> Misunderstood:
         """The line begins with nothing that is known."""
@@ -133,6 +137,7 @@ class Misunderstanding:
         some = (*groups, *able)[:MOST_OFFERS]
         more = len(groups) + len(able) > len(some)
         rest = " ".join(self._raw[at:]).replace(" = ", "=")
+        lines = [f"{name} {rest}" for name in some]
         has_not = (
             said("{shown} has no {quote}. ", shown=_shown(chosen), quote=quote(phrase))
             if chosen is not None
@@ -145,7 +150,7 @@ class Misunderstanding:
                 phrase=phrase,
                 listed=listed((*some, said("another")) if more else some),
             ),
-            tuple([f"{name} {rest}" for name in some if len(rest) <= LONGEST_OFFER]),
+            tuple([line for line in lines if len(rest) <= LONGEST_OFFER and self._reads(line)]),
         )
 
     def _seen_members(self, group: str) -> set[RobotId]:
@@ -162,15 +167,12 @@ class Misunderstanding:
         word = self._low[at]
         hint = HINTS.get(word)
         close = (hint,) if hint else did_you_mean(word, self._first_words())
-        close = _one_each(close, self._vocabulary.callees)
-        if not close:
+        mended = self._mended(at, _one_each(close, self._vocabulary.callees))
+        if not mended:
             return Misunderstood(
                 said("{sentence} Say help for what can be said.", sentence=sentence), ("help",)
             )
-        return Misunderstood(
-            said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
-            self._offers(at, close),
-        )
+        return _meant(sentence, mended)
 
     def _first_words(self) -> Iterator[str]:
         """Yield what a line may begin with for this person, up to some hundred words."""
@@ -188,11 +190,31 @@ class Misunderstanding:
             if robot in robots:
                 yield from robots[robot].names
 
-    def _offers(self, at: int, words: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the line with other words in place of one."""
+    def _mended(self, at: int, words: tuple[str, ...], prefix: str = "") -> dict[str, str]:
+        """Return the words that make a whole line in the place of one, with those lines.
+
+        Args:
+            at: Place of the word.
+            words: What may have been meant.
+            prefix: What the line begins with: the name of a chosen robot.
+        """
         before, after = self._raw[:at], self._raw[at + 1 :]
-        lines = (" ".join([*before, word, *after]).replace(" = ", "=") for word in words)
-        return tuple([line for line in lines if len(line) <= LONGEST_OFFER])[:MOST_OFFERS]
+        lines = {
+            word: prefix + " ".join([*before, word, *after]).replace(" = ", "=") for word in words
+        }
+        return {
+            word: line
+            for word, line in lines.items()
+            if len(line) <= LONGEST_OFFER and self._reads(line)
+        }
+
+
+def _meant(sentence: str, mended: dict[str, str]) -> Misunderstood:
+    """Return a sentence with what may have been meant, and the lines to tap."""
+    return Misunderstood(
+        said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(tuple(mended))),
+        tuple(mended.values())[:MOST_OFFERS],
+    )
 
 
 def _shown(callee: Callee) -> str:

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
 from rosic.core.language.kinds import article, kind_of, kinds
+from rosic.core.language.placing import fits
 from rosic.core.language.showing import show_bound, show_number, shown_bound, usual_values
 from rosic.core.language.suggestions import AND, did_you_mean, listed
+from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.order import Spoken
 from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
@@ -148,15 +150,19 @@ class Objection:
             return self._twice(knowing[0])
         unsaid = [p.words for p in self._compiled.choices if p.words and p.name not in given]
         takes = tuple(dict.fromkeys(unsaid[0].values())) if unsaid else ()
-        return self._guess(at, word, chain(self._compiled.words, self._compiled.by_name), takes)
+        close = did_you_mean(word, chain(self._compiled.words, self._compiled.by_name))
+        return self._guess(at, word, close, takes)
 
     def _unknown_unit(self, at: int, value: Spoken) -> Refusal:
         dimensions = dict.fromkeys(p.unit.dimension for p in self._compiled.numbers)
-        units = chain.from_iterable(self._units.of(d) for d in dimensions if d)
-        takes = kinds(self._compiled.numbers)
-        return self._guess(at, value.word, chain(self._compiled.words, units), takes)
+        # No other unit for a symbol that nobody knows: it would be another quantity.
+        close = (
+            *did_you_mean(value.word, self._compiled.words),
+            *self._units.misspelt(value.word, dimensions),
+        )
+        return self._guess(at, value.word, close, kinds(self._compiled.numbers))
 
-    def _guess(self, at: int, word: str, candidates: chain[str], takes: tuple[str, ...]) -> Refusal:
+    def _guess(self, at: int, word: str, close: tuple[str, ...], takes: tuple[str, ...]) -> Refusal:
         if any(value.word == "stop" for value in self._spoken):
             stops = [f"stop {self._addressee}", "stop"]
             return self._refuse(
@@ -165,18 +171,31 @@ class Objection:
                 ),
                 stops,
             )
-        close = did_you_mean(word, candidates)
         sentence = said(
             "{spoken} does not know {quote}.", spoken=self._compiled.spoken, quote=quote(word)
         )
-        if not close:
-            known = [said("It takes {listed}.", listed=listed(_few(takes)))] if takes else []
-            return self._refuse(joined(" ", (sentence, *known, _NOTHING_DONE)))
         value = self._spoken[at]
-        offers = [self._command(at, Spoken(value.name, value.number, other)) for other in close]
+        others = {other: Spoken(value.name, value.number, other) for other in close}
+        if (meant := self._meant(sentence, at, others)) is not None:
+            return meant
+        known = [said("It takes {listed}.", listed=listed(_few(takes)))] if takes else []
+        return self._refuse(joined(" ", (sentence, *known, _NOTHING_DONE)))
+
+    def _meant(self, sentence: str, at: int, others: Mapping[str, Spoken]) -> Refusal | None:
+        """Return the refusal that proposes something else at a place; None if nothing would do.
+
+        Args:
+            sentence: What is wrong.
+            at: The place.
+            others: What may have been meant, as it is said, and the value that it would be.
+        """
+        lines = {word: self._command(at, other) for word, other in others.items()}
+        words = tuple([word for word, line in lines.items() if line])
+        if not words:
+            return None
         return self._refuse(
-            said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
-            offers,
+            said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(words)),
+            list(lines.values()),
         )
 
     def _unknown_parameter(self, at: int, value: Spoken) -> Refusal:
@@ -185,12 +204,9 @@ class Objection:
         sentence = said(
             "{spoken} has no {quote}.", spoken=self._compiled.spoken, quote=quote(value.name)
         )
-        if close:
-            offers = [self._command(at, Spoken(name, value.number, value.word)) for name in close]
-            return self._refuse(
-                said("{sentence} Did you mean {listed}?", sentence=sentence, listed=listed(close)),
-                offers,
-            )
+        others = {name: Spoken(name, value.number, value.word) for name in close}
+        if (meant := self._meant(sentence, at, others)) is not None:
+            return meant
         takes = (
             said("It takes {listed}.", listed=listed(_few(names), AND))
             if names
@@ -323,16 +339,36 @@ class Objection:
         *,
         kind: type[NotUnderstood | OutOfBounds] = NotUnderstood,
     ) -> Refusal:
-        return kind(joined(": ", (self._robot, sentence)), offers=tuple(offers or ())[:MOST_OFFERS])
+        return kind(
+            joined(": ", (self._robot, sentence)),
+            offers=tuple(filter(None, offers or ()))[:MOST_OFFERS],
+        )
 
     def _command(self, at: int = -1, instead: Spoken | None = None, extra: str = "") -> str:
-        """Return the command with another value at one place, or with one more word."""
+        """Return the command with another value at one place, or with one more word.
+
+        Empty where not every value of it has a place then: what would be refused is not offered.
+        """
         values = [
             instead if instead is not None and place == at else value
             for place, value in enumerate(self._spoken)
         ]
-        parts = [self._addressee, self._compiled.spoken, *map(_typed, values), extra]
-        return " ".join(part for part in parts if part)
+        said_so = " ".join(filter(None, (*map(_typed, values), extra)))
+        if not self._reads(said_so):
+            return ""
+        return " ".join(filter(None, (self._addressee, self._compiled.spoken, said_so)))
+
+    def _reads(self, values: str) -> bool:
+        """Whether values, typed so, would all find a place."""
+        if self._compiled.text is not None:
+            return True
+        raw = values.replace("=", " = ").split()
+        low = [word.casefold() for word in raw]
+        try:
+            spoken = ValueReader(raw, low, 0, self._compiled, self._units).read()
+        except Doubt:
+            return False
+        return fits(self._compiled, spoken, self._units)
 
 
 def _typed(value: Spoken) -> str:

@@ -20,6 +20,7 @@ from rosic.core.language.lines import (
     Use,
 )
 from rosic.core.language.misunderstanding import Misunderstanding
+from rosic.core.language.placing import fits
 from rosic.core.language.stopping import hears_stop
 from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.language.vocabulary import Callee, Vocabulary
@@ -47,24 +48,40 @@ LONGEST_PAYLOAD = 64
 class LineReader:
     """Reads one line; used once.
 
-    Attributes:
-        raw, low: The words as typed, and in small letters.
+    Args:
+        line: The line.
+        words: Its words as typed, and in small letters.
+        vocabulary: What can be said.
+        context: Whom this person may see, and chose.
+        mends: Whether to look for what may have been meant. Not in a line that is only tried
+            because it may have been.
     """
 
-    __slots__ = ("_line", "_low", "_raw", "_selected", "_visible", "_vocabulary")
+    __slots__ = (
+        "_context",
+        "_line",
+        "_low",
+        "_mends",
+        "_raw",
+        "_selected",
+        "_visible",
+        "_vocabulary",
+    )
 
     def __init__(
         self,
         line: str,
-        raw: list[str],
-        low: list[str],
+        words: tuple[list[str], list[str]],
         vocabulary: Vocabulary,
         context: Context,
+        *,
+        mends: bool,
     ) -> None:
         self._line = line
-        self._raw = raw
-        self._low = low
+        self._raw, self._low = words
         self._vocabulary = vocabulary
+        self._context = context
+        self._mends = mends
         self._visible = context.visible
         self._selected = context.selected
 
@@ -332,7 +349,24 @@ class LineReader:
         return Start(self._raw[at][:LONGEST_PAYLOAD] if at < len(self._raw) else "")
 
     def _trouble(self) -> Misunderstanding:
-        return Misunderstanding(self._raw, self._low, self._vocabulary, self._visible)
+        words = (self._raw, self._low)
+        return Misunderstanding(words, self._vocabulary, self._visible, self._reads)
+
+    def _reads(self, other: str) -> bool:
+        """Whether another line, offered instead, would be read to its end."""
+        if not self._mends:
+            return False
+        raw = other.replace("=", " = ").split()
+        low = [word.casefold() for word in raw]
+        line = LineReader(other, (raw, low), self._vocabulary, self._context, mends=False).read()
+        if not isinstance(line, Do):
+            return not isinstance(line, Misunderstood)
+        units = self._vocabulary.units
+        for robot, skill in zip(line.robots, line.skills, strict=True):
+            compiled = self._vocabulary.compiled_skill(robot, skill.id)
+            if compiled is None or not fits(compiled, line.spoken, units):
+                return False
+        return True
 
 
 _VERBS: dict[str, Callable[[LineReader, Callee | None, int], Line]] = {

@@ -48,7 +48,7 @@ _ALONG = """
     plz quick quickly right robot robots should so that the them there they this to und
     urgent emergency want we will would y ya yes yo you your bitte sofort jetzt por ahora
     sil vous plait te tout de suite maintenant adesso subito agora lütfen hemen şimdi proszę
-    natychmiast пожалуйста сейчас немедленно быстро
+    natychmiast somebody someone anybody jemand пожалуйста сейчас немедленно быстро
     请 請 快 立即 马上 今すぐ すぐに ください 지금 제발 당장
 """
 

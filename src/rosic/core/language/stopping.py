@@ -38,6 +38,8 @@ FIRST_LINES, LAST_LINES = 96, 32
 # far as it is looked at.
 LONGEST_LINE = 64
 LONGEST_SHOUT = 256
+# What ends a clause: whoever shouts stop at the end of a sentence means it.
+ENDS = ",;:.!?"
 KINDS_KEPT = 4096
 
 _BLANKED = str.maketrans({mark: " " for mark in punctuation if mark not in "_@"})
@@ -103,15 +105,32 @@ def _heard_ascii(line: str, known: Container[str]) -> tuple[str, ...] | None:
 
 def _heard(line: str, known: Container[str]) -> tuple[str, ...] | None:
     line = line.strip()
+    found = _heard_whole(line, known)
+    if found is None and (last := _last_clause(line)):  # watch out, STOP
+        found = _heard_whole(last, known)
+        return found if found is not None and _all_known(found, known) else None
+    return found
+
+
+def _last_clause(line: str) -> str:
+    """Return what is said after the last sign that parts sentences; empty: there is none."""
+    parted = max(map(line.rstrip(ENDS).rfind, ENDS))
+    return line[parted + 1 :] if parted >= 0 and len(line) - parted <= LONGEST_LINE else ""
+
+
+def _heard_whole(line: str, known: Container[str]) -> tuple[str, ...] | None:
     words = words_of(_beginning(line), known)
     if not words:
         return None
+    if "_" in line:  # /stop_omni
+        parted = [[word] if word in known else word.split("_") for word in words]
+        words = [word for part in parted for word in part if word]
     folded = [fold_stop(word) for word in words]
     folded = [w if w in STOPPING or not _TRIPLE.search(w) else _unstretched(w) for w in folded]
     if "".join(folded) in STRONG:  # s t o p
         return ()
     stops = [at for at, word in enumerate(folded) if word in STOPPING]
-    if len(line) > LONGEST_LINE and not _is_shout(line, folded):
+    if len(line) > LONGEST_LINE and not _is_shout(line, folded, known):
         return None
     if not stops:
         return _heard_misspelt(words, folded, known)
@@ -161,9 +180,9 @@ def _unstretched(word: str) -> str:
     return "stop" if short in SHORTENED else word
 
 
-def _is_shout(line: str, folded: list[str]) -> bool:
+def _is_shout(line: str, folded: list[str], known: Container[str]) -> bool:
     """Whether a long line is a stop all the same."""
-    meaning = [word for word in folded if word not in ALONG]
+    meaning = [word for word in folded if word not in ALONG and word not in known]
     if not meaning:
         return False
     if meaning[0] in STRONG and len(line) <= LONGEST_SHOUT:
@@ -183,7 +202,7 @@ def _heard_exact(
     if first > 0 and folded[first - 1] in UNSAID:
         return None
     others = tuple([w for w, f in zip(words, folded, strict=True) if not _is_aside(f)])
-    leads = folded[first] in STRONG and all(word in ALONG for word in folded[:first])
+    leads = folded[first] in STRONG and all(w in ALONG or w in known for w in folded[:first])
     if not others or (leads and not EVERYTHING.isdisjoint(folded)):
         return ()
     if leads or len(others) == 1 or _all_known(others, known):
@@ -203,7 +222,9 @@ def _heard_misspelt(
     if len(meaning) == 1:  # stopomni
         word = meaning[0][1]
         rest = next((word[len(stop) :] for stop in MISSPELT_OF if word.startswith(stop)), "")
-        return (rest,) if rest and rest in known and word not in known else None
+        if word in known or not rest:
+            return None
+        return (rest,) if rest in known else () if _is_aside(rest) else None
     return None
 
 

@@ -2,7 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from typing import TYPE_CHECKING
+
 import msgspec
+
+from rosic.core.language.suggestions import distance
+
+if TYPE_CHECKING:
+    from collections.abc import Container
+
+# Shorter ones are symbols, and one letter makes another unit of a symbol.
+_SHORTEST_NAME = 5
+_PREFIX = re.compile(
+    "atto|centi|deca|deci|deka|demi|dezi|exa|femto|giga|hecto|hekto|kilo|mega|micro|mikro|milli"
+    "|nano|peta|pico|piko|semi|sesqui|tera|zenti"
+)
 
 
 class Unit(msgspec.Struct, frozen=True):
@@ -49,6 +64,33 @@ class UnitTable(msgspec.Struct, frozen=True):
         """Return the unit of a spelling, or None."""
         return self.exact.get(spelled) or self.forgiving.get(spelled.casefold())
 
-    def of(self, dimension: str) -> tuple[str, ...]:
-        """Return the spellings of a dimension; for suggestions, it looks at all of them."""
-        return tuple(s for s, unit in self.exact.items() if unit.dimension == dimension)
+    def misspelt(self, word: str, dimensions: Container[str]) -> tuple[str, ...]:
+        """Return the name that a word is, but for one slip of a finger; empty for none.
+
+        Never another unit, as that would be another quantity: of symbols nothing is made, nor of
+        what may be two units, nor of a unit that is not known: a decametre is no decimetre, and a
+        gradian is no radian. Looks at all names of these dimensions.
+        """
+        word = word.casefold()
+        found = {
+            name: unit
+            for name, unit in self.exact.items()
+            if unit.dimension in dimensions and _misspelt(word, name.casefold())
+        }
+        return tuple(found)[:1] if len(set(found.values())) == 1 else ()
+
+
+def _misspelt(word: str, name: str) -> bool:
+    """Whether a word is a name of a unit, but for one slip of a finger inside it.
+
+    Not where the slip made another prefix, beginning or end, or put a letter before or behind the
+    name: these are other units (decametre, gradian, kilograd, mmeter, degreeC).
+    """
+    if min(len(word), len(name)) < _SHORTEST_NAME or not name.isalpha() or name in word:
+        return False
+    found = _PREFIX.match(word)
+    prefix = found[0] if found is not None else ""
+    word, other = word.removeprefix(prefix), name.removeprefix(prefix)
+    if (word[:1], word[-1:]) != (other[:1], other[-1:]) or len(other) + len(prefix) != len(name):
+        return False
+    return distance(word, other, 1) <= 1

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledSkill
     from rosic.core.language.units import UnitTable
 
-_NONE = Spoken("", None, "")
+_PER = frozenset({"per", "pro"})
 
 
 class Doubt(Exception):  # never leaves this package
@@ -145,8 +145,8 @@ class ValueReader:
     def _per(self, raw: str) -> str:
         """Read on where a unit has several words: ``metres per second``."""
         at = self._at
-        if at + 1 < len(self._low) and self._low[at] == "per":
-            phrase = f"{raw} per {self._raw[at + 1]}"
+        if at + 1 < len(self._low) and self._low[at] in _PER:
+            phrase = f"{raw} {self._low[at]} {self._raw[at + 1]}"
             if self._units.find(phrase) is not None:
                 self._at = at + 2
                 return phrase

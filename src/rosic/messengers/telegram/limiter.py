@@ -15,11 +15,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.message import Weight
 from rosic.errors import MessengerFault
+from rosic.messengers.telegram.lately import Lately
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Keep
 
 SECOND_NS = 1_000_000_000
 NOT_YET_NS = 2**62
@@ -118,6 +120,15 @@ class Pace:
         """Count as if everything had just been said: what an earlier run said, nobody knows."""
         self._said_ns.extend([now_ns] * (self._said_ns.maxlen or 0))
 
+    def said_ns(self, now_ns: int) -> tuple[int, ...]:
+        """Return when what counts in a span was said; what is under way, now."""
+        return (*self._said_ns, *[now_ns] * self._under_way)
+
+    def go_on(self, said_ns: Iterable[int]) -> None:
+        """Count what an earlier run has said, the oldest first."""
+        for at_ns in said_ns:
+            self.spend(at_ns)
+
     def used(self, count: int, now_ns: int) -> None:
         """Count so many as said just now, for the pace alone."""
         self._paid_ns = max(self._paid_ns, now_ns + count * self._interval_ns)
@@ -169,6 +180,7 @@ class Limiter:
         if spoke_before:
             self._overall.used_up(self._begun_ns)
         self._paces: dict[str, tuple[Pace, ...]] = {}
+        self._lately = Lately(clock, rates.group.span_s)
         self._held_ns: dict[str, int] = {}
         self._all_held_ns = 0
         self._waiting: list[_Waiting] = []
@@ -176,6 +188,10 @@ class Limiter:
         self._numbers = itertools.count()
         self._alarm: asyncio.Task[None] | None = None
         self._alarm_ns = 0
+
+    def keep_pace(self, kept: Mapping[str, bytes], keep: Keep) -> None:
+        """Go on with what an earlier run said in groups; see ``contracts.messenger``."""
+        self._lately.restore(kept, keep)
 
     async def turn(self, chat: str, weight: Weight, *, within_s: float) -> None:
         """Wait for a turn in this chat.
@@ -228,14 +244,22 @@ class Limiter:
         paces = (self._overall, *self._paces_of(chat))
         for pace in paces:
             pace.begin()
+        self._note(chat, *paces[2:])
         try:
             yield
         finally:
             now_ns = self._clock.monotonic_ns()
             for pace in paces:
                 pace.end(now_ns)
+            self._note(chat, *paces[2:])
             if self._waiting:
                 self._serve()
+
+    def _note(self, chat: str, *group: Pace) -> None:
+        """Have it kept what was said in a group lately; a chat of two has no such limit."""
+        now_ns = self._clock.monotonic_ns()
+        for pace in group:
+            self._lately.note(chat, pace.said_ns(now_ns))
 
     async def obey(self, chat: str) -> None:
         """Wait until a chat is not held any more, for what takes no turn. Never raises."""
@@ -314,6 +338,8 @@ class Limiter:
             paces = tuple(map(Pace, own))
             if self._spoke_before:
                 paces[0].used(FIRST_OWED, self._begun_ns)
+            for pace in paces[1:]:
+                pace.go_on(self._lately.take(chat))
             self._paces[chat] = paces
         return paces
 

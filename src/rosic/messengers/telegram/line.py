@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import sys
 from contextlib import aclosing
 from http import HTTPStatus
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import httpx
@@ -36,6 +38,11 @@ if TYPE_CHECKING:
 
     from rosic.core.message import Attachment
     from rosic.messengers.telegram.settings import TelegramSettings
+
+# httpcore asks for it several times a request, and Python looks through every folder each time,
+# unless it is said so: that it is not there.
+if find_spec("sniffio") is None:
+    sys.modules["sniffio"] = None  # type: ignore[assignment]
 
 T = TypeVar("T")
 
@@ -235,7 +242,7 @@ class Line:
         """
         return await self.ask(
             lambda bot: bot.raw_updates(offset, timeout_s, kinds, limit),
-            within_s=CONNECT_S + timeout_s + 2 * POLL_GRACE_S,
+            within_s=polled_within_s(timeout_s),
         )
 
     def _open(self) -> None:
@@ -281,6 +288,11 @@ class Line:
             # A proxy of the environment is for the way to Telegram, not for a server next door.
             httpx_kwargs={"trust_env": settings.api_base == API_BASE, "verify": self._tls()},
         )
+
+
+def polled_within_s(timeout_s: int) -> float:
+    """Return how long a poll may take that stays open for so long."""
+    return CONNECT_S + timeout_s + 2 * POLL_GRACE_S
 
 
 def _retry_after_s(payload: bytes) -> float:

@@ -16,8 +16,8 @@ from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram import mapping, wire
 from rosic.messengers.telegram.batch import BATCH, Pause, limit_after
-from rosic.messengers.telegram.line import CALL_S
-from rosic.messengers.telegram.listening import SECOND_NS, Listening, Moment
+from rosic.messengers.telegram.line import CALL_S, polled_within_s
+from rosic.messengers.telegram.listening import SECOND_NS, Listening, Moment, Outage
 from rosic.messengers.telegram.trouble import Kind, Trouble
 from rosic.messengers.telegram.window import News, Window
 
@@ -39,6 +39,8 @@ WAITS_S = (0.5, 1.0, 2.0, 4.0)
 CONTESTED_WAIT_S = 2.0
 LONGEST_WAIT_S = 60.0
 AHEAD_NS = 2 * SECOND_NS
+AWAKE_S = 5.0
+"""A call that took so much longer than it may was held up here, and not by the network."""
 
 log = logging.getLogger("rosic.messengers.telegram")
 
@@ -91,6 +93,7 @@ class Listener:
         self._poll_timeout_s = poll_timeout_s
         self._alarm = alarm
         self._listening = Listening()
+        self._outage = Outage()
         self.own_name = ""
         self._hears_groups = False
         self._limit = BATCH
@@ -111,7 +114,7 @@ class Listener:
             MessengerFault: It no longer accepts the token. What was not received to the end is
                 given out again once it does.
         """
-        self._listening = Listening()
+        self._listening, self._outage = Listening(), Outage()
         async with self._line.held():
             account = await self._meet()
             self.own_name = account.user_name
@@ -154,9 +157,11 @@ class Listener:
         """
         account: Account | None = None
         while account is None:
+            asked = self._now()
             try:
                 account = await self.ask_account()
             except Trouble as trouble:
+                self._outage.failed(asked, self._now(), trouble.network, CALL_S + AWAKE_S)
                 await self._wait_out(trouble)
         log.info("%s: this is @%s", self._name, account.user_name)
         if not account.reads_groups:
@@ -181,10 +186,14 @@ class Listener:
         try:
             raws = await self._line.updates(offset, timeout_s, wire.KINDS, self._limit)
         except Trouble as trouble:
+            self._outage.failed(
+                asked, self._now(), trouble.network, polled_within_s(timeout_s) + AWAKE_S
+            )
             await self._cope(trouble)
             return
         now = self._now()
         listening.answered(now)
+        self._outage.answered(asked)
         self._recovered()
         window.confirmed(offset)
         full = len(raws) >= self._limit
@@ -194,6 +203,7 @@ class Listener:
             await self._clock.sleep(WAITS_S[0])  # nothing but updates without a number
         await window.idle(PEEK_S)
         if listening.drained(asked, empty=not fresh, full=full):
+            self._outage.over()
             self._contested = False
             log.info("%s: listening", self._name)
 
@@ -207,7 +217,9 @@ class Listener:
             How many had not been given out before.
         """
         since_ns, account = self._listening.stamp(now.wall_ns), self._line.account
-        received = mapping.Received(now.wall_ns, since_ns, account, self.account_since_ns)
+        received = mapping.Received(
+            now.wall_ns, since_ns, account, self.account_since_ns, self._outage.covers
+        )
         pause = Pause()
         parsed: dict[int, wire.Update | None] = {}
         for raw in raws:

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from rosic.messengers.telegram.trouble import Network
+
 SECOND_NS = 1_000_000_000
 GAP_NS = 5 * SECOND_NS
 JUMP_NS = 2 * SECOND_NS
@@ -20,6 +22,8 @@ CALM_NS = 15 * SECOND_NS
 """How long nobody else may have received for this bot before it counts as ours again."""
 GRACE_NS = 2 * SECOND_NS
 """One second for the cut date, one for clocks that differ."""
+BETWEEN_NS = 70 * SECOND_NS
+"""From one poll that failed to the next at the most, while we run."""
 SHORT_POLLS = 3
 """So many polls in a row that were not full show an empty backlog as well: with people writing all
 the time, no poll comes back empty."""
@@ -30,6 +34,52 @@ class Moment(NamedTuple):
 
     wall_ns: int
     monotonic_ns: int
+
+
+class Outage:
+    """When the network was away, as far as the polls have seen.
+
+    From the first of some polls in a row that failed until the first that did not, if one of them
+    found no way to anybody, and none an answer. Nothing is said of a time in which we did not run.
+    """
+
+    def __init__(self) -> None:
+        self._from_ns = self._since_ns = self._until_ns = 0
+        self._away = self._answered = False
+        self._looked_ns = 0
+
+    def failed(self, asked: Moment, now: Moment, network: Network, within_s: float) -> None:
+        """Note that a poll failed.
+
+        Args:
+            asked: When it was asked.
+            now: When it had failed.
+            network: What it shows.
+            within_s: How long it may have taken; in more, we did not run all the time.
+        """
+        took_ns = max(now.wall_ns - asked.wall_ns, now.monotonic_ns - asked.monotonic_ns)
+        waited_ns = asked.wall_ns - self._looked_ns
+        if not self._since_ns or waited_ns > BETWEEN_NS:
+            self._since_ns = asked.wall_ns
+        if took_ns > within_s * SECOND_NS:
+            self._since_ns = now.wall_ns
+        self._looked_ns = now.wall_ns
+        self._away = self._away or network is Network.AWAY
+        self._answered = self._answered or network is Network.THERE
+
+    def answered(self, asked: Moment) -> None:
+        """Note that a poll succeeded; call it before stamping what it brought."""
+        if self._away and not self._answered:
+            self._from_ns, self._until_ns = self._since_ns, asked.wall_ns
+        self._since_ns, self._away, self._answered = 0, False, False
+
+    def over(self) -> None:
+        """Everything that was sent meanwhile has been received."""
+        self._from_ns = self._until_ns = 0
+
+    def covers(self, sent_ns: int) -> bool:
+        """Whether what was sent in a second, by its beginning, was sent while it was away."""
+        return self._from_ns <= sent_ns and sent_ns + SECOND_NS <= self._until_ns
 
 
 class Listening:

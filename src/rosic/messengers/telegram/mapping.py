@@ -42,6 +42,10 @@ _KINDS = {
 }
 
 
+def _never(_sent_ns: int) -> bool:
+    return False
+
+
 class Received(NamedTuple):
     """How it was received.
 
@@ -50,12 +54,14 @@ class Received(NamedTuple):
         listening_since_ns: Since when we listened.
         account: The bot's own id.
         account_since_ns: By Telegram's clock: what was sent earlier goes without the bot's id.
+        away: Whether the network was, when something was sent.
     """
 
     received_ns: int
     listening_since_ns: int
     account: str = ""
     account_since_ns: int = 0
+    away: Callable[[int], bool] = _never
 
 
 def read(update: wire.Update, own_name: str, received: Received) -> Inbound | None:
@@ -216,13 +222,14 @@ def _text(
     if replied not in {"", own_name.casefold()} and not named and hears_stop(text) is None:
         return None  # an answer to another bot, of another gateway perhaps
     date = message.date if message.edit_date is None else message.edit_date
+    # The beginning of the second in which it was sent: a lifetime is never lengthened.
+    sent_ns = min(date * SECOND_NS, received.received_ns)
     return Inbound(
         sender=Address(PLATFORM, str(_author(message))),
         chat=_chat(message.chat, message),
         message=str(message.message_id),
         text=text,
-        # The beginning of the second in which it was sent: a lifetime is never lengthened.
-        sent_ns=min(date * SECOND_NS, received.received_ns),
+        sent_ns=sent_ns,
         received_ns=received.received_ns,
         listening_since_ns=received.listening_since_ns,
         standing=standing(message),
@@ -233,6 +240,7 @@ def _text(
         enclosed=enclosed,
         place=place,
         account=_account(message, received),
+        network_away=received.away(sent_ns),
     )
 
 

@@ -29,6 +29,7 @@ AT_MOST = 256
 """Menus, and so calls, that are looked after at once; further ones are left as they are."""
 BETWEEN_S = 0.1
 TRIES = 3
+WAITS_S = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 60.0)
 DESCRIPTION = 256
 
 log = logging.getLogger("rosic.messengers.telegram")
@@ -42,32 +43,50 @@ class Menus:
         self._line = line
         self._clock = clock
         self._set: dict[tuple[str, str, str], tuple[tuple[str, str], ...]] = {}
+        self._failures = 0
 
     async def set(self, menus: Sequence[Menu]) -> None:
-        """Make these menus look as given. What does not succeed is logged and tried next time."""
+        """Make these menus look as given, however long Telegram cannot be reached.
+
+        That is logged once. Whatever else does not succeed is, with all after it, for the next
+        time.
+        """
+        self._failures = 0
         for menu in menus:
             known = self._set.get(menu.key)
             if known == menu.commands or (known is None and len(self._set) >= AT_MOST):
                 continue
-            if await self._change(menu):
-                self._set[menu.key] = menu.commands
-                await self._clock.sleep(BETWEEN_S)
+            if not await self._change(menu):
+                log.warning("%s: not every menu was set; the next change tries again", self._name)
+                return
+            self._failures = 0
+            self._set[menu.key] = menu.commands
+            await self._clock.sleep(BETWEEN_S)
 
     async def _change(self, menu: Menu) -> bool:
         """Return whether it looks so now, or never will."""
-        for _ in range(TRIES):
+        tries = 0
+        while tries < TRIES:
             try:
                 await self._line.ask(lambda bot: _call(bot, menu))
             except Trouble as trouble:
                 if trouble.kind in {Kind.REFUSED, Kind.GONE}:  # a chat that nobody has opened yet
                     log.info("%s: a menu was refused: %s", self._name, trouble.reason)
                     return True
-                log.info("%s: a menu was not set yet: %s", self._name, trouble.reason)
-                await self._clock.sleep(max(1.0, trouble.wait_s))
+                tries += trouble.kind is not Kind.NOT_SENT
+                await self._wait_out(trouble)
             else:
                 return True
-        log.warning("%s: a menu was not set", self._name)
         return False
+
+    async def _wait_out(self, trouble: Trouble) -> None:
+        if not self._failures:
+            log.info(
+                "%s: the menus are not set yet, I go on trying: %s", self._name, trouble.reason
+            )
+        wait_s = WAITS_S[min(self._failures, len(WAITS_S) - 1)]
+        self._failures += 1
+        await self._clock.sleep(max(wait_s, trouble.wait_s))
 
 
 async def _call(bot: Bot, menu: Menu) -> bool:

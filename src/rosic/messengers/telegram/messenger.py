@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Knows, Passed, Reacted, Receive, Settle
+    from rosic.contracts.messenger import Keep, Knows, Passed, Reacted, Receive, Settle
     from rosic.core.identity import Address
     from rosic.core.menu import Menu
     from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Weight
@@ -69,7 +69,7 @@ class TelegramMessenger:
         poll_timeout_s = settings.poll_timeout_s
         self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
         self.file_bytes = LOCAL_BYTES if settings.local_mode else FILE_BYTES
-        limiter = Limiter(clock, rates, spoke_before=spoke_before)
+        self._limiter = limiter = Limiter(clock, rates, spoke_before=spoke_before)
         self._speaker = Speaker(self._line, limiter, chats, clock)
         self._speaker.file_bytes = self.file_bytes
         self._gestures = Gestures(self._line, chats, limiter)
@@ -94,6 +94,10 @@ class TelegramMessenger:
     def account_since(self, since_ns: int) -> None:
         """Name the account in what was sent since; see ``contracts.messenger``."""
         self._listener.account_since_ns = since_ns
+
+    def keep_pace(self, kept: Mapping[str, bytes], keep: Keep) -> None:
+        """Go on with what an earlier run said in groups; see ``contracts.messenger``."""
+        self._limiter.keep_pace(kept, keep)
 
     async def admins(self, chat: Chat) -> tuple[Address, ...]:
         """Return who looks after a group or a channel; see ``contracts.messenger``.

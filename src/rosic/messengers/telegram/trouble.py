@@ -7,12 +7,18 @@ requests, and a trace is read by more people than the token is meant for.
 from __future__ import annotations
 
 import enum
+import errno
+import socket
+from typing import TYPE_CHECKING, Final
 
 from telegram import error as foreign
 
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.scrub import scrub
 from rosic.messengers.telegram.uploading import Spoilt
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 TOO_FAST = 429
 DEFAULT_WAIT_S = 1.0
@@ -37,6 +43,24 @@ class Kind(enum.Enum):
     LOST = "it may or may not have arrived"
 
 
+class Network(enum.Enum):
+    """What a call that did not succeed shows of the network between Telegram and us."""
+
+    AWAY = "there was no way to anybody"
+    SILENT = "nobody answered"
+    THERE = "somebody answered"
+
+
+_NO_WAY: Final = frozenset({
+    errno.ENETDOWN, errno.ENETUNREACH, errno.EHOSTDOWN, errno.EHOSTUNREACH, errno.ETIMEDOUT,
+})  # fmt: skip
+_SILENT: Final = frozenset({"TimedOut", "TimeoutError", "CancelledError"})
+_BROKEN: Final = frozenset({
+    "ConnectError", "ReadError", "ReadTimeout", "RemoteProtocolError", "WriteError", "WriteTimeout",
+})  # fmt: skip
+CAUSES_AT_MOST: Final = 20
+
+
 class Trouble(MessengerFault):
     """A call to Telegram did not succeed.
 
@@ -45,7 +69,10 @@ class Trouble(MessengerFault):
         reason: What Telegram or the network said, without secrets; for the log.
         wait_s: How long Telegram asks to wait.
         new_chat: The group's new id.
+        network: What it shows of the network.
     """
+
+    network = Network.THERE
 
     def __init__(
         self, sentence: str, kind: Kind, reason: str, *, wait_s: float = 0.0, new_chat: str = ""
@@ -72,6 +99,12 @@ class TooFast(foreign.TelegramError):
 
 def trouble(error: BaseException) -> Trouble:
     """Return what a foreign exception means. Total: every exception means something."""
+    found = _trouble(error)
+    found.network = _network(error)
+    return found
+
+
+def _trouble(error: BaseException) -> Trouble:
     reason = scrub(f"{type(error).__name__}: {error}")
     if isinstance(error, Spoilt):
         return Trouble(error.sentence, Kind.REFUSED, reason)
@@ -110,6 +143,41 @@ _MEANINGS: tuple[tuple[tuple[type[Exception], ...], Kind, str], ...] = (
         "Telegram did not take the message ({reason}).",
     ),
 )
+
+
+def _network(error: BaseException) -> Network:
+    """Return what an exception shows of the network; in doubt, that it was there.
+
+    A connection that is refused was refused by somebody. One that breaks, or an answer that does
+    not come, shows nothing by itself.
+    """
+    causes = list(_causes(error))
+    if any(isinstance(one, ConnectionRefusedError) for one in causes):
+        return Network.THERE
+    if any(map(_is_no_way, causes)):
+        return Network.AWAY
+    names = {type(one).__name__ for one in causes}
+    return Network.THERE if names.isdisjoint(_SILENT | _BROKEN) else Network.SILENT
+
+
+def _is_no_way(error: BaseException) -> bool:
+    if isinstance(error, socket.gaierror):
+        return error.errno == socket.EAI_AGAIN
+    in_vain = isinstance(error, OSError) and error.errno in _NO_WAY
+    return in_vain or type(error).__name__ == "ConnectTimeout"
+
+
+def _causes(error: BaseException) -> Iterator[BaseException]:
+    """Yield an exception and what led to it, as far as anybody looks."""
+    waiting = [error]
+    for _ in range(CAUSES_AT_MOST):
+        if not waiting:
+            return
+        one = waiting.pop(0)
+        yield one
+        waiting += one.exceptions if isinstance(one, BaseExceptionGroup) else ()
+        led = one.__cause__ or one.__context__  # httpcore names no cause
+        waiting += [led] if led is not None else []
 
 
 def _wait_s(error: BaseException) -> float | None:

@@ -33,6 +33,7 @@ class Choices:
 
     def __init__(self) -> None:
         self._shown: dict[int, Choice] = {}
+        self._numbered = 0
         self._last = 0
 
     def show(self, message: str, outbound: Outbound, now_ns: int) -> str:
@@ -50,6 +51,7 @@ class Choices:
         if not self._shown:
             self._last = 0
         self._last = self._last % AT_MOST + 1
+        self._numbered = max(self._numbered, self._last)
         self._shown.pop(self._last, None)
         self._shown[self._last] = Choice(button, message, now_ns)
         return self._last
@@ -68,12 +70,22 @@ class Choices:
 
     def take(self, text: str) -> Choice | None:
         """Return the button whose number was typed. Its neighbours are answered with it."""
-        word = text.strip()
-        if not (word.isascii() and word.isdecimal() and len(word) <= len(str(AT_MOST))):
-            return None
-        taken = self._shown.get(int(word))
+        taken = self._shown.get(_number_in(text))
         if taken is not None:
             for number, choice in list(self._shown.items()):
                 if choice.message == taken.message:
                     del self._shown[number]
         return taken
+
+    def over(self, text: str) -> bool:
+        """Whether a number is typed that once stood before a button, and is no choice any more."""
+        number = _number_in(text)
+        return 0 < number <= self._numbered and number not in self._shown
+
+
+def _number_in(text: str) -> int:
+    """Return the number that a line is; 0 for anything else."""
+    word = text.strip()
+    if word.isascii() and word.isdecimal() and len(word) <= len(str(AT_MOST)):
+        return int(word)
+    return 0

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 CHAT = "terminal"
 WAITING_AT_MOST = 256
+OVER = "over"  # the nonce of no button: a number that was typed too late is a tap too late
 
 
 class TerminalMessenger:
@@ -47,6 +48,7 @@ class TerminalMessenger:
         screen: Where to read and show; None finds out when it is first needed.
         account: The local user's number; None takes that of this process.
         plain: No colours, no prompt that redraws itself.
+        locale: What the terminal is set to; only the default for whoever has not chosen.
 
     Attributes:
         interrupted: Set by each Ctrl-C; see `take_interrupts`.
@@ -70,8 +72,10 @@ class TerminalMessenger:
         screen: Screen | None = None,
         account: str | None = None,
         plain: bool = False,
+        locale: str = "",
     ) -> None:
         self.name = name
+        self.locale = locale
         self.interrupted = asyncio.Event()
         self.ended = asyncio.Event()
         self.gone = False
@@ -135,6 +139,11 @@ class TerminalMessenger:
             return ""
 
     @property
+    def address(self) -> Address:
+        """Whose terminal it is: whoever runs this process."""
+        return Address(self.platform, self.account)
+
+    @property
     def at_hand(self) -> bool:
         """Whether somebody types, and no pipe."""
         return is_terminal(sys.stdin)
@@ -157,16 +166,18 @@ class TerminalMessenger:
         now_ns = self._clock.wall_ns()
         message = self._next_id()
         choice = self._choices.take(line)
-        if choice is None:
+        over = choice is None and self._choices.over(line)
+        if choice is None and not over:
             self._choices.retire(self._clock.monotonic_ns())
         return Inbound(
-            sender=Address(self.platform, self.account),
+            sender=self.address,
             chat=self._chat,
             message=message,
-            text="" if choice else line,
-            nonce=choice.button.nonce if choice else None,
-            tap=f"tap-{message}" if choice else "",
+            text="" if choice or over else line,
+            nonce=choice.button.nonce if choice else OVER if over else None,
+            tap=f"tap-{message}" if choice or over else "",
             under=choice.message if choice else "",
+            locale=self.locale,
             sent_ns=now_ns,
             received_ns=now_ns,
             listening_since_ns=self._since_ns,
@@ -257,6 +268,21 @@ def is_terminal(stream: TextIO | None) -> bool:
         return False  # closed
 
 
+def own_locale(*, at_hand: bool | None = None) -> str:
+    """Return what the terminal of a person is set to; empty where programmes read and write.
+
+    Args:
+        at_hand: Whether there is a person; None finds out.
+    """
+    if at_hand is None:
+        at_hand = is_terminal(sys.stdin) and is_terminal(sys.stdout)
+    if not at_hand:
+        return ""
+    names = ("LC_ALL", "LC_MESSAGES", "LANG")
+    said = next(filter(None, (os.environ.get(name, "") for name in names)), "")
+    return said.partition(".")[0].partition("@")[0]
+
+
 def _can_draw() -> bool:
     return os.environ.get("TERM", "dumb") != "dumb"
 
@@ -276,4 +302,4 @@ def terminal_messenger(name: str, settings: Mapping[str, Any], clock: Clock) -> 
     plain = settings.get("plain", False)
     if not isinstance(plain, bool):
         raise ConfigurationError(f"plain of the messenger {name} must be true or false.")
-    return TerminalMessenger(name, clock=clock, plain=plain)
+    return TerminalMessenger(name, clock=clock, plain=plain, locale=own_locale())

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from rosic.core.rule import Rule
     from rosic.pipeline.alerts.book import Book
     from rosic.pipeline.changes import Changes
+    from rosic.pipeline.end_buttons import EndButtons
     from rosic.pipeline.handover import Handover
     from rosic.pipeline.lives import Lives
     from rosic.pipeline.reach import Reach
@@ -49,6 +50,7 @@ class Hands(NamedTuple):
     teller: Teller
     reach: Reach
     face: Face
+    ends: EndButtons
 
 
 class Tasks(Protocol):
@@ -237,6 +239,8 @@ class Running:
         [order] = await self._rooms.container.prepare(permits, [request], origin)
         card = Card(messenger, chat, "", caller.principal, hands.face)
         card.buttons = words.stop_button(rule.robot)
+        catalogue = hands.teller.languages.of(caller.principal)
+        card.after = hands.ends[rule.robot, request.text, catalogue]
         titled = str(words.order_title(f"{shown}: {order.words}", rule))
         life = card.add(order.cid, shown, titled, self._clock.wall_ns())
         hands.lives.begin(order, ByRule(caller), card, life)

@@ -101,11 +101,7 @@ class Settings:
 
 
 def _filled(value: float | str | bool, order: Order) -> float | int | str | bool:
-    if not isinstance(value, str) or value[:1] != "$":
-        return value
-    name, dot, part = value[1:].partition(".")
-    argument = order.arguments[name]
-    if not dot:
-        return argument
-    meaning = order.skill.parameters[name].means[str(argument)][part]
-    return str(argument) if isinstance(meaning, tuple) else meaning
+    meaning = order.skill.filled(value, order.arguments)
+    if not isinstance(meaning, tuple):
+        return meaning
+    return str(order.arguments[str(value)[1:].partition(".")[0]])  # a row of numbers, by its word

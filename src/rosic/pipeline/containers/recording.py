@@ -15,6 +15,7 @@ from rosic.contracts.messenger import (
     account_since,
     admins_of,
     catching_up,
+    keep_pace_with,
     know_with,
     menus_of,
     pictures_of,
@@ -30,10 +31,11 @@ from rosic.core.message import ChatKind
 from rosic.errors import StoreFault
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Mapping
 
     from rosic.container.archive import Archive
     from rosic.contracts.messenger import (
+        Keep,
         Knows,
         Messenger,
         Passed,
@@ -114,6 +116,10 @@ class Recorded:
     def account_since(self, since_ns: int) -> None:
         """Name its account in what was sent since; see ``contracts.messenger``."""
         account_since(self._messenger, since_ns)
+
+    def keep_pace(self, kept: Mapping[str, bytes], keep: Keep) -> None:
+        """Go on with what an earlier run has said; see ``contracts.messenger``."""
+        keep_pace_with(self._messenger, kept, keep)
 
     def know_with(self, known: Knows) -> None:
         """Read first what people known here sent; see ``contracts.messenger``."""

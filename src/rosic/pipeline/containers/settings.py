@@ -53,6 +53,8 @@ class Settings:
             wanted, value = ZONE, value[len(ZONE) :].strip()
         if wanted is None:
             raise NotUnderstood(words.no_such_setting(what), offers=("/settings",))
+        if wanted == LANGUAGE and not value:
+            return self._languages(asked.caller.principal)
         return await self._set(asked.caller.principal, wanted, value)
 
     async def language(self, asked: Asked) -> Reply:
@@ -64,9 +66,19 @@ class Settings:
         said = asked.rest.strip()
         if said:
             return await self._set(asked.caller.principal, LANGUAGE, said)
-        book = self._book
-        row = tuple(Button(names[0], f"/language {code}") for code, names in book.languages.items())
-        return Reply(book.languages[self._spoken(asked.caller.principal)][0], (row,))
+        return self._languages(asked.caller.principal)
+
+    def _languages(self, principal: PrincipalId) -> Reply:
+        """Say which language somebody reads, and offer those there are."""
+        languages = self._book.languages
+        row = tuple(Button(names[0], f"/language {code}") for code, names in languages.items())
+        names = [names[0] for names in languages.values()]
+        return Reply(words.language(self._language(principal), names), (row,))
+
+    def _language(self, principal: PrincipalId) -> str:
+        """Return the language that somebody chose; else whichever they read this in."""
+        names = self._book.languages.get(self._book.of(principal).language)
+        return words.THIS_LANGUAGE if names is None else names[0]
 
     async def _set(self, principal: PrincipalId, what: str, value: str) -> Reply:
         async with self._holdings.changes.turn() as turn:
@@ -93,22 +105,17 @@ class Settings:
             return book.set_speed(principal, value)
         return book.set_zone(principal, value, _zone)
 
-    def _spoken(self, principal: PrincipalId) -> str:
-        """Return the code of the language somebody is spoken to in."""
-        languages, code = self._book.languages, self._book.of(principal).language
-        return code if code in languages else next(iter(languages))
-
     def _show(self, principal: PrincipalId) -> Reply:
         kept, languages = self._book.of(principal), self._book.languages
         robot = self._holdings.shown(kept.robot) if kept.robot else ""
         zone = self._holdings.zone_of(principal).name
-        text = words.settings(kept, languages[self._spoken(principal)][0], robot, zone)
+        text = words.settings(kept, self._language(principal), robot, zone)
         other = METRIC if kept.units == IMPERIAL else IMPERIAL
         row = [Button(capital(words.UNITS_SAID[other]), f"/settings {UNITS} {other}")]
         row += [
             Button(names[0], f"/{LANGUAGE} {code}")
             for code, names in languages.items()
-            if code != self._spoken(principal)
+            if code != kept.language  # not chosen, it is that of the messenger: all are offered
         ]
         return Reply(text, (tuple(row),))
 

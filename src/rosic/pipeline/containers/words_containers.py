@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.container.preferences import IMPERIAL, METRIC
 from rosic.container.words_container import size
 from rosic.core.language.cleaning import quote
+from rosic.core.language.suggestions import AND
 from rosic.core.saying import joined, said, said_n
 
 if TYPE_CHECKING:
@@ -39,6 +40,19 @@ def no_such_setting(given: str) -> str:
     """Return that there is nothing of that name to set."""
     return said(
         "There is no setting {quote}. {how_to_set}", quote=quote(given), how_to_set=HOW_TO_SET
+    )
+
+
+# In every language its own name: whoever reads it reads that language.
+THIS_LANGUAGE: Final = said("English")
+
+
+def language(language: str, names: Iterable[str]) -> str:
+    """Return which language somebody reads, and which there are."""
+    return said(
+        "Language: {language}. I speak {names}.",
+        language=language,
+        names=joined(AND, tuple(names)),
     )
 
 

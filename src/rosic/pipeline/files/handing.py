@@ -26,6 +26,7 @@ from rosic.errors import (
     RobotTaken,
     RobotUnreachable,
 )
+from rosic.organiser.refusing import may_resume
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.files.aside import Progress, send_file
 from rosic.pipeline.files.outboxes import Outboxes
@@ -214,7 +215,9 @@ class Handing:
             barred = self._board.barred(robot)
             if barred is not None:
                 raise barred
-            raise RobotStopped(words.is_stopped(profile.shown), offers=(f"resume {robot}",))
+            may = may_resume(self._organiser, self._board, caller.principal, robot)
+            offers = (f"resume {robot}",) if may else ()
+            raise RobotStopped(words.is_stopped(profile.shown), offers=offers)
         holder = self._organiser.holder(robot)
         if holder not in {None, caller.principal}:
             name = self._holdings.name(holder or "")

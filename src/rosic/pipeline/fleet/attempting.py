@@ -154,7 +154,8 @@ class Attempting:
         except BaseException:
             rooms.organiser.abandon(permits)
             raise
-        if not self._begin(order, caller, (messenger, chat), task, asker):
+        card = self._card(caller, (messenger, chat), request)
+        if not self._begin(order, caller, card, task, asker):
             return None
         return Attempt(doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits))
 
@@ -177,23 +178,27 @@ class Attempting:
             raise NotPermitted(words.no_chat(self._rooms.organiser.name_of(task.author)))
         return places[0]
 
-    def _begin(
-        self, order: Order, caller: Caller, where: tuple[Messenger, Chat], task: Task, asker: Asker
-    ) -> bool:
+    def _card(self, caller: Caller, where: tuple[Messenger, Chat], request: Request) -> Card:
+        hands, robot = self._hands, request.robot
+        catalogue = hands.teller.languages.of(caller.principal)
+        wording = ENGLISH if catalogue is None else wording_in(catalogue)
+        card = Card(*where, "", caller.principal, hands.face, wording)
+        card.about = robot
+        card.buttons = stop_button(robot)
+        card.after = hands.ends[robot, request.text, catalogue]
+        return card
+
+    def _begin(self, order: Order, caller: Caller, card: Card, task: Task, asker: Asker) -> bool:
         """RELAYCOMMAND goes on in a life of its own, unless nobody wants it any more.
 
         Between the look and the beginning nothing else happens: whoever takes the task from its
         robot from here on finds the order there, and ends it.
         """
         hands, shown = self._hands, self._rooms.profiles[order.robot].shown
-        catalogue = hands.teller.languages.of(caller.principal)
-        wording = ENGLISH if catalogue is None else wording_in(catalogue)
-        card = Card(*where, "", caller.principal, hands.face, wording)
-        card.about = order.robot
-        card.buttons = stop_button(order.robot)
+        catalogue = card.words.catalogue
         what = in_language(order.words, catalogue)
         title = in_language(words.order_title(f"{shown}: {what}", task), catalogue)
-        life = AwaitedLife(shown, title, hands.face, self._clock.wall_ns(), wording)
+        life = AwaitedLife(shown, title, hands.face, self._clock.wall_ns(), card.words)
         card.show(order.cid, life)
         wanted = asker.wanted()
         if wanted:

@@ -283,6 +283,7 @@ class CompanyClerk:
         card = Card(asked.messenger, chat, reply_id(asked.inbound), who, hands.face, wording)
         card.about = meant.name
         card.buttons = stop_button(meant.name.replace(JOINED, " "))
+        card.after = hands.ends[meant.name, meant.again, catalogue]
         for order in orders:
             shown = self._shown(order.robot)
             what = in_language(order.words, catalogue)

@@ -15,7 +15,7 @@ from rosic.core.message import Button
 from rosic.core.record import Decided
 from rosic.core.saying import joined
 from rosic.core.words import no_robot_or_group
-from rosic.errors import NotUnderstood
+from rosic.errors import NotUnderstood, Refusal
 from rosic.pipeline import words_cancel
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_pausing as words
@@ -94,6 +94,7 @@ class PauseClerk:
         Raises:
             NotUnderstood: A name means nobody.
             Expired: Robots would move because of it, and it was not sent just now.
+            RecordUnavailable: A task stays paused; the sentence says which went on before it.
         """
         who, robots = asked.caller.principal, self._named(asked)
         fleet = self._dispatching.fleet
@@ -112,10 +113,15 @@ class PauseClerk:
         went_on = []
         for task in paused:
             decided = Decided(act="task-go", by=who, about=task.id, at_ns=at_ns, digest=asked.cid)
-            if not task.too_late(at_ns) and await self._dispatching.feed(
-                e.Released(task.id), decided
-            ):
-                went_on.append(task.id)
+            try:
+                if not task.too_late(at_ns) and await self._dispatching.feed(
+                    e.Released(task.id), decided
+                ):
+                    went_on.append(task.id)
+            except Refusal as why:
+                if went_on:
+                    why.reworded(joined("\n", (words.went_on(went_on), why.sentence)))
+                raise
         return Reply(words.went_on(went_on) if went_on else words.TOO_LATE)
 
     def _nothing_paused(self, who: PrincipalId, robots: Collection[RobotId]) -> Reply:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core import words as core_words
+from rosic.core.authority import RESUME
 from rosic.core.fleet import events as e
 from rosic.core.fleet.task import Standing
 from rosic.core.language.suggestions import did_you_mean
@@ -122,7 +123,8 @@ class RobotClerk:
         await self._stand(asked, robot, Standing.ACTIVE)
         can = core_words.help_for(self._rooms.profiles[robot])
         text = words.about(words.joins(shown), can if verb == "add" else "")
-        return Reply(text, words.resume_button(robot, shown), about=robot)
+        may = self._rooms.organiser.allows(asked.caller.principal, robot, RESUME)
+        return Reply(text, words.resume_button(robot, shown) if may else (), about=robot)
 
     async def _stand(self, asked: Asked, robot: RobotId, standing: Standing) -> None:
         decided = Decided(

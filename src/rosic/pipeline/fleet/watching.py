@@ -40,13 +40,21 @@ log = logging.getLogger("rosic.fleet")
 class Watching:
     """Feeds a fleet with what nobody tells it.
 
-    Attributes:
+    Args:
         engaged: Whether a robot has something else to do than tasks, though it carries out nothing.
+
+    Attributes:
         prefer: Who takes over a task that waits: whoever helps the robot that had it.
     """
 
-    def __init__(self, rooms: Rooms, dispatching: Dispatching, clock: Clock) -> None:
-        self.engaged: Callable[[RobotId], bool] = _not_engaged
+    def __init__(
+        self,
+        rooms: Rooms,
+        dispatching: Dispatching,
+        clock: Clock,
+        engaged: Callable[[RobotId], bool],
+    ) -> None:
+        self._engaged = engaged
         self.prefer: dict[TaskId, RobotId] = {}
         self._rooms = rooms
         self._dispatching = dispatching
@@ -171,7 +179,7 @@ class Watching:
             task = fleet.tasks.get(key)
             waits = task is not None and (task.state is State.QUEUED or task.leaving)
             there = self._rooms.linker.presence(robot).online is not False
-            helps = there and self.engaged(robot) and fleet.standing(robot) is Standing.ACTIVE
+            helps = there and self._engaged(robot) and fleet.standing(robot) is Standing.ACTIVE
             if task is None or not waits or not helps:
                 del self.prefer[key]
             elif key in fleet.waiting and may(fleet, task, self.glance(robot, helping=True)):
@@ -197,7 +205,7 @@ class Watching:
             and not presence.moves
             and not rooms.board[robot].latched
             and rooms.linker.current(robot) is None
-            and (helping or not self.engaged(robot))
+            and (helping or not self._engaged(robot))
         )
         holder = rooms.organiser.whose(robot)
         if rooms.profiles[robot].slots is Slots.REQUIRED:
@@ -228,7 +236,3 @@ def _place(presence: Presence) -> tuple[float, float] | None:
     if isinstance(x, int | float) and isinstance(y, int | float):
         return float(x), float(y)
     return None
-
-
-def _not_engaged(_robot: RobotId) -> bool:
-    return False

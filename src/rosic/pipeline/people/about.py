@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.authority import RESUME
 from rosic.core.language import clean_name
 from rosic.core.reach import FLEET
 from rosic.core.saying import joined
 from rosic.core.words import spoken
+from rosic.organiser.refusing import bound_of
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import UNIVERSAL, zone_named
 from rosic.pipeline.desk import Reply
@@ -112,12 +114,30 @@ class About:
         rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
         alike: dict[str, list[str]] = {}
         for robot in sorted(rights.visible(principal, now_ns) - {FLEET}):
-            skills = rights.fleet.skills[robot]
-            may = [s for s in skills if rights.holds(principal, robot, s, now_ns)]
-            moves = any(rights.actuates(robot, s) for s in may)
-            said = words.may_do([spoken(skills[s]) for s in may], len(skills), moves=moves)
-            alike.setdefault(said, []).append(self._shown(robot))
+            alike.setdefault(self._may_do(principal, robot, now_ns), []).append(self._shown(robot))
         return [words.robots_line(robots, said) for said, robots in alike.items()]
+
+    def _may_do(self, principal: PrincipalId, robot: RobotId, now_ns: int) -> str:
+        """Say what somebody may let one robot do: everything only where nothing is missing."""
+        rights = self._registry.rights()
+        skills = rights.fleet.skills[robot]
+        may = [s for s in (*skills, RESUME) if rights.holds(principal, robot, s, now_ns)]
+        if not any(rights.actuates(robot, skill) for skill in may):
+            return words.MAY_LOOK
+        limits = {skill: rights.limits(principal, robot, skill, now_ns) for skill in may}
+        lacks = [skill for skill in (*skills, RESUME) if skill not in may]
+        if not lacks and not any(limits.values()):
+            return words.EVERYTHING
+        told = [
+            words.within(
+                spoken(skills[skill]), [list(map(bound_of, limit)) for limit in limits[skill]]
+            )
+            for skill in may
+            if skill != RESUME
+        ]
+        return words.may_do(
+            told, [spoken(skills[s]) for s in lacks if s != RESUME], resume=RESUME in may
+        )
 
     def _key(self, principal: PrincipalId) -> list[str]:
         key = self._registry.keys.current(principal)

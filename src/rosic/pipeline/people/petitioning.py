@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.civil import Local
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.people.registry import Registry
 
 MOST_NAMED = 6
+MOST_LOOKED_AT = 1_000
 TODAY = "today"
 _NUMBER = re.compile(r"\d{1,9}(?:\.\d{1,3})?")
 
@@ -85,7 +87,7 @@ class Petitioning:
             petition, records = self._petitions.ask(principal, want, digest)
             others = self._answerers(petition)
             if not others:
-                raise NotPermitted(words.nobody_gives())
+                raise NotPermitted(self._nobody(principal, given))
             await turn.write(records)
         names = self._names(others)
         told = self._registry.reach.tell(
@@ -95,6 +97,19 @@ class Petitioning:
         if not told:
             return Reply(words.reach_nobody(names))
         return Reply(words.have_asked(names, self._asked_for(petition), WAITS_S))
+
+    def _nobody(self, principal: PrincipalId, given: Given) -> str:
+        """Say that nobody can answer, and who has what was asked for themselves."""
+        rights, now_ns = self._registry.rights(), self._registry.clock.wall_ns()
+        people = (
+            who
+            for who in islice(rights.people(), MOST_LOOKED_AT)
+            if who != principal
+            and self._powers.acts(who)
+            and not self._places.lacks(rights, who, given, now_ns)
+        )
+        names = self._names(islice(people, MOST_NAMED))
+        return words.nobody_gives(self._places.what(given), names)
 
     def _check_lacking(self, principal: PrincipalId, given: Given) -> None:
         """See that somebody does not have all of this already, without limits.

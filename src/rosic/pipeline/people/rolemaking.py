@@ -143,7 +143,7 @@ class Rolemaking:
     def _check_gives(self, by: PrincipalId) -> None:
         self._powers.check_not_locked(by)
         if not self._powers.gives(by):
-            raise NotPermitted(words_asking.not_yours(self._powers.helpers(by)))
+            raise NotPermitted(words_roles.not_yours(self._powers.helpers(by)))
 
     def _check_not_of_the_file(self, name: str) -> None:
         if name in self._book.file.roles:

@@ -304,11 +304,30 @@ def rights_lines(grants: Sequence[str]) -> list[str]:
     ]
 
 
-def may_do(skills: Sequence[str], count: int, *, moves: bool) -> str:
-    """Return what somebody may let a robot do."""
-    if not moves:
-        return said("you may look, and stop it")
-    return said("everything") if len(skills) == count else listed(skills)
+MAY_LOOK: Final = said("you may look, and stop it")
+EVERYTHING: Final = said("everything")
+
+
+def within(skill: str, limits: Sequence[Sequence[str]]) -> str:
+    """Return a skill with its limits: ``grasp (force <= 20 N)``; any of several is enough."""
+    if not limits:
+        return skill
+    shown = joined(OR, [listed(each) for each in limits])
+    return said("{skill} ({limits})", skill=skill, limits=shown)
+
+
+def may_do(skills: Sequence[str], lacks: Sequence[str], *, resume: bool) -> str:
+    """Return what somebody may let a robot do, and what of it not.
+
+    Args:
+        skills: What they may.
+        lacks: The other skills.
+        resume: Whether they may resume it.
+    """
+    not_theirs = [*lacks, *(() if resume else (said("resume"),))]
+    if not not_theirs:
+        return listed(skills)
+    return said("{skills}; not {lacks}", skills=listed(skills), lacks=joined(OR, not_theirs))
 
 
 def robots_line(robots: Sequence[str], what: str) -> str:

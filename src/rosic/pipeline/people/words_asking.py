@@ -55,11 +55,20 @@ def no_such_right(shown: str) -> str:
     return said("Say what you would like {robot} to do. Nothing was asked.", robot=shown)
 
 
-def nobody_gives() -> str:
-    """Return that nobody can answer."""
-    return said(
-        "Nobody whom I know can give that. The operator of this place can. Nothing was asked."
+def nobody_gives(what: str, names: Sequence[str]) -> str:
+    """Return that nobody can answer.
+
+    Args:
+        what: What was asked for.
+        names: Of people who have it themselves.
+    """
+    sentence = said(
+        "Nobody here can give you that: {what}. The operator of this place can. Nothing was asked.",
+        what=what,
     )
+    if not names:
+        return sentence
+    return joined(" ", (sentence, said("{names} may do it.", names=_either(names))))
 
 
 def have_asked(names: Sequence[str], what: str, waits_s: int) -> str:

@@ -29,6 +29,14 @@ NO_FLEET: Final = said(
 )
 
 
+def not_yours(helpers: Sequence[str]) -> str:
+    """Return why somebody does not see the roles, and what they may look at instead."""
+    return said(
+        "Roles are for whoever gives rights here. {can} Nothing was done. What you may do says: me",
+        can=can_do(helpers),
+    )
+
+
 def for_good(helpers: Sequence[str]) -> str:
     """Return why somebody whose right to give rights ends makes and changes no roles."""
     return said(

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
-from rosic.core.saying import said
+from rosic.core.saying import joined, said
 from rosic.core.view import Clip, Encoded, Grid, Raster, Sight, View
 from rosic.errors import NothingToSee, NotUnderstood
 from rosic.pipeline.desk import Reply
@@ -116,34 +116,28 @@ class Looking:
         view = await self._first(robot, Sight.MAP)
         again = Button(said("Again"), _command("map", robot, low=low))
         buttons = (again, *_coarser("map", robot, low=low))
-        pose_ns = view.content.pose_ns if isinstance(view.content, Grid) else None
-        return self._shot(robot, view, words.plan(), buttons, low=low, pose_ns=pose_ns)
+        return self._shot(robot, view, words.plan(), buttons, low=low)
 
     def _shot(
-        self,
-        robot: RobotId,
-        view: View,
-        what: str,
-        buttons: tuple[Button, ...],
-        *,
-        low: bool,
-        pose_ns: int | None = None,
+        self, robot: RobotId, view: View, what: str, buttons: tuple[Button, ...], *, low: bool
     ) -> Shot:
         shown, age_s = self._seeing.profiles[robot].shown, self._seeing.age_s
-        return Shot(
-            view.content,
-            lambda: words.caption(
+        grid = view.content if isinstance(view.content, Grid) else None
+
+        def caption() -> str:
+            pose_ns = None if grid is None else grid.pose_ns
+            text = words.caption(
                 shown,
                 what,
                 age_s(view.taken_ns),
                 foreign=view.foreign,
                 low=low,
                 pose_age_s=None if pose_ns is None else age_s(pose_ns),
-            ),
-            robot,
-            low,
-            (buttons,),
-        )
+            )
+            beside = None if grid is None else grid.outside
+            return text if beside is None else joined(". ", (text, words.outside(shown, beside)))
+
+        return Shot(view.content, caption, robot, low, (buttons,))
 
     async def _first(self, robot: RobotId, sight: Sight) -> View:
         shown = self._seeing.profiles[robot].shown

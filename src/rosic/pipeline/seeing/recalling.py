@@ -111,6 +111,9 @@ class Recalling:
         track = self._seeing.sampler.tracks.get(robot)
         if track is None or not track.points:
             raise NothingToSee(words.no_way(profile.shown))
+        if track.length_m < words.NOTHING_M:
+            over = track.ended_ns is not None
+            raise NothingToSee(words.stayed(profile.shown, track.words, over=over))
         self._seeing.studio.begin(
             asked, robot, PICTURE_COST, self._way(robot, track, low=low), kept="way"
         )

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.measures import measured
 from rosic.core.saying import joined, said
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rosic.core.view import Pose
+
 MINUTE_S, HOUR_S = 60.0, 3600.0
 TENTHS_UNTIL_S = 10.0
+NOTHING_M = 0.005
+"""A shorter way reads as 0.00 m."""
 SHOWN_VALUES = 8
 
 NO_PAINTER = said(
@@ -78,6 +83,31 @@ def clip(seconds: float) -> str:
 def plan() -> str:
     """Return what a map is."""
     return said("map")
+
+
+def outside(robot: str, pose: Pose) -> str:
+    """Return that a robot is beside the map, and where."""
+    return said(
+        "{robot} is outside this map, at x {x}, y {y}.",
+        robot=robot,
+        x=measured(f"{pose.x_m:.2f} m", pose.x_m, "m"),
+        y=measured(f"{pose.y_m:.2f} m", pose.y_m, "m"),
+    )
+
+
+def stayed(robot: str, words: str, *, over: bool) -> str:
+    """Return that there is no way to draw: it stood where it is."""
+    if over:
+        return said(
+            "{robot} did not move from its place with the last order ({order}).",
+            robot=robot,
+            order=words,
+        )
+    return said(
+        "{robot} has not moved from its place with this order so far ({order}).",
+        robot=robot,
+        order=words,
+    )
 
 
 def way(words: str, metres: float, seconds: float, *, over: bool) -> str:

@@ -148,7 +148,9 @@ class Ending:
             self._times.reach.tell((slot.principal,), said_so)
             return
         resume = Button(said("Resume {shown}", shown=shown), f"/resume {slot.robot}")
-        self._times.reach.tell((slot.principal,), words_keeper.wait_for_rest(shown), ((resume,),))
+        may = self._times.sides.may_resume(slot.principal, slot.robot)
+        rows = ((resume,),) if may else ()
+        self._times.reach.tell((slot.principal,), words_keeper.wait_for_rest(shown), rows)
 
     async def close(self) -> None:
         """Wait for what is under way, briefly, and let go of the rest."""

@@ -92,7 +92,9 @@ class Naming:
         if robots:
             raise NotUnderstood(words.which_of(name), offers=_offers(verb, robots, rest))
         if begin < len(low) and not nameless:
-            trouble = Misunderstanding([verb, *raw], [verb, *low], self._vocabulary, visible)
+            heard = ([verb, *raw], [verb, *low])
+            # What comes after the name is read by the verb.
+            trouble = Misunderstanding(heard, self._vocabulary, visible, lambda _: True)
             wrong = trouble.no_such_robot(begin + 1)
             raise NotUnderstood(wrong.sentence, offers=wrong.offers)
         return self._unnamed(asked, verb, visible, text), text

@@ -41,6 +41,7 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
             it stands in the outcome of an order. False: rest was not confirmed, and the robot is
             stopped until somebody who may resumes it: not `ready`.
         barred: Why a robot must stay stopped, whoever resumes it; None if it need not.
+        may_resume: Whether somebody could resume a robot now.
         may_stay: Whether a holder may go on in another's slot: a senior who took over.
     """
 
@@ -53,6 +54,7 @@ class Sides(msgspec.Struct, frozen=True, kw_only=True):
     ready: Callable[[RobotId], bool]
     handover: Handover
     barred: Callable[[RobotId], Refusal | None]
+    may_resume: Callable[[PrincipalId, RobotId], bool]
     may_stay: Callable[[PrincipalId, Slot], bool]
     right_ends_ns: Callable[[PrincipalId, RobotId], int | None]
 

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from rosic.core.deadman import Break
     from rosic.core.gate import Gate
     from rosic.core.order import Order, Outcome
-    from rosic.core.skill import Argument, Meaning
     from rosic.robots.ros2.measuring import Measurements
     from rosic.robots.ros2.rest import Brakes, Resting
     from rosic.robots.ros2.ros import RosObject
@@ -193,18 +192,9 @@ def filled(values: Mapping[str, float | int | str | bool], order: Order) -> dict
     """
     found: dict[str, object] = {}
     for field, value in values.items():
-        given = looked_up(value, order)
+        given = order.skill.filled(value, order.arguments)
         found[field] = clean_text(given) if isinstance(given, str) else given
     return found
-
-
-def looked_up(value: Argument | bool, order: Order) -> Argument | Meaning | bool:
-    """Return a value as it is, ``$name`` as the argument, ``$name.x`` as what a choice means."""
-    if not isinstance(value, str) or value[:1] != "$":
-        return value
-    name, dot, part = value[1:].partition(".")
-    argument = order.arguments[name]
-    return order.skill.parameters[name].means[str(argument)][part] if dot else argument
 
 
 def check_fields(cls: RosObject, fields: Mapping[str, object]) -> None:

@@ -8,7 +8,7 @@ from rosic.core.joints import Joints, Move, OutOfReach, plan
 from rosic.core.order import Ending, Outcome
 from rosic.core.saying import said
 from rosic.errors import ConfigurationError, RobotOffline
-from rosic.robots.ros2.errand import check_fields, looked_up
+from rosic.robots.ros2.errand import check_fields
 from rosic.robots.ros2.faults import BadValue
 from rosic.robots.ros2.goal_fields import Made
 
@@ -98,19 +98,19 @@ class TrajectoryGoal:
         return tuple(float(there[name]) for name in self._names)
 
     def _goal(self, order: Order, start: tuple[float, ...]) -> tuple[float, ...]:
-        to = looked_up(self._trajectory.to, order)
+        to = order.skill.filled(self._trajectory.to, order.arguments)
         if not self._trajectory.joint:
             if not isinstance(to, tuple) or len(to) != len(start):
                 raise BadValue(f"A pose of this arm has {len(start)} joints.")
             return to
-        joint = looked_up(self._trajectory.joint, order)
+        joint = order.skill.filled(self._trajectory.joint, order.arguments)
         if joint not in self._names or not isinstance(to, (int, float)):
             raise BadValue(f"{joint} is no joint of this arm.")
         pairs = zip(self._names, start, strict=True)
         return tuple(float(to) if name == joint else here for name, here in pairs)
 
     def _share(self, order: Order) -> float:
-        share = looked_up(self._trajectory.speed, order)
+        share = order.skill.filled(self._trajectory.speed, order.arguments)
         if isinstance(share, (int, float)) and 0 < share <= 1:
             return float(share)
         raise BadValue("A speed is a share of the joints' own, above 0 and at most 1.")

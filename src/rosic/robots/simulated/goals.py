@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
+from rosic.robots.simulated.machines.activity import CannotDo
+from rosic.robots.simulated.machines.mecanum import Velocity
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -19,6 +23,9 @@ UNUSED = {
     ("crazyflie", "goto"): {"yaw_rad"},
 }
 RENAMED = {("omni", "arm"): {"name": "pose"}}
+# Of a Twist, and below STAMPED of a TwistStamped; a machine that drives on a floor has no others.
+PLANAR = ("linear.x", "linear.y", "angular.z")
+STAMPED = "twist."
 
 
 def machine_arguments(model: str, skill: str, goal: Mapping[str, Value]) -> dict[str, Value]:
@@ -32,7 +39,25 @@ def goal_of(skill: Skill, arguments: Mapping[str, Argument]) -> dict[str, Value]
     """Return the goal that the skill's action would carry, placeholders filled (SI)."""
     if skill.action is None:
         return dict(arguments)
-    return {
-        field: arguments[value[1:]] if isinstance(value, str) and value[:1] == "$" else value
-        for field, value in skill.action.goal.items()
-    }
+    filled = {field: skill.filled(value, arguments) for field, value in skill.action.goal.items()}
+    # A machine takes no rows of numbers: as a text, one is refused by its name.
+    return {field: str(v) if isinstance(v, tuple) else v for field, v in filled.items()}
+
+
+def velocity_of(robot: str, skill: Skill, arguments: Mapping[str, Argument]) -> Velocity:
+    """Return the velocity that the skill's topic would carry: m/s forward and to the left, rad/s.
+
+    Raises:
+        CannotDo: It carries none of them.
+    """
+    message = {} if skill.topic is None else skill.topic.message
+    given = {field.removeprefix(STAMPED): value for field, value in message.items()}
+    if given.keys().isdisjoint(PLANAR):
+        fields = ", ".join(PLANAR)
+        sentence = said("is driven by {fields}, and this skill sends none of them", fields=fields)
+        raise CannotDo(robot, sentence)
+    values = [skill.filled(given.get(field, 0.0), arguments) for field in PLANAR]
+    numbers = [float(v) for v in values if isinstance(v, int | float)]
+    if len(numbers) < len(values):
+        raise CannotDo(robot, said("a velocity is not a finite number"))
+    return Velocity(*numbers)

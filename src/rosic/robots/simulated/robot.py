@@ -16,7 +16,7 @@ from rosic.core.saying import joined, said
 from rosic.core.view import Pose, Sight, View
 from rosic.errors import ConfigurationError, NothingToSee
 from rosic.robots.simulated.fellow import answer
-from rosic.robots.simulated.goals import goal_of, machine_arguments
+from rosic.robots.simulated.goals import goal_of, machine_arguments, velocity_of
 from rosic.robots.simulated.machines.activity import Activity, CannotDo, State
 from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.omni import Omni
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from rosic.core.deadman import Break
     from rosic.core.gate import Gate
     from rosic.core.view import Content
+    from rosic.robots.simulated.machines.mecanum import Velocity
 
 REST_EVERY_S = 0.02
 WAITING = "waiting"  # what a machine says until its first step; news only for a common start
@@ -155,37 +156,36 @@ class SimulatedRobot:
         machine = self._machine
         if not isinstance(machine, Omni):
             raise CannotDo(self.profile.id, said("cannot be driven by a velocity"))
-        given = order.arguments
-        x, y, turn = (float(given.get(name, 0.0)) for name in ("linear", "lateral", "angular"))
-        machine.set_velocity(x, y, turn, self._theatre.now_s())
+        velocity = velocity_of(self.profile.id, order.skill, order.arguments)
+        machine.set_velocity(*velocity, self._theatre.now_s())
         tell(Report(Stage.RECEIVED))
         self._theatre.wake()
         try:
-            return await self._stream(order, tell, machine, (x, y, turn))
+            return await self._stream(order, tell, machine, velocity)
         except CannotDo as cannot:
             await self._rest()
             return Outcome(Ending.FAILED, cannot.reason)
 
-    async def _stream(
-        self, order: Order, tell: Tell, machine: Omni, velocity: tuple[float, float, float]
-    ) -> Outcome:
+    async def _stream(self, order: Order, tell: Tell, machine: Omni, velocity: Velocity) -> Outcome:
         """Go on with a drive that has begun."""
-        x, y, turn = velocity
         duration_s = float(order.arguments.get("duration", 0.0))
         watchdog_s = self.profile.watchdog_s or machine.watchdog_s
         begun_ns = self._clock.monotonic_ns()
-        dead_man = DeadMan(begun_ns, watchdog_s=watchdog_s, heard_within_s=inf)
+        dead_man, moved = DeadMan(begun_ns, watchdog_s=watchdog_s, heard_within_s=inf), False
         while self.gate.still_allows(order):
             now_ns = self._clock.monotonic_ns()
             broken, past_s = dead_man.look(now_ns, 0.0), (now_ns - begun_ns) / 1e9
             if broken is not None:
                 return await self._broken_off(broken, (dead_man.last_ns - begun_ns) / 1e9)
+            moved = moved or not machine.at_rest()
             if past_s >= duration_s:
                 await self._rest()
+                if not moved:
+                    return Outcome(Ending.SENT)  # as over ROS: of no motion nothing is said
                 return Outcome(
                     Ending.DONE, said("drove for {duration_s:g} s", duration_s=duration_s)
                 )
-            machine.set_velocity(x, y, turn, now_ns / 1e9)
+            machine.set_velocity(*velocity, now_ns / 1e9)
             tell(Report(Stage.RUNNING, past_s / duration_s))
             await self._clock.sleep(min(SETPOINT_EVERY_S, duration_s - past_s))
         return Outcome(Ending.CANCELLED)

@@ -5,7 +5,9 @@ import re
 
 import pytest
 
+from rosic.app.languages import catalogue
 from rosic.core.message import ChatKind
+from rosic.core.saying import in_language
 from rosic.pipeline.containers.words_containers import HOW_TO_SET
 from tests.rooms.pipeline.containers.ward import a_ward
 from tests.rooms.pipeline.place import ADA, BO, VI, Place
@@ -49,9 +51,12 @@ async def test_what_is_no_setting_is_said_so() -> None:
         assert await ward.said("settings", kind=GROUP) == (
             "Ask me that in a private chat with me, please."
         )
-        reply = await ward.ask("language")
-        assert reply.text == "English"
-        assert [b.command for row in reply.buttons for b in row] == ["/language en", "/language de"]
+        for line in (("language",), ("settings", "language")):
+            reply = await ward.ask(*line)
+            assert reply.text == "Language: English. I speak English and Deutsch."
+            assert in_language(reply.text, catalogue("de")).startswith("Sprache: Deutsch.")
+            labels = [(b.label, b.command) for row in reply.buttons for b in row]
+            assert labels == [("English", "/language en"), ("Deutsch", "/language de")]
         said = await ward.said("settings", "speed 1 m/s")
         assert said.startswith('No robot here is given a speed in "m/s".')
 

@@ -13,11 +13,9 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.documents.profiles import known_units
-from rosic.app.placing.access import Access
+from rosic.app.placing.access import Access, authoriser_of
 from rosic.app.placing.authority import Authority
 from rosic.app.placing.people import remember
-from rosic.authoriser.authoriser import Authoriser
-from rosic.authoriser.directory import Directory
 from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
@@ -30,6 +28,7 @@ from rosic.core.stopboard import StopBoard, not_known_yet
 from rosic.errors import Refusal, Unrecognised
 from rosic.messengers.memory import MemoryMessenger
 from rosic.organiser.organiser import Organiser
+from rosic.organiser.rates import Rates
 from rosic.organiser.roster import GRANT
 from rosic.pipeline.agreement import Act, Part
 from rosic.pipeline.consent import Consent
@@ -114,21 +113,22 @@ class Hall:
         self.slots: Sequence[str] | None = None
         self._ends: Callable[[str], Awaitable[None]] | None = None
         entropy = SeededEntropy(seed)
-        self.directory = Directory()
-        self.authoriser = Authoriser(self.directory, self.clock, entropy)
-        self.authority = Authority(Rulebook(roles=ROLES), FLEET, known_units(), self.clock)
-        self.access = Access(
-            self.authoriser, self.authority, self.store, HighWater(self.clock), entropy, place="lab"
-        )
+        self.authoriser = authoriser_of(HighWater(self.clock), self.clock, entropy)
+        self.directory = self.authoriser.directory
+        rulebook = Rulebook(roles=ROLES)
+        self.authority = Authority(rulebook, FLEET, known_units(), self.clock, lambda _who: ())
+        self.access = Access(self.authoriser, self.authority, self.store, entropy, "lab")
         self.changes, self.time = self.access.changes, self.access.time
         self.tally, self.locks, self.keys = self.access.tally, self.access.locks, self.access.keys
         self.enrolment, self.stepup = self.access.enrolment, self.access.stepup
+        rights = self.authority.rights
+        self.board = StopBoard([profile.id for profile in FLEET], {}, not_known_yet())
         self.organiser = Organiser(
-            self.authority.rights,
+            rights,
             {profile.id: profile for profile in FLEET},
-            StopBoard([profile.id for profile in FLEET], {}, not_known_yet()),
+            self.board,
             self.access.state,
-            limit=RateLimit(),
+            rates=Rates(self.clock, RateLimit(), {}, rights.rates, self.store.note, str),
             lease_idle_s=30.0,
         )
         vocabulary = Vocabulary.build(FLEET, known_units())
@@ -188,7 +188,9 @@ class Hall:
         custody = Custody(registry, self.powers, notices)
         proving = Proving(registry, self.powers)
         inviting = Inviting(registry, self.powers, link=self.link)
-        self.consent = Consent(self.organiser, registry.reach, OneAct(), self.clock, entropy)
+        self.consent = Consent(
+            self.organiser, registry.reach, OneAct(), self.clock, entropy, self.stepup.is_set_up
+        )
         clerks = Clerks(about, self.admitting, custody, inviting, proving)
         hire(self.office, clerks, self.consent)
 
@@ -246,7 +248,8 @@ class Hall:
             return Reply(str(stranger) if inbound.chat.kind is ChatKind.PRIVATE else "")
         text, act = inbound.text, b""
         if inbound.nonce is not None:
-            text, act = self.authoriser.buttons.redeem(inbound.nonce, caller.principal, inbound)
+            tapped = self.authoriser.buttons.redeem(inbound.nonce, caller.principal, inbound)
+            text, act = tapped.command, tapped.act
             await self.chat.answer_tap(inbound, "")
         if text == LEAVE:
             return Reply("Nothing was done.")
@@ -278,7 +281,7 @@ class Hall:
             self.authority.roster.set_roles(principal, roles)
         self.authority.roster.restore(memory.facts.get(GRANT, ()))
         self.organiser.rights = self.authority.draw_up()
-        self.access.restore(memory, self.organiser)
+        self.access.restore(memory, self.organiser, self.board)
 
     # ---- what people do ----
 

@@ -173,7 +173,10 @@ async def test_a_loop_through_another_role_is_refused() -> None:
 
 async def test_who_gives_no_rights_makes_no_role_and_nobody_makes_more_than_is_theirs() -> None:
     async with house() as place:
-        refused = "That is not yours to give. Ada or Eve can. Nothing was done."
+        refused = (
+            "Roles are for whoever gives rights here. Ada or Eve can. Nothing was done. What you "
+            "may do says: me"
+        )
         for line in ("/role", GUEST, "/role guest off"):
             assert await place.line(BO, line) == refused
         for what in ("omni:move", "*:move", "kuka1:grant", "kuka1:move senior"):

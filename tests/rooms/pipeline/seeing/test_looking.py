@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
+from math import pi
 from typing import TYPE_CHECKING
 
 import pytest
@@ -86,6 +87,29 @@ async def test_a_map_says_how_old_the_position_on_it_is(place: Booth) -> None:
     place.robot("cf1").shows[Sight.MAP] = replace(GRID, pose=Pose(0, 0), pose_ns=pose_ns)
     shown = await place.see("map cf1")
     assert shown.text.endswith("s ago, position 42 s ago")
+
+
+@pytest.mark.parametrize(
+    ("origin", "pose", "beside"),
+    [
+        (Pose(0, 0), Pose(6.94, -0.5), "x 6.94 m, y -0.50 m"),
+        (Pose(0, 0), Pose(0.05, 0.11), "x 0.05 m, y 0.11 m"),
+        (Pose(0, 0), Pose(0.05, 0.05), ""),
+        (Pose(5, 5), Pose(5.05, 5.05), ""),
+        (Pose(5, 5), Pose(0.05, 0.05), "x 0.05 m, y 0.05 m"),
+        (Pose(0, 0, yaw_rad=pi), Pose(-0.05, -0.05), ""),
+        (Pose(0, 0, yaw_rad=pi), Pose(0.05, 0.05), "x 0.05 m, y 0.05 m"),
+    ],
+)
+async def test_a_robot_beside_the_map_is_said_to_be(
+    place: Booth, origin: Pose, pose: Pose, beside: str
+) -> None:
+    now_ns = place.clock.monotonic_ns()
+    grid = replace(GRID, origin=origin, pose=pose, pose_ns=now_ns)
+    place.robot("cf1").shows[Sight.MAP] = grid
+    text = (await place.see("map cf1")).text
+    assert text.endswith(f". The cf1 is outside this map, at {beside}.") is bool(beside)
+    assert ("outside" in text) is bool(beside)
 
 
 async def test_nobody_looks_any_longer_than_it_takes(place: Booth) -> None:

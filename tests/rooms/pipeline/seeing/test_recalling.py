@@ -130,7 +130,12 @@ async def test_a_robot_that_is_away_leaves_a_gap(place: Booth) -> None:
 async def test_the_way_of_the_last_order_is_drawn(place: Booth) -> None:
     robot = place.robot("omni")
     robot.pose = Pose(0.0, 0.0)
+    robot.work_s = 10_000.0
     await place.say("omni move 1 m forward")
+    robot.pose = Pose(0.5, 0.0)
+    await place.clock.advance(0.5)
+    robot.finish()
+    await place.quiet()
     robot.pose = Pose(9.0, 9.0)  # after its end nobody follows
     shown = await place.see("trajectory omni")
     (way, _), *_ = place.painter.drawn
@@ -139,6 +144,21 @@ async def test_the_way_of_the_last_order_is_drawn(place: Booth) -> None:
     assert Pose(9.0, 9.0) not in way.points
     assert "way of the last order (move" in shown.text
     assert shown.text.endswith(" ago")
+
+
+async def test_of_a_robot_that_did_not_move_from_its_place_no_way_is_drawn(place: Booth) -> None:
+    robot = place.robot("omni")
+    robot.work_s = 10_000.0
+    robot.pose = Pose(2.0, 1.0, yaw_rad=0.0)
+    await place.say("omni wave")
+    robot.pose = Pose(2.001, 1.0, yaw_rad=1.5)
+    told = await place.say("trajectory omni")
+    assert told == "The omni has not moved from its place with this order so far (wave)."
+    robot.finish()
+    await place.quiet()
+    told = await place.say("trajectory omni")
+    assert told == "The omni did not move from its place with the last order (wave)."
+    assert not place.painter.drawn
 
 
 async def test_a_way_goes_on_while_the_order_does(place: Booth) -> None:

@@ -7,8 +7,8 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from rosic.app.documents.profiles import known_units
-from rosic.authoriser.authoriser import Authoriser
-from rosic.authoriser.directory import Directory
+from rosic.app.placing.access import authoriser_of
+from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.core.identity import Address, AuthorisationKey, Caller, CommandId, Principal
 from rosic.core.language import Errand, Reader, Vocabulary
@@ -106,10 +106,11 @@ class Lab:
         self.forbidden = {VI}
         self.away: set[str] = set()
         self.barred: dict[str, Refusal] = {}
+        self.may_not_resume: set[str] = set()
         self.zones: dict[str, Zone] = {}
         self.seniors: set[str] = set()
         self.selected: dict[str, str] = {}
-        self.leases = {robot.id: Lease() for robot in FLEET}
+        self.leases = {robot.id: Lease(0) for robot in FLEET}
         self.chat = self.messenger()
         self.reply: Reply | None = None
         self.refusal: Refusal | None = None
@@ -125,7 +126,7 @@ class Lab:
         clock = self.clock
         vocabulary = Vocabulary.build(FLEET, known_units())
         self.reader = Reader(vocabulary)
-        self.authoriser = Authoriser(Directory(), clock, SeededEntropy())
+        self.authoriser = authoriser_of(HighWater(clock), clock, SeededEntropy())
         for who, name in NAMES.items():
             person = Principal(id=who, name=name, addresses=(Address("memory", who),))
             key = AuthorisationKey(id=f"k{who}", principal=who, issuer=ADA, issued_ns=0)
@@ -161,6 +162,7 @@ class Lab:
                 ready=lambda robot: robot not in self.away,
                 handover=self._handover,
                 barred=self.barred.get,
+                may_resume=lambda who, _: who not in self.may_not_resume,
                 may_stay=lambda who, _: who in self.seniors,
                 right_ends_ns=lambda _who, _robot: None,
             ),
