@@ -9,7 +9,42 @@ AFTER = "tests/rooms/pipeline/test_after_a_break.py"
 AWAY = "tests/rooms/pipeline/test_absences.py"
 DEAD_MAN = "tests/core/test_deadman.py"
 
+PURSUED = "tests/rooms/test_pursuit.py"
+
 OF_BREAKS = (
+    Fault(
+        name="I5 a stop that was not confirmed is left at that",
+        file="linker/linker.py",
+        guard="        self.pursuit.begin(stop, task)\n",
+        without="",
+        caught_by=(
+            f"{PURSUED}::test_a_stop_is_applied_once_a_second_until_rest_is_measured",
+            f"{PURSUED}::test_what_is_not_there_is_stopped_once_it_is_back",
+        ),
+    ),
+    Fault(
+        name="I5 what is seen to move is resumed",
+        file="linker/linker.py",
+        guard="if self._robots[robot_id].presence().moves:",
+        without="if False:",
+        caught_by=(f"{PURSUED}::test_what_moves_is_not_resumed_and_stays_stopped_on_disk_too",),
+    ),
+    Fault(
+        name="I6 after a crash a robot is held, and its goal goes on",
+        file="linker/linker.py",
+        guard="        self._brake(Stop(robot_id, generation))\n",
+        without="",
+        caught_by=(
+            f"{PURSUED}::test_one_whose_last_order_is_in_doubt_is_brought_to_rest_and_held",
+        ),
+    ),
+    Fault(
+        name="I5 a stop goes on after it was undone",
+        file="linker/linker.py",
+        guard="        self.pursuit.end(robot_id)\n",
+        without="",
+        caught_by=(f"{PURSUED}::test_a_resume_ends_it",),
+    ),
     Fault(
         name="I6 a gap of our own sending is not noticed",
         file="core/deadman.py",

@@ -233,6 +233,7 @@ class Gateway:
         messengers, ends = {each.name: each for each in self._messengers}, self.pipeline.ends
         recovery = Recovery(parts.store, linker, self._teller, parts.clock, messengers, ends)
         count = await recovery.settle(memory.unfinished, self.robots.__contains__)
+        linker.watch_stopped()
         await self.furnishing.fleet.settle(memory, parts.store)
         name = self.rooms.authoriser.directory.name
         outbox = owe_over_crashes(
@@ -384,6 +385,7 @@ class Gateway:
     async def _end_lives(self, begun_ns: int) -> None:
         """End what is under way, and tell it in what is left of the time since ``begun_ns``."""
         if hasattr(self, "pipeline"):
+            self.rooms.linker.pursuit.close()  # each adapter brings its robot to rest itself
             await asyncio.gather(self.pipeline.close(), self.stop_lane.close())
         if hasattr(self, "seeing"):
             self.seeing.sampler.close()

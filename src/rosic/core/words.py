@@ -110,6 +110,9 @@ def parameter_hint(name: str, parameter: Parameter) -> str:
 UNSTOPPABLE = said("cannot be stopped from here: stay beside it")
 
 
+STILL_MOVES = said("STOP not confirmed: it moves")
+
+
 def status_line(
     profile: Profile, presence: Presence, *, holder: str, stopped_by: str | None, waiting: int
 ) -> str:
@@ -142,6 +145,8 @@ def _state(profile: Profile, presence: Presence, holder: str, stopped_by: str | 
             if stopped_by
             else said("stopped")
         )
+        if presence.moves:
+            parts.append(STILL_MOVES)
     elif presence.doing:
         parts.append(said("doing {what}", what=presence.doing.replace("_", " ")))
     elif presence.at_rest:
@@ -244,6 +249,19 @@ def resumed(shown: Sequence[str]) -> str:
     if len(shown) > NAMED_AT_MOST:
         return said("{count} robots are ready again.", count=len(shown))
     return joined(" ", (said("{name} is ready again.", name=name) for name in shown))
+
+
+def not_resumed_as_it_moves(shown: str) -> str:
+    """Return why a stop is not undone yet."""
+    return said(
+        "{shown} still moves: its stop is not confirmed yet, and is applied again every second.",
+        shown=shown,
+    )
+
+
+def at_rest_now(shown: str) -> str:
+    """Return what is said once a stop was confirmed later than its answer."""
+    return said("{shown} is at rest now.", shown=shown)
 
 
 def still_stopped(shown: Sequence[str]) -> str:

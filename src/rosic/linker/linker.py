@@ -6,11 +6,13 @@ import asyncio
 from typing import TYPE_CHECKING, Any
 
 from rosic.contracts.robot import deliver_of
+from rosic.core import words
 from rosic.core.gate import too_late
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
 from rosic.core.saying import said
-from rosic.errors import RobotOffline, RosicError, StoreFault
+from rosic.errors import RobotOffline, RobotUnreachable, RosicError, StoreFault
 from rosic.linker.mailbox import Mailbox, Waiting
+from rosic.linker.pursuit import Pursuit
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable, Iterator, Mapping
@@ -58,6 +60,7 @@ class Linker:
         epoch: Number of the present policy; an order admitted under another one is not relayed.
         mailboxes: Of each robot; whoever looks at one only looks.
         cancels: Empty as long as nobody has ended what they had under way.
+        pursuit: Goes on with stops that were not confirmed.
 
     Args:
         clock: The machine's, by which orders expire.
@@ -84,6 +87,7 @@ class Linker:
         self._latching: set[asyncio.Task[bool]] = set()
         self._clearing: set[asyncio.Task[None]] = set()
         self._resting: set[asyncio.Task[Rest]] = set()
+        self.pursuit = Pursuit(self._robots, stops, clock)
 
     def put(self, entry: Waiting) -> bool:
         """Give an order to a robot's mailbox. Return whether it has its turn at once.
@@ -167,9 +171,7 @@ class Linker:
         for stop in stops:
             robot = self._robots[stop.robot]
             robot.gate.apply_stop(stop)
-            rests[stop.robot] = task = asyncio.create_task(robot.stop(stop))
-            self._resting.add(task)  # whoever asked may be gone before it has come to rest
-            task.add_done_callback(self._resting.discard)
+            rests[stop.robot] = self._brake(stop)
         latched = asyncio.create_task(self._write_latch(stops))
         self._latching.add(latched)
         latched.add_done_callback(self._latching.discard)
@@ -177,6 +179,14 @@ class Linker:
         self._clearing.add(clearing)
         clearing.add_done_callback(self._clearing.discard)
         return Halting(rests, latched)
+
+    def _brake(self, stop: Stop) -> asyncio.Task[Rest]:
+        """Hand a stop to its adapter, and go on with it until it is confirmed."""
+        task = asyncio.create_task(self._robots[stop.robot].stop(stop))
+        self._resting.add(task)  # whoever asked may be gone before it has come to rest
+        task.add_done_callback(self._resting.discard)
+        self.pursuit.begin(stop, task)
+        return task
 
     async def _clear(self, stops: Iterable[Stop], latched: asyncio.Task[bool]) -> None:
         """Tell what waited that it is void, after everything that makes it so.
@@ -202,7 +212,7 @@ class Linker:
             False if a later stop has come: it stays stopped.
 
         Raises:
-            RobotUnreachable: The robot's side did not answer; it stays stopped.
+            RobotUnreachable: It is measured to move, or its side did not answer; it stays stopped.
             StoreFault: The latch cannot be written; it stays stopped.
         """
         # A stop's own entry must not be written after the one that undoes it; and the entry comes
@@ -211,6 +221,8 @@ class Linker:
             await asyncio.wait(self._latching)  # unlike gather, it leaves them be when cut off
         if self._stops[robot_id].generation != generation:
             return False
+        if self._robots[robot_id].presence().moves:
+            raise RobotUnreachable(words.not_resumed_as_it_moves(self.profile(robot_id).shown))
         try:
             await self._latch.write(robot_id, generation, latched=False)
             await self._robots[robot_id].resume(generation)
@@ -218,13 +230,28 @@ class Linker:
             await self.hold_for_good(robot_id, generation)
             raise
         self._stops.resume(robot_id, generation)
-        return not self._stops[robot_id].latched
+        if self._stops[robot_id].latched:
+            return False
+        self.pursuit.end(robot_id)
+        return True
 
     def hold(self, robot_id: RobotId) -> int:
-        """Latch a robot without moving it: nobody knows what its last order did."""
+        """Latch a robot for nobody: on return nothing of ours moves it any more."""
         generation = self._stops.stop(robot_id, "", self._clock.wall_ns())
         self._robots[robot_id].gate.apply_stop(Stop(robot_id, generation))
         return generation
+
+    def halt(self, robot_id: RobotId) -> int:
+        """Hold a robot, and bring it to rest: nobody knows what its last order does."""
+        generation = self.hold(robot_id)
+        self._brake(Stop(robot_id, generation))
+        return generation
+
+    def watch_stopped(self) -> None:
+        """Bring robots to rest that were stopped before this run and are seen to move."""
+        for robot_id in self._stops.latched():
+            if robot_id not in self.pursuit:
+                self.pursuit.begin(Stop(robot_id, self._stops[robot_id].generation), None)
 
     async def hold_for_good(self, robot_id: RobotId, generation: int) -> None:
         """Make a hold survive; one that cannot be written holds in memory all the same."""

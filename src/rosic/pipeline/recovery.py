@@ -76,7 +76,7 @@ class Recovery:
         for life in unfinished:
             if life.ending is None:
                 if exists(life.robot):
-                    await self._linker.hold_for_good(life.robot, self._linker.hold(life.robot))
+                    await self._linker.hold_for_good(life.robot, self._linker.halt(life.robot))
                 if not await self._conclude(life):
                     continue  # the next start finds it again
             settled.append(life)

@@ -74,6 +74,7 @@ class StopLane:
         self._store = store
         self._clock = clock
         self._tasks: set[asyncio.Task[None]] = set()
+        self._following: set[asyncio.Task[None]] = set()
         self._answering: Counter[tuple[str, str]] = Counter()
         self.outbox: Outbox | None = None
 
@@ -198,6 +199,18 @@ class StopLane:
                 self.outbox.said(key)
             else:
                 self.outbox.insist(key, messenger, replace(outbound, buttons=()))
+        for rest in islice((r for r in rests if not r.confirmed), words.NAMED_AT_MOST):
+            task = asyncio.create_task(self._when_at_rest(messenger, inbound, rest.robot))
+            self._following.add(task)
+            task.add_done_callback(self._following.discard)
+
+    async def _when_at_rest(self, messenger: Messenger, inbound: Inbound, robot: RobotId) -> None:
+        """Say so once a robot is at rest whose stop was answered without that."""
+        if await self._linker.pursuit.rested(robot) is None:
+            return
+        text = words.at_rest_now(self._profiles[robot].shown)
+        plain = in_language(text, self._languages.of_sender(inbound))
+        await self._say(messenger, Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP), "")
 
     def _buttons(
         self, inbound: Inbound, robots: tuple[RobotId, ...], by: PrincipalId,
@@ -251,5 +264,7 @@ class StopLane:
 
     async def close(self) -> None:
         """Wait for answers under way, briefly; robots are stopped already."""
+        for task in self._following:
+            task.cancel()
         if self._tasks:
             await asyncio.wait(tuple(self._tasks), timeout=2.0)

@@ -1,0 +1,114 @@
+"""A stop that was not confirmed is applied again until rest was measured (I5, I7)."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.order import Rest
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import Robot
+    from rosic.core.order import Stop
+    from rosic.core.robot import RobotId
+    from rosic.core.stopboard import StopBoard
+
+log = logging.getLogger("rosic.stop")
+
+EVERY_S: Final = 1.0
+
+
+class Pursuit:
+    """Of every robot that is stopped, until it was seen at rest, resumed, or stopped once more.
+
+    A robot that is not there is left alone until it is back. One whose rest its link cannot tell is
+    told once, and once more whenever it comes back: nothing else would show that it heard.
+
+    Args:
+        robots: By name; more may come.
+        stops: Says whether a stop is still the last one, and stands.
+        clock: Counts the pauses.
+    """
+
+    def __init__(self, robots: Mapping[RobotId, Robot], stops: StopBoard, clock: Clock) -> None:
+        self._robots = robots
+        self._stops = stops
+        self._clock = clock
+        self._under_way: dict[RobotId, asyncio.Task[Rest | None]] = {}
+
+    def begin(self, stop: Stop, first: asyncio.Task[Rest] | None) -> None:
+        """Go on after a first try.
+
+        Args:
+            stop: Takes the place of an earlier one of the same robot.
+            first: What comes of that try. None: there was none, and there is none unless the robot
+                is seen to move.
+        """
+        self.end(stop.robot)
+        task = asyncio.create_task(self._pursue(stop, first))
+        self._under_way[stop.robot] = task
+        task.add_done_callback(lambda done: self._over(stop.robot, done))
+
+    def end(self, robot: RobotId) -> None:
+        """Leave a robot alone: its stop is undone, or it is not ours any more."""
+        task = self._under_way.pop(robot, None)
+        if task is not None:
+            task.cancel()
+
+    def __contains__(self, robot: RobotId) -> bool:
+        """Whether the stop of a robot is not confirmed yet."""
+        return robot in self._under_way
+
+    async def rested(self, robot: RobotId) -> Rest | None:
+        """Wait until a stop was confirmed. None: it was undone first, or it is not known any more.
+
+        Cutting the wait off leaves the pursuit as it is.
+        """
+        task = self._under_way.get(robot)
+        if task is None:
+            return None
+        await asyncio.wait((task,))
+        return None if task.cancelled() or task.exception() else task.result()
+
+    def close(self) -> None:
+        """End all of them."""
+        for robot in tuple(self._under_way):
+            self.end(robot)
+
+    def _over(self, robot: RobotId, task: asyncio.Task[Rest | None]) -> None:
+        if self._under_way.get(robot) is task:
+            del self._under_way[robot]
+
+    async def _pursue(self, stop: Stop, first: asyncio.Task[Rest] | None) -> Rest | None:
+        robot = self._robots[stop.robot]
+        asked = first is not None
+        # Cut off, this leaves the first try be: its answer is waited for elsewhere, too.
+        rest = None if first is None else await _come_of(stop, asyncio.shield(first))
+        unheard = asked and robot.presence().online is not True
+        while rest is None or not rest.confirmed:
+            await self._clock.sleep(EVERY_S)
+            entry = self._stops.get(stop.robot)
+            if entry is None or not entry.latched or entry.generation != stop.generation:
+                return None
+            presence = robot.presence()
+            if presence.online is False:
+                unheard = asked
+            elif presence.at_rest and not asked:
+                return None
+            elif unheard or presence.at_rest is not None:
+                unheard, asked = False, True
+                rest = await _come_of(stop, robot.stop(stop))
+        return rest
+
+
+async def _come_of(stop: Stop, tried: Awaitable[Rest]) -> Rest:
+    """Wait for what comes of a try; a fault of an adapter confirms nothing, and is not the end."""
+    try:
+        return await tried
+    except Exception:
+        log.exception("the stop of %s failed", stop.robot)
+        return Rest(stop.robot, confirmed=False, seconds=0.0)
