@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import time
+from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -51,23 +52,31 @@ class Brain:
     def __init__(self, process: RosProcess, robot: str) -> None:
         self.process = process
         self.robot = robot
+        self._heard: deque[dict[str, Any]] = deque()
 
     async def do(self, verb: str, rest: str = "-") -> None:
         self.process.say(f"{verb} {self.robot} {rest}")
-        await asyncio.to_thread(self.process.expect, f"ok {verb}", timeout_s=PATIENCE_S)
+        while await self._listen() != f"ok {verb}":
+            pass
 
     async def say(self, kind: str, **said: object) -> None:
         await self.do("say", json.dumps({"kind": kind, **said}))
 
     async def heard(self, kind: str) -> dict[str, Any]:
-        """Wait for the next of a kind."""
+        """Wait for the next of a kind, which may have come before what was done was confirmed."""
         while True:
-            line = await asyncio.to_thread(
-                self.process.expect, f"heard {self.robot} ", timeout_s=PATIENCE_S
-            )
-            found: dict[str, Any] = json.loads(line)
+            while not self._heard:
+                await self._listen()
+            found = self._heard.popleft()
             if found["kind"] == kind:
                 return found
+
+    async def _listen(self) -> str:
+        """Return the next line, and keep what it says was heard."""
+        line = await asyncio.to_thread(self.process.expect, "", timeout_s=PATIENCE_S)
+        if line.startswith(beginning := f"heard {self.robot} "):
+            self._heard.append(json.loads(line.removeprefix(beginning)))
+        return line
 
 
 async def brains(graph: RosGraph) -> tuple[Brain, Brain]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+import os
+import termios
+from contextlib import ExitStack, contextmanager
 from shutil import get_terminal_size
 from textwrap import fill
 from typing import TYPE_CHECKING, Self
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
 
 PROMPT = "> "
 NARROWEST = 20
+_CONTROL_CHARACTERS = 6
+"""Their place in what `termios.tcgetattr` returns."""
 LEAVE = frozenset({"exit", "quit"})
 
 
@@ -89,6 +93,7 @@ class PromptScreen:
         if self._raw is None:
             # Between two lines as well: a Ctrl-D that a terminal in its usual mode takes is lost.
             self._raw = ExitStack()
+            self._raw.enter_context(_without_end_of_file(self._session.input.fileno()))
             self._raw.enter_context(self._session.input.raw_mode())
         line = await self._line()
         if line is None:
@@ -117,6 +122,23 @@ class PromptScreen:
         width = get_terminal_size().columns
         lines = [wrapped(line, width) for line in text.split("\n")]
         write("\n".join(lines), colour=self._colour)
+
+
+@contextmanager
+def _without_end_of_file(terminal: int) -> Iterator[None]:
+    """Let a Ctrl-D be a key like any other, in the terminal's usual mode too.
+
+    Whatever is printed above the prompt is printed in that mode, and a terminal that takes a
+    Ctrl-D for the end of its input then hands over a NUL instead: the key would be lost.
+    """
+    before = termios.tcgetattr(terminal)
+    changed = termios.tcgetattr(terminal)
+    changed[_CONTROL_CHARACTERS][termios.VEOF] = os.fpathconf(terminal, "PC_VDISABLE").to_bytes()
+    termios.tcsetattr(terminal, termios.TCSANOW, changed)
+    try:
+        yield
+    finally:
+        termios.tcsetattr(terminal, termios.TCSANOW, before)
 
 
 def wrapped(line: str, width: int) -> str:
