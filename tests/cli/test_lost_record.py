@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from typing import TYPE_CHECKING
 
@@ -25,6 +26,30 @@ def config(tmp_path: Path) -> Path:
     with gateway(path):
         assert rosic("revoke", "Bob", "-c", path).status == 0
     return path
+
+
+def _emptied(path: Path) -> None:
+    os.truncate(path, 0)
+
+
+def test_what_is_emptied_in_place_ends_motion_and_the_stop_file_is_mended(tmp_path: Path) -> None:
+    config, data = write_config(tmp_path, MEMORY), tmp_path / "rosic-data"
+    with gateway(config) as running:
+        _emptied(data / STOPS)
+        running.wait_for(f"{STOPS} of my record is gone or was replaced, emptied or overwritten")
+        running.wait_for("are all there again")
+        running.say("omni move 10 cm")
+        running.wait_for("0.10 m")
+        _emptied(data / DATABASE)
+        running.say("omni move 20 cm")
+        running.wait_for("nothing may move")
+        running.wait_for(f"{DATABASE} of my record is gone or was replaced, emptied or overwritten")
+        assert "rosic.db-wal and record.mark as they were last" in running.err()
+        running.say("stop")
+        running.wait_for("at rest")
+        assert running.end() == 0
+        assert "Traceback" not in running.err()
+    assert rosic("run", "-c", config).status == 1
 
 
 def _without_database(data: Path) -> None:

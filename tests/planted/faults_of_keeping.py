@@ -12,6 +12,8 @@ SECOND_PERSON = "tests/rooms/pipeline/test_second_person.py"
 OPENING = "tests/rooms/stores/test_opening.py"
 
 LOST_RECORD = "tests/rooms/stores/test_lost_record.py"
+PARTS = "tests/rooms/stores/test_parts_of_records.py"
+OVERWRITTEN = "tests/rooms/stores/test_overwritten.py"
 
 OF_KEEPING = (
     Fault(
@@ -114,6 +116,75 @@ OF_KEEPING = (
         guard="if found.number < known.number:",
         without="if False:",
         caught_by=(f"{LOST_RECORD}::test_a_record_of_another_run_is_older",),
+    ),
+    Fault(
+        name="I13 an older database is taken beneath a newer log",
+        file="stores/record_mark.py",
+        guard="if alone.number < known.folded:",
+        without="if False:",
+        caught_by=(f"{PARTS}::test_an_older_database_beneath_a_newer_log_is_refused",),
+    ),
+    Fault(
+        name="I13 an older log is taken over a newer database",
+        file="stores/record_mark.py",
+        guard="if alone.number > found.number:",
+        without="if False:",
+        caught_by=(f"{PARTS}::test_an_older_log_over_a_newer_database_is_refused",),
+    ),
+    Fault(
+        name="I13 a new log says no number of its own",
+        file="stores/record_guard.py",
+        guard="            or not self._log_is_marked\n",
+        without="",
+        caught_by=(f"{PARTS}::test_a_part_from_before_a_log_was_folded_in_is_refused",),
+    ),
+    Fault(
+        name="I13 a refused start folds the log in",
+        file="stores/record_guard.py",
+        guard="if os.path.lexists(self._log) and self._log.stat().st_size:",
+        without="if False:",
+        caught_by=(f"{PARTS}::test_an_older_database_beneath_a_newer_log_is_refused",),
+    ),
+    Fault(
+        name="I13 what is decided beside something unfit does not mark the record",
+        file="stores/writer.py",
+        guard="                if mark is not None:\n"
+        "                    sqlite.write_mark(cursor_of(connection), mark)\n",
+        without="",
+        caught_by=(f"{PARTS}::test_what_is_decided_beside_something_unfit_marks_the_record",),
+    ),
+    Fault(
+        name="I9 an order is claimed in a file that was emptied in place",
+        file="stores/kept_files.py",
+        guard=" or not kept.is_whole()",
+        without="",
+        caught_by=(f"{OVERWRITTEN}::test_nothing_is_claimed_in_what_was_changed_in_place",),
+    ),
+    Fault(
+        name="I9 a file that cannot be looked at counts as there",
+        file="stores/kept_files.py",
+        guard="nobody can say that it is there\n        return True",
+        without="nobody can say that it is there\n        return False",
+        caught_by=(f"{OVERWRITTEN}::test_what_cannot_be_looked_at_is_lost",),
+    ),
+    Fault(
+        name="I9 what is lost beside the record hides that the record is",
+        file="stores/kept_files.py",
+        guard=", key=lambda item: not item[1].comes_first)",
+        without=", key=lambda item: item[1].comes_first)",
+        caught_by=(
+            f"{OVERWRITTEN}::test_nothing_at_all_is_written_when_the_record_is_gone_with_others",
+        ),
+    ),
+    Fault(
+        name="I13 a record that went back meanwhile is gone on with",
+        file="stores/record_guard.py",
+        guard="if not self._is_as_it_was(found) or not self._has_grown(self._files.mark()):",
+        without="if False:",
+        caught_by=(
+            f"{OVERWRITTEN}::test_what_was_changed_in_place_does_not_come_back_by_itself",
+            f"{OVERWRITTEN}::test_a_copy_that_is_put_back_in_place_is_noticed",
+        ),
     ),
     Fault(
         name="I13 a lost record is begun anew by itself",

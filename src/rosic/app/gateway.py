@@ -203,7 +203,7 @@ class Gateway:
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
         self.among = fellowship_of(self, parts, self._teller, memory)
-        self.record_watch = record_watch_of(parts.store, parts.clock, self.furnishing)
+        self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.furnishing)
         ways = Ways(self._opened.append, self._robot_says)
         self.enlisting = Enlisting(self, self._settings, parts, memory, ways)
         settled, now_ns = self.pipeline.arrears.settled, time.wall_ns()

@@ -72,6 +72,8 @@ class FileLatch:
         self._free: list[int] = []
         self._file: int | None = None
         self._opening = threading.Lock()
+        self._writing = threading.Lock()
+        self._image = bytearray()  # what is to stand in the file
         self._places: dict[RobotId, int] = {}
         self._states: dict[RobotId, State] = {}
         self._unsure: set[RobotId] = set()
@@ -106,6 +108,18 @@ class FileLatch:
 
         A generation lower than the one that is known changes nothing.
         """
+        await self._begun().put(State(robot, generation, latched))
+
+    async def mend(self) -> None:
+        """Write the file again if somebody has emptied it or written over it.
+
+        Raises:
+            OSError: It is as it was.
+        """
+        if self._file is not None:
+            await self._begun().call(self._mend)
+
+    def _begun(self) -> Lane[State]:
         if self._lane is None:
             self._lane = Lane(
                 "rosic-latch",
@@ -115,7 +129,7 @@ class FileLatch:
                 queue_max=QUEUE_MAX,
             )
             self._lane.start()
-        await self._lane.put(State(robot, generation, latched))
+        return self._lane
 
     async def close(self) -> None:
         """Write what is waiting and close the file. Never raises."""
@@ -150,7 +164,7 @@ class FileLatch:
                 except BaseException:
                     os.close(descriptor)
                     raise
-                self.kept.know(self._path, descriptor)
+                self.kept.know(self._path, descriptor, is_whole=self._is_whole)
                 self._file = descriptor
             return self._file
 
@@ -165,6 +179,7 @@ class FileLatch:
 
     def _learn(self, descriptor: int) -> None:
         content = os.pread(descriptor, os.fstat(descriptor).st_size, 0)
+        self._image = bytearray(content)
         room = self._robots_max = slots.robots_max_of(content)
         for index in range(room):
             name, state = slots.name_offset(index), slots.state_offset(index, room)
@@ -187,10 +202,11 @@ class FileLatch:
             descriptor = self._open()
             for job in jobs:
                 self._accept(job)
-            self._overwrite(descriptor)
+            with self._writing:
+                self._overwrite(descriptor)
             self._wait_for_disk(descriptor)
-            if self.kept.is_lost(self._path):
-                raise FileNotFoundError(errno.ENOENT, "gone or replaced", str(self._path))
+            if self.kept.is_elsewhere(self._path) or not self._is_a_stop_file(descriptor):
+                raise FileNotFoundError(errno.ENOENT, "gone or not as written", str(self._path))
         except (OSError, Damaged) as error:
             for job in jobs:
                 if job.error is None:
@@ -223,11 +239,58 @@ class FileLatch:
         time to give it back: fifty robots are stopped in two visits, not in a hundred.
         """
         places = sorted((self._places[robot], robot) for robot in self._unsure)
+        is_whole = self._is_a_stop_file(descriptor)
         for first, robots in _neighbours(places):
             states = b"".join(slots.pack_state(self._states[robot]) for robot in robots)
             names = b"".join(slots.pack_name(robot) for robot in robots)
-            os.pwrite(descriptor, states, slots.state_offset(first, self._robots_max))
-            os.pwrite(descriptor, names, slots.name_offset(first))
+            for content, at in (
+                (states, slots.state_offset(first, self._robots_max)),
+                (names, slots.name_offset(first)),
+            ):
+                self._image[at : at + len(content)] = content
+                if is_whole:
+                    os.pwrite(descriptor, content, at)
+        if not is_whole:
+            self._write_again(descriptor)
+
+    # ---- what somebody else has done to it ----
+
+    def _is_whole(self) -> bool:
+        """Whether everything stands in the file that was written; from any thread."""
+        if self._file is None or not self._writing.acquire(blocking=False):
+            return True  # it is being written now, and looked at afterwards
+        try:
+            return self._stands_in(self._file)
+        finally:
+            self._writing.release()
+
+    def _is_a_stop_file(self, descriptor: int) -> bool:
+        header = os.pread(descriptor, slots.SLOT_BYTES, 0)
+        whole = os.fstat(descriptor).st_size == len(self._image)
+        return whole and header == self._image[: slots.SLOT_BYTES]
+
+    def _stands_in(self, descriptor: int) -> bool:
+        used = 1 + max(self._places.values(), default=-1)
+        names_end, states = slots.name_offset(used), slots.state_offset(0, self._robots_max)
+        parts = (
+            (slots.name_offset(0), names_end),
+            (states, states + names_end - slots.name_offset(0)),
+        )
+        return self._is_a_stop_file(descriptor) and all(
+            os.pread(descriptor, end - start, start) == self._image[start:end]
+            for start, end in parts
+        )
+
+    def _mend(self) -> None:
+        if self._file is not None and not self.kept.is_elsewhere(self._path):
+            with self._writing:
+                if not self._stands_in(self._file):
+                    self._write_again(self._file)
+            self._wait_for_disk(self._file)
+
+    def _write_again(self, descriptor: int) -> None:
+        os.pwrite(descriptor, self._image, 0)
+        os.ftruncate(descriptor, len(self._image))
 
 
 def _neighbours(places: list[tuple[int, RobotId]]) -> list[tuple[int, list[RobotId]]]:

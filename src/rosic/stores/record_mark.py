@@ -1,13 +1,18 @@
 """Whether the record of a folder is the newest that was there: a number that only grows.
 
 The number stands in the record and, written after it, in a small file beside it. A record that was
-lost, emptied, put back from an old copy or swapped for another one does not have it (I13). What
-cannot be seen: a whole folder, this file included, that was put back as it once was.
+lost, emptied, put back from an old copy or swapped for another one does not have it (I13).
+
+A record is a database and the log that lies over it, and each may be put back without the other:
+the number grows with every log that is begun, and the file knows, too, what the database says
+without its log. What cannot be seen: a whole folder, this file included, that was put back as it
+once was; and a log that was put back from between two numbers, less than a minute apart.
 """
 
 from __future__ import annotations
 
 import os
+import struct
 from typing import TYPE_CHECKING, Final
 
 import msgspec
@@ -22,6 +27,8 @@ if TYPE_CHECKING:
 MARK: Final = "record.mark"
 STOPS: Final = "stops"
 DATABASE: Final = "rosic.db"
+LOG: Final = "rosic.db-wal"
+NUMBERS: Final = struct.Struct("<II")  # identity, folded
 MAGIC: Final = b"rosic record mark 1"
 KIND: Final = b"mark"
 WITNESSES: Final = (ROOT_KEY, SALT, STOPS)
@@ -34,10 +41,12 @@ class Mark(msgspec.Struct, frozen=True):
     Attributes:
         identity: Of the record; 0 for one that has never been marked.
         number: Only grows; 0 in the file until the first record is made.
+        folded: What the database says without its log is not lower; only the file says that.
     """
 
     identity: int = 0
     number: int = 0
+    folded: int = 0
 
 
 class RecordMark:
@@ -89,24 +98,29 @@ class RecordMark:
                 "again, also whoever was revoked or locked, and bookings are forgotten.",
             )
 
-    def compare(self, found: Mark) -> Mark:
+    def compare(self, found: Mark, alone: Mark) -> Mark:
         """Compare with what a record says of itself; return what both are to say from now on.
 
+        Args:
+            found: What the database says with its log.
+            alone: What it says without.
+
         Raises:
-            ConfigurationError: The record is older than the file, of another folder, or a copy
-                without its file. Nothing was changed.
+            ConfigurationError: The record, or one of its two files, is older than the file, of
+                another folder, or a copy without its file. Nothing was changed.
         """
         known = self._known or Mark()
-        why = self._why_not(found)
+        why = self._why_not(found) or self._why_not_together(found, alone)
         if why and not self._begin_anew:
             raise ConfigurationError(
                 f"The record in {self._folder} is not the one that was last used here: {why}.",
-                hint=f"Put {DATABASE} and {MARK} back as they were last, or take this record as it "
-                f"is: {BEGIN_ANEW}. Then whatever was decided after it was copied is forgotten: "
-                "who was revoked or locked since may come in again.",
+                hint=f"Put {DATABASE}, {LOG} and {MARK} back as they were last, or take this "
+                f"record as it is: {BEGIN_ANEW}. Then whatever was decided after it was copied is "
+                "forgotten: who was revoked or locked since may come in again.",
             )
         identity = found.identity or known.identity or _new_identity()
-        return Mark(identity, max(found.number, known.number) + 1)
+        number = max(found.number, alone.number, known.number) + 1
+        return Mark(identity, number, min(known.folded, alone.number))
 
     def _why_not(self, found: Mark) -> str:
         known = self._known
@@ -118,20 +132,30 @@ class RecordMark:
             return f"{MARK} belongs to another one"
         return ""
 
+    def _why_not_together(self, found: Mark, alone: Mark) -> str:
+        known = self._known or Mark()
+        if alone.number < known.folded:
+            return f"without {LOG} it is older than {MARK}"
+        if alone.number > found.number:
+            return f"{LOG} is older than {DATABASE}"
+        if alone.number and alone.identity != found.identity:
+            return f"{LOG} belongs to another one"
+        return ""
+
     def write(self, mark: Mark) -> None:
         """Say it in the file, too. On return it would survive a power cut.
 
         Raises:
             OSError: It may say what it said before; a record that is newer than it is good.
         """
-        identity = mark.identity.to_bytes(4, "little")
-        content = slots.pack(KIND, MAGIC, mark.number, identity)
-        if not self.path.exists():
+        content = packed(mark)
+        if not os.path.lexists(self.path):
             create(self.path, content)
             return
         descriptor = os.open(self.path, os.O_WRONLY | os.O_CLOEXEC | os.O_NOFOLLOW)
         try:
             os.pwrite(descriptor, content, 0)
+            os.ftruncate(descriptor, len(content))
             os.fdatasync(descriptor)
         finally:
             os.close(descriptor)
@@ -150,7 +174,14 @@ class RecordMark:
             ) from damaged
         if found is None or found[0] != MAGIC:
             return None
-        return Mark(int.from_bytes(found[2].ljust(4, b"\0"), "little"), found[1])
+        numbers = found[2].ljust(NUMBERS.size, b"\0")
+        identity, folded = NUMBERS.unpack(numbers)
+        return Mark(identity, found[1], folded)
+
+
+def packed(mark: Mark) -> bytes:
+    """Return what the file is to hold."""
+    return slots.pack(KIND, MAGIC, mark.number, NUMBERS.pack(mark.identity, mark.folded))
 
 
 def _new_identity() -> int:

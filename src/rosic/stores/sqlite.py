@@ -178,6 +178,16 @@ def write_mark(cursor: DBAPICursor, mark: Mark) -> None:
     cursor.execute(f"PRAGMA user_version={mark.number:d}")
 
 
+def fold(connection: Connection) -> bool:
+    """Bring the log into the database. Return whether all of it is there, for good."""
+    cursor = connection.connection.cursor()
+    try:
+        row = cursor.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
+    finally:
+        cursor.close()
+    return row is not None and row[0] == 0 and row[1] == row[2]
+
+
 def forget_erased(connection: Connection) -> None:
     """Leave nothing of what was just erased in the log file.
 

@@ -24,6 +24,7 @@ from rosic.stores import reading, schema, sqlite, tables, upkeep
 from rosic.stores.decisions import Decisions
 from rosic.stores.insertion import Insertion
 from rosic.stores.record_guard import Calls, RecordGuard
+from rosic.stores.record_mark import Mark
 from rosic.stores.scribe import Scribe
 from rosic.stores.sealing import Root, Unreadable
 from rosic.stores.statements import Find
@@ -93,6 +94,7 @@ class Writer:
         self._folder.mark.look()
         root = self._root = self._folder.root()
         sqlite.make_file(self._folder.database)
+        alone = self._guard.opening()
         connection = self._engine.connect()
         self._connection = connection
         if self._folder.database.stat().st_size <= self._settings.checked_bytes:
@@ -101,13 +103,17 @@ class Writer:
             schema.check(connection)
             if schema.present(connection) is None:
                 self._folder.mark.refuse_empty(f"{self._folder.database.name} is empty")
-        mark = self._folder.mark.compare(sqlite.mark_of(connection))
+        mark = self._folder.mark.compare(sqlite.mark_of(connection), alone)
+        self._guard.opened()
         sqlite.make_durable(connection, self._settings)
         with connection.begin():
             schema.upgrade(connection)
             self._check_root(connection, root)
             sqlite.write_mark(cursor_of(connection), mark)
-        self._folder.mark.write(mark)
+        folded = mark.number if sqlite.fold(connection) else mark.folded
+        mark = Mark(mark.identity, mark.number + 1, folded)
+        with connection.begin():  # the first thing in a log of its own
+            sqlite.write_mark(cursor_of(connection), mark)
         self._guard.begin(mark)
         with connection.begin():
             self._scribe = self._new_scribe(connection, root)
@@ -147,23 +153,25 @@ class Writer:
         self._folder.give_back()
 
     def _disconnect(self) -> None:
-        self._guard.disconnected()
         if self._connection is not None:
+            self._guard.disconnecting()
             sqlite.close(self._connection)
         self._connection = self._scribe = None
+        self._guard.disconnected()
 
     def _reconnected(self) -> tuple[Connection, Root]:
         """Return the connection, after a failure a new one, and the root key."""
         if self._root is None:
             raise StoreFault(said("The record is closed. Nothing was written."))
         if self._connection is None:
-            self._guard.check_database()
+            self._guard.reconnecting()
             connection = self._engine.connect()
             try:
                 sqlite.make_durable(connection, self._settings)
-                self._guard.connected()
+                self._guard.connected(sqlite.mark_of(connection))
             except BaseException:
                 sqlite.close(connection)
+                self._guard.disconnected()
                 raise
             self._connection = connection
         return self._connection, self._root
@@ -190,6 +198,7 @@ class Writer:
 
     def _commit(self, group: Calls) -> None:
         """Write a group in one transaction; if it does not fit, all of it that does."""
+        self._reconnected()
         group = self._guard.check(group)
         connection, scribe = self._connected()
         missed, mark = self._unrecorded, self._guard.next_mark(group)
@@ -201,16 +210,17 @@ class Writer:
                 if mark is not None:
                     sqlite.write_mark(cursor, mark)
             scribe.remember(batch)
-            self._guard.has_marked(mark)
         except Exception as error:
             if not is_unfit(error):
                 raise
             with connection.begin():
                 self._divide(connection, scribe, group)
                 self._record_gap(cursor_of(connection), missed)
-        self._guard.check(
-            group
-        )  # what was written into a file that nobody will read is not written
+                if mark is not None:
+                    sqlite.write_mark(cursor_of(connection), mark)
+        # What was written into a file that nobody will read is not written.
+        self._guard.check(group)
+        self._guard.has_written(mark)
         self._failing = False
         if missed:
             self.miss(0, recorded=missed)
