@@ -34,7 +34,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 .DELETE_ON_ERROR:
 # Two pips at work in one environment would spoil it.
 .NOTPARALLEL:
-.PHONY: help demo test servers check pictures campaign texts requirements clean
+.PHONY: help demo test servers check pictures campaign mutants texts requirements clean
 
 help:
 	@sed -n 's/^#   //p' Makefile

@@ -41,6 +41,9 @@ MODULES = (
         f"{PIPELINE}/test_stopping.py", f"{PIPELINE}/test_stops_meet.py",
         f"{PIPELINE}/test_between.py", f"{PIPELINE}/test_replacing.py",
     )),
+    Module("stop pursuit", "linker/pursuit.py", (
+        "tests/rooms/test_pursuit.py", f"{PIPELINE}/test_stop_pursued.py",
+    )),
     Module("mailbox", "linker/mailbox.py", (
         "tests/rooms/test_mailbox.py", "tests/rooms/test_linker.py",
         f"{PIPELINE}/test_waited.py",
@@ -57,7 +60,8 @@ MODULES = (
     Module("writer", "stores/writer.py", (
         f"{STORES}/test_reconnecting.py", f"{STORES}/test_lost_record.py",
         f"{STORES}/test_trouble.py", f"{STORES}/test_opening.py", f"{STORES}/test_decisions.py",
-        f"{STORES}/test_sealing.py", "tests/conformance/test_stores.py",
+        f"{STORES}/test_sealing.py", f"{STORES}/test_overwritten.py",
+        f"{STORES}/test_parts_of_records.py", "tests/conformance/test_stores.py",
     )),
     Module("root key", "stores/rootkey.py", (
         f"{STORES}/test_rootkey.py", f"{STORES}/test_opening.py",
