@@ -40,6 +40,7 @@ MODULES = (
         "tests/rooms/test_linker.py", "tests/rooms/test_mailbox.py",
         f"{PIPELINE}/test_stopping.py", f"{PIPELINE}/test_stops_meet.py",
         f"{PIPELINE}/test_between.py", f"{PIPELINE}/test_replacing.py",
+        "tests/rooms/test_pursuit.py", f"{PIPELINE}/test_stop_pursued.py",
     )),
     Module("stop pursuit", "linker/pursuit.py", (
         "tests/rooms/test_pursuit.py", f"{PIPELINE}/test_stop_pursued.py",
@@ -51,7 +52,8 @@ MODULES = (
     )),
     Module("latch", "stores/latch.py", (
         f"{STORES}/test_latch.py", f"{STORES}/test_latch_places.py",
-        "tests/conformance/test_stores.py", "tests/rooms/test_linker.py",
+        f"{STORES}/test_overwritten.py", "tests/conformance/test_stores.py",
+        "tests/rooms/test_linker.py",
     )),
     Module("stop file", "stores/slots.py", (f"{STORES}/test_latch.py",)),
     Module("write thread", "stores/lane.py", (

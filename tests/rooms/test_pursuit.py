@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -17,6 +18,10 @@ from rosic.linker.pursuit import EVERY_S
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.latch import MemoryLatch
 from rosic.testing.clock import ManualClock, settle
+from tests.rooms.test_linker import SlowLatch
+
+if TYPE_CHECKING:
+    from rosic.contracts.store import Latch
 
 PROFILE = Profile(id="omni", link=Link(kind="memory"), skills={"move": Skill(id="move")})
 
@@ -46,11 +51,13 @@ class Coasting(MemoryRobot):
 
 
 class Place:
-    def __init__(self, found: dict[str, tuple[int, bool]] | None = None) -> None:
+    def __init__(
+        self, found: dict[str, tuple[int, bool]] | None = None, latch: Latch | None = None
+    ) -> None:
         self.clock = ManualClock()
         self.robot = Coasting(self.clock)
         self.board = StopBoard(["omni"], found or {}, not_known_yet())
-        self.latch = MemoryLatch()
+        self.latch = MemoryLatch() if latch is None else latch
         self.linker = Linker(
             {"omni": self.robot}, self.board, self.latch, self.clock, self.clock.wall_ns
         )
@@ -135,8 +142,45 @@ async def test_a_later_stop_takes_over(place: Place) -> None:
     place.robot.times = 4
     await stopped(place)
     await stopped(place)
+    assert "omni" in place.linker.pursuit, "the end of the earlier one is not that of this one"
     await place.pass_s(60)
     assert place.robot.told == [1, 2, 2, 2]
+
+
+async def test_a_stop_that_stands_no_more_is_not_applied_again(place: Place) -> None:
+    await stopped(place)
+    place.board.resume("omni", 1)  # whoever keeps the board need not tell the pursuit
+    await place.pass_s(60)
+    assert place.robot.told == [1]
+    assert "omni" not in place.linker.pursuit
+
+
+async def test_a_stop_that_is_not_the_last_one_is_not_applied_again(place: Place) -> None:
+    await stopped(place)
+    place.board.stop("omni", "p2", 0)
+    await place.pass_s(60)
+    assert place.robot.told == [1]
+
+
+async def test_a_stop_that_comes_while_an_earlier_one_is_undone_stands() -> None:
+    latch = SlowLatch()
+    latch.ready.set()
+    place = Place(latch=latch)
+    await stopped(place)
+    place.robot.at_rest = True
+    latch.ready.clear()
+    resuming = asyncio.create_task(place.linker.resume("omni", 1))
+    await settle()
+    place.robot.at_rest = False
+    place.linker.stop(["omni"], "p2")
+    latch.ready.set()
+    assert await resuming is False
+    assert place.board["omni"].latched
+    assert "omni" in place.linker.pursuit
+
+
+async def test_nobody_waits_for_what_is_not_pursued(place: Place) -> None:
+    assert await place.linker.pursuit.rested("omni") is None
 
 
 async def test_what_moves_is_not_resumed_and_stays_stopped_on_disk_too(place: Place) -> None:

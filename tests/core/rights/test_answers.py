@@ -101,6 +101,37 @@ def test_who_can_give_rights_follows_every_change_of_grants() -> None:
     assert not given.with_grants(4, "c", ()).people().get("c")
 
 
+def test_who_gives_rights_stays_so_while_another_stops() -> None:
+    here = Grant(scopes=("kuka1:grant",))
+    snapshot = rights(dict.fromkeys("abc", (here,)))
+    assert snapshot.with_grants(2, "b", ()).givers("kuka1", NOW) == ("a", "c")
+
+
+def test_whoever_can_resume_is_named_up_to_three_those_who_give_rights_first() -> None:
+    people = {f"o{number}": (FOR_GOOD,) for number in range(4)}
+    snapshot = rights({**people, "late": (ENDS_NOW,), "a": (Grant(role="admin"),)})
+    assert snapshot.resumers("kuka1", NOW) == ("a", "o0", "o1"), "each once"
+    assert snapshot.resumers("kuka1", NOW, besides="a") == ("o0", "o1", "o2")
+    assert snapshot.resumers("unknown", NOW) == ()
+    assert rights({"late": (ENDS_NOW,)}).resumers("kuka1", NOW) == ()
+
+
+def test_the_limits_of_a_right_are_those_of_each_way_to_it_that_has_not_ended() -> None:
+    weak, strong = ("force <= 20 N",), ("force >= 1 N", "force <= 30 N")
+    lasting = Grant(role="operator", limits=strong)
+    some = {
+        end: (Grant(role="operator", limits=weak, expires_ns=end), lasting)
+        for end in (NOW, NOW + 1)
+    }
+    for end, held in ((NOW, (strong,)), (NOW + 1, (weak, strong))):
+        said = rights({"p": some[end]}).limits("p", "kuka1", "grasp", NOW)
+        assert [" and ".join(way) for way in said] == [" and ".join(way) for way in held]
+    free = rights({"p": (*some[NOW], FOR_GOOD)})
+    assert free.limits("p", "kuka1", "grasp", NOW) == (), "by one of the ways there is none"
+    assert rights({"p": (ENDS_NOW,)}).limits("p", "kuka1", "grasp", NOW) == ()
+    assert rights({}).limits("p", "kuka1", "grasp", NOW) == ()
+
+
 def test_what_was_agreed_to_outlives_a_slot_and_no_change_of_rights() -> None:
     snapshot = rights({"p": (FOR_GOOD,)})
     later = snapshot.later()

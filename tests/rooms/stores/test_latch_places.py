@@ -54,3 +54,11 @@ async def test_a_file_that_is_refused_is_not_kept_open(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError):
         FileLatch(path).read()
     assert sorted(os.listdir("/proc/self/fd")) == before  # noqa: PTH208
+
+
+async def test_a_stop_file_may_be_the_first_thing_in_a_new_folder(tmp_path: Path) -> None:
+    path = tmp_path / "rosic" / "data" / "latch"
+    latch = await a_latch(path)
+    await latch.write("omni", 4, latched=True)
+    await latch.close()
+    assert FileLatch(path).read()["omni"] == (4, True)

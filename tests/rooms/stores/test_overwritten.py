@@ -65,6 +65,11 @@ def shortened(path: Path) -> None:
     os.truncate(path, path.stat().st_size - 1)
 
 
+def lengthened(path: Path) -> None:
+    with path.open("ab") as file:
+        file.write(b"something else")
+
+
 def zeroed(path: Path) -> None:
     size = path.stat().st_size
     os.truncate(path, 0)
@@ -152,7 +157,7 @@ async def test_the_mark_is_written_again(tmp_path: Path, do: Callable[[Path], No
     await DatabaseStore(tmp_path, clock=ManualClock()).open()
 
 
-@pytest.mark.parametrize("do", [*WAYS, shortened])
+@pytest.mark.parametrize("do", [*WAYS, shortened, lengthened])
 async def test_the_stop_file_is_written_again(tmp_path: Path, do: Callable[[Path], None]) -> None:
     async with running(tmp_path) as gateway:
         await gateway.latch.write("kuka1", 7, latched=False)
@@ -171,6 +176,13 @@ async def test_a_stop_that_was_put_back_is_noticed(tmp_path: Path) -> None:
         await gateway.latch.write("omni", 2, latched=True)
         shutil.copyfile(tmp_path / "copy", tmp_path / STOPS)
         await gateway.refuses("two", STOPS)
+
+
+async def test_a_stop_file_that_was_closed_is_looked_at_no_more(tmp_path: Path) -> None:
+    async with running(tmp_path) as gateway:
+        await gateway.latch.close()
+        (tmp_path / STOPS).unlink()
+        assert gateway.store.lost_file() == ""
 
 
 def without(path: Path) -> None:
