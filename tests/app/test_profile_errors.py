@@ -167,6 +167,11 @@ CASES = [
          "on: { value: 1 }, off: { value: 0 }",
          "'data' of std_srvs/srv/SetBool is true or false, and '$state.value' is neither.",
          "Write true or false, or $state.value with means: { on: { value: true } } and so on."),
+    Case("a stop that releases", "stop: { service: /rover/stop, type: std_srvs/srv/Trigger",
+         "stop: { service: /rover/stop, type: std_srvs/srv/SetBool",
+         "A stop by std_srvs/srv/SetBool has to say data: by itself it is false, which releases a "
+         "brake.",
+         "Write request: { data: true }, or false where that is what stops this robot."),
     Case("numbers and words of one meaning", "off: { value: false }", "off: { value: slow }",
          "Means must give the same kind of 'value' for every choice."),
     Case("two types of one service", LINE,

@@ -80,13 +80,16 @@ class StopBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """How the robot is stopped besides cancelling its goals.
 
     Attributes:
-        service, type: A service without arguments, ``std_srvs/srv/Trigger`` for one.
+        service, type: A service, ``std_srvs/srv/Trigger`` for one.
+        request: Fields of its request, every one that its type has: what a field says when nobody
+            says anything, a brake may take for "release". Empty for a service without any.
         zero: A velocity topic that is sent zero, and its type.
         cancel_only: This robot has neither, and holds when all its goals are cancelled.
     """
 
     service: str = ""
     type: str = "std_srvs/srv/Trigger"
+    request: dict[str, float | int | str | bool] = {}
     zero: str = ""
     zero_type: str = "geometry_msgs/msg/Twist"
     cancel_only: bool = False

@@ -90,7 +90,7 @@ class Peer:
     def on_slow(self, request: RosObject, response: RosObject) -> RosObject:
         time.sleep(1.0 if request.data else 0.2)
         response.success = True
-        say("slow done")
+        say(f"slow done {request.data}")
         return response
 
     def on_goal(self, goal: RosObject) -> RosObject:

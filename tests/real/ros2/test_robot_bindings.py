@@ -263,6 +263,34 @@ async def test_a_profile_that_can_never_work_says_so(
         await done(omni(skill))
 
 
+# ---- a stop by a service that asks ----
+
+MOVES: dict[str, object] = {"service": {"name": "/omni/stop", "type": "std_srvs/srv/Trigger"}}
+HOLD = {"service": "/omni/slow", "type": "std_srvs/srv/SetBool"}
+
+
+@pytest.mark.parametrize("says", [True, False])
+async def test_a_stop_says_what_the_profile_says(peer: RosProcess, *, says: bool) -> None:
+    robot = omni(MOVES, stop={**HOLD, "request": {"data": says}})
+    await robot.open(lambda _text: None)
+    try:
+        await until(lambda: all(link.ready() for link in robot._brakes.calls))
+        await robot.stop(Stop("omni", 1))
+        await asyncio.to_thread(peer.expect, f"slow done {says}", timeout_s=60 * pace())
+    finally:
+        await robot.close()
+
+
+async def test_a_stop_that_leaves_a_field_to_what_it_says_by_itself_is_refused() -> None:
+    with pytest.raises(ConfigurationError, match="asks for 'data', and nothing says what it is"):
+        await done(omni(MOVES, stop=HOLD))
+
+
+async def test_a_stop_that_says_what_its_service_does_not_ask_is_refused() -> None:
+    with pytest.raises(ConfigurationError, match=r"did you mean data\?"):
+        await done(omni(MOVES, stop={**HOLD, "request": {"dat": True}}))
+
+
 # ---- one node ----
 
 

@@ -145,6 +145,7 @@ FORMS: Final[dict[Field, Form]] = {
     (Link, "namespace"): _GRAPH._replace(pattern=rf"/|{_GRAPH_NAME}", empty=True),
     (StopBinding, "service"): _GRAPH_OR_NONE,
     (StopBinding, "type"): _SERVICE,
+    (StopBinding, "request"): _PATH,
     (StopBinding, "zero"): _GRAPH_OR_NONE,
     (StopBinding, "zero_type"): _MESSAGE,
     (AtRest, "topic"): _GRAPH,

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 from rosic.app.documents.profile_benchmarks import expected
 from rosic.app.documents.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.documents.profile_poses import meant, moved, of_trajectory
-from rosic.app.documents.profile_types import fitting_booleans, of_one_type, watched
+from rosic.app.documents.profile_types import fitting_booleans, of_one_type, said_stop, watched
 from rosic.app.documents.shape import Finding, Rules
 from rosic.app.documents.source import Place, nearest
 from rosic.core.authority import AMONG, FILES, READ, RESUME
@@ -69,6 +69,7 @@ def profile_rules(units: UnitTable) -> Rules:
                 _texts,
                 watched,
                 _stoppable,
+                said_stop,
                 of_one_type,
                 moved,
                 _strategies,

@@ -73,6 +73,19 @@ def fitting_booleans(skill: Skill) -> Iterator[Finding]:
     )
 
 
+def said_stop(profile: Profile) -> Iterator[Finding]:
+    """See that a stop says yes or no to a service that asks; without ROS, of what is known."""
+    stop = profile.stop
+    field = BOOLEANS.get(stop.type, "") if stop is not None and stop.service else ""
+    if stop is None or not field or isinstance(stop.request.get(field), bool):
+        return
+    yield Finding(
+        ("stop", "type"),
+        f"A stop by {stop.type} has to say {field}: by itself it is false, which releases a brake.",
+        f"Write request: {{ {field}: true }}, or false where that is what stops this robot.",
+    )
+
+
 def _is_boolean(skill: Skill, value: object) -> bool:
     if isinstance(value, bool):
         return True

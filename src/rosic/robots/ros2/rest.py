@@ -7,7 +7,8 @@ import logging
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.errors import RosicError
-from rosic.robots.ros2.faults import NotSent
+from rosic.robots.ros2.errand import check_fields
+from rosic.robots.ros2.faults import BadName, NotSent
 from rosic.robots.ros2.topics import Quality
 
 if TYPE_CHECKING:
@@ -15,8 +16,10 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rosic.contracts.clock import Clock
-    from rosic.core.robot import Profile
+    from rosic.core.robot import Profile, StopBinding
     from rosic.robots.ros2.measuring import Measurements
+    from rosic.robots.ros2.messages import Values
+    from rosic.robots.ros2.ros import RosObject
     from rosic.robots.ros2.runtime import RosRuntime
     from rosic.robots.ros2.services import ServiceLink
     from rosic.robots.ros2.topics import Publisher
@@ -58,6 +61,7 @@ class Brakes:
         self.measured = measurements
         self.clock = clock
         self.calls: list[ServiceLink] = []
+        self._requests: dict[ServiceLink, Values] = {}
         self._profile = profile
         self.zeros: dict[str, Publisher] = {}
 
@@ -80,7 +84,10 @@ class Brakes:
             self.zeros[topic] = await runtime.publisher(topic, type_name, Quality(depth=1))
         stop = self._profile.stop
         if stop is not None and stop.service:
-            self.calls.append(await runtime.service(stop.service, stop.type))
+            check_stop(runtime.types.service(stop.type).Request, stop)
+            link = await runtime.service(stop.service, stop.type)
+            self.calls.append(link)
+            self._requests[link] = stop.request
         for action in _actions(self._profile):
             name = f"{action}/_action/cancel_goal"
             self.calls.append(await runtime.service(name, CANCEL_GOALS))
@@ -90,8 +97,13 @@ class Brakes:
         ends: list[Publisher | ServiceLink] = [*self.zeros.values(), *self.calls]
         self.zeros.clear()
         self.calls.clear()
+        self._requests.clear()
         for end in ends:
             await end.close()
+
+    def request(self, link: ServiceLink) -> Values:
+        """Return what one of the services is called with."""
+        return self._requests.get(link, {})
 
     def zero(self) -> None:
         """Send zero wherever velocities are sent. It waits for nobody and never raises."""
@@ -187,7 +199,7 @@ class _Attempt:
 
     async def _call(self, link: ServiceLink) -> bool:
         try:
-            await link.call({}, timeout_s=ANSWER_WITHIN_S, urgent=True)
+            await link.call(self._brakes.request(link), timeout_s=ANSWER_WITHIN_S, urgent=True)
         except NotSent:
             return False  # nobody is there: what can be done about it is done again and again
         except RosicError as fault:
@@ -205,6 +217,27 @@ class _Attempt:
             await asyncio.wait(events, timeout=LOOK_EVERY_S, return_when=asyncio.FIRST_COMPLETED)
         finally:
             word.cancel()
+
+
+def check_stop(cls: RosObject, stop: StopBinding) -> None:
+    """Make sure that everything a stop says to its service is said by the profile.
+
+    Args:
+        cls: Of the request.
+        stop: As the profile has it.
+
+    Raises:
+        BadName: A field is not there, or is left to what it says by itself.
+    """
+    check_fields(cls, stop.request)
+    said = {field.partition(".")[0] for field in stop.request}
+    for field in cls.get_fields_and_field_types():
+        if field not in said:
+            raise BadName(
+                f"The stop {stop.service} of the type {stop.type} asks for {field!r}, and nothing "
+                "says what it is: by itself it may release a brake.",
+                hint=f"Write what stops the robot: stop: {{ request: {{ {field}: ... }} }}.",
+            )
 
 
 def _zeros(profile: Profile) -> dict[str, str]:
