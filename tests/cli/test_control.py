@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
+from rosic.app.desk import control, control_client
 from rosic.app.desk.control import (
     ASK_BYTES,
     AT_ONCE,
@@ -17,13 +18,14 @@ from rosic.app.desk.control import (
     READ_WITHIN_S,
     Ask,
     ControlServer,
-    NotRunning,
     Verb,
-    ask_gateway,
     peer_uid,
     socket_path,
 )
+from rosic.app.desk.control_client import NotRunning, ask_gateway
 from rosic.errors import ConfigurationError, Fault, NotUnderstood
+from rosic.stores.folder import Folder
+from rosic.stores.kept_files import KeptFiles
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -77,7 +79,7 @@ async def server(tmp_path: Path, desk: Desk) -> AsyncIterator[ControlServer]:
 
 
 async def answers(folder: Path, verb: Verb, *names: str) -> list[tuple[str, bool]]:
-    return [(one.text, one.good) async for one in ask_gateway(folder, Ask(verb, names))]
+    return [(one.text, one.good) async for one in ask_gateway(folder, Ask(verb, names), print)]
 
 
 async def raw(folder: Path, sent: bytes) -> bytes:
@@ -255,6 +257,74 @@ async def test_where_nobody_listens_it_says_so(tmp_path: Path) -> None:
         left_behind.bind(str(tmp_path / "control.sock"))
     with pytest.raises(NotRunning, match="No gateway is running"):
         await answers(tmp_path, Verb.STATUS)
+
+
+async def test_a_socket_that_was_removed_or_replaced_is_made_anew(
+    tmp_path: Path, desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever asks meanwhile waits for it: the lock of the folder says that somebody is there."""
+    monkeypatch.setattr(control, "LOOK_EVERY_S", 0.05)
+    folder, path = Folder(tmp_path, KeptFiles(), begin_anew=False), tmp_path / "control.sock"
+    folder.take()
+    server = ControlServer(tmp_path, cast("Operating", desk))
+    await server.open()
+    try:
+        path.unlink()
+        assert len(await answers(tmp_path, Verb.STOP)) == 2
+        (tmp_path / "gateway.lock").unlink()
+        path.unlink()
+        with socket.socket(socket.AF_UNIX) as other:
+            other.bind(str(path))
+        assert len(await answers(tmp_path, Verb.STOP)) == 2
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    finally:
+        await server.close()
+        folder.give_back()
+    assert not path.exists()
+    with pytest.raises(NotRunning):
+        await answers(tmp_path, Verb.STATUS)
+
+
+async def test_a_gateway_that_makes_no_socket_is_there_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(control_client, "SOCKET_WITHIN_S", 0.2)
+    folder = Folder(tmp_path, KeptFiles(), begin_anew=False)
+    folder.take()
+    try:
+        with pytest.raises(Fault, match=rf"process {os.getpid()}\) has no control socket") as said:
+            await answers(tmp_path, Verb.STOP)
+    finally:
+        folder.give_back()
+    assert not isinstance(said.value, NotRunning), "nobody else may change its data meanwhile"
+    assert "the switch on the robot itself" in str(said.value)
+
+
+async def test_a_gateway_that_hangs_is_told_of_soon_and_not_waited_for_long(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(control_client, "SLOW_AFTER_S", 0.05)
+    monkeypatch.setattr(control_client, "HEARD_WITHIN_S", 0.2)
+    told: list[str] = []
+    with socket.socket(socket.AF_UNIX) as halted:
+        halted.bind(str(tmp_path / "control.sock"))
+        halted.listen()
+        with pytest.raises(Fault, match=r"has not answered for 0\.2 s: it hangs"):
+            _ = [one async for one in ask_gateway(tmp_path, Ask(Verb.STOP), told.append)]
+    assert len(told) == 1
+    assert "use the switch on the robot itself" in told[0]
+
+
+@pytest.mark.usefixtures("server")
+async def test_an_answer_that_takes_long_is_waited_for(
+    tmp_path: Path, desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(control_client, "HEARD_WITHIN_S", 0.2)
+    desk.hold.clear()
+    asking = asyncio.create_task(answers(tmp_path, Verb.REVOKE, "Bo"))
+    await asyncio.wait((asking,), timeout=0.4)
+    desk.hold.set()
+    assert [good for _, good in await asking] == [True]
 
 
 async def test_a_gateway_that_dies_while_asked_is_a_fault(tmp_path: Path) -> None:

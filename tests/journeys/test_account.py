@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import aiohttp
 import pytest
 
-from rosic.app.desk.control import Ask, Verb, ask_gateway
+from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.control_client import ask_gateway
 from tests.journeys.fleet import TOKEN
 from tests.journeys.lab import Lab, lab
 from tests.pace import patience
@@ -107,7 +108,7 @@ async def test_somebody_revoked_stays_revoked_over_a_kill(
         await place.say(place.bo, "ant hop")
         assert await place.counter.wait_for(1, 60)
 
-        answers = [a async for a in ask_gateway(place.data, Ask(Verb.REVOKE, ("Bo",)))]
+        answers = [a async for a in ask_gateway(place.data, Ask(Verb.REVOKE, ("Bo",)), print)]
 
         assert answers[-1].good, answers
         assert await place.until(lambda: place.counter.stops("ant")), "Bo's robot was not stopped"

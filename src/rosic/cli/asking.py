@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.desk.control import ask_gateway
+from rosic.app.desk.control_client import ask_gateway
 from rosic.app.documents.toml_file import read_toml
 from rosic.errors import ConfigurationError, Refusal
 
@@ -56,7 +56,7 @@ def ask(data: Path, request: Ask) -> int:
 
 async def _ask(data: Path, request: Ask) -> int:
     good = True
-    async for answer in ask_gateway(data, request):
+    async for answer in ask_gateway(data, request, _warn):
         good = good and answer.good
         print(answer.text, file=sys.stdout if answer.good else sys.stderr, flush=True)
     return 0 if good else 1
@@ -74,8 +74,12 @@ def answers(data: Path, request: Ask) -> tuple[str, ...]:
 
 async def _answers(data: Path, request: Ask) -> tuple[str, ...]:
     texts: list[str] = []
-    async for answer in ask_gateway(data, request):
+    async for answer in ask_gateway(data, request, _warn):
         if not answer.good:
             raise Refusal(answer.text)
         texts.append(answer.text)
     return tuple(texts)
+
+
+def _warn(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)

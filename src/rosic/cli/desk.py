@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.desk.control import NotRunning
+from rosic.app.desk.control_client import NotRunning
 from rosic.cli.asking import answers, data_of
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 from rosic.app.desk.asked import AS_JSON, NOTHING, Ask, Verb
-from rosic.app.desk.control import NotRunning
+from rosic.app.desk.control_client import NotRunning
 from rosic.cli.asking import add_where, answers, data_of
 from rosic.cli.desk import printed
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.desk.asked import Ask, Verb
-from rosic.app.desk.control import NotRunning
+from rosic.app.desk.control_client import NotRunning
 from rosic.app.documents.profiles import find_profile, known_units, read_profile
 from rosic.app.documents.source import read_text
 from rosic.app.placing.enlisted import Draft, Wanted

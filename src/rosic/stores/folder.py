@@ -21,6 +21,24 @@ if TYPE_CHECKING:
 LOCK = "gateway.lock"
 
 
+def holder_of(path: Path) -> str:
+    """Return the process of the gateway that has a data folder; empty: none has.
+
+    A gateway that starts at the same moment may find the folder taken: ask only when it matters.
+    """
+    for name in (LOCK, ""):  # its lock, or the folder itself where somebody has removed that file
+        with suppress(OSError):
+            lock = os.open(path / name, os.O_RDONLY | os.O_CLOEXEC)
+            try:
+                fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            except BlockingIOError:
+                number = os.read(lock, 32).decode(errors="replace").strip() if name else ""
+                return number or "unknown"
+            finally:
+                os.close(lock)
+    return ""
+
+
 class Folder:
     """The place where one gateway keeps everything.
 

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.desk.control import Ask, ControlServer, Verb, ask_gateway
+from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.control import ControlServer
+from rosic.app.desk.control_client import ask_gateway
 from rosic.app.desk.operating import Operating
 from rosic.core.message import Chat
 from rosic.core.record import Resumed
@@ -140,7 +142,7 @@ async def test_a_stop_of_the_operator_reaches_the_disk_when_the_control_socket_c
 
         async def ask() -> None:
             with suppress(RosicError):
-                async for answer in ask_gateway(tmp_path, Ask(Verb.STOP, ("omni",))):
+                async for answer in ask_gateway(tmp_path, Ask(Verb.STOP, ("omni",)), print):
                     heard.append(answer.text)
                     if len(heard) > 1:
                         both.set()

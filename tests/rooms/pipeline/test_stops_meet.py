@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.app.desk.control import Ask, ControlServer, Verb, ask_gateway
+from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.control import ControlServer
+from rosic.app.desk.control_client import ask_gateway
 from rosic.app.desk.operating import Operating
 from rosic.core.gate import Gate
 from rosic.core.message import Chat, ChatKind, Standing
@@ -247,7 +249,7 @@ async def test_a_stop_of_the_operator_goes_on_when_the_control_socket_closes(
 
         async def ask() -> None:
             with suppress(RosicError):
-                async for answer in ask_gateway(tmp_path, Ask(Verb.STOP, ("omni",))):
+                async for answer in ask_gateway(tmp_path, Ask(Verb.STOP, ("omni",)), print):
                     said.set()
                     assert answer.good
 

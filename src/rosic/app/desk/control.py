@@ -1,4 +1,4 @@
-"""The control socket: how ``rosic`` commands reach a running gateway on the same machine.
+"""The control socket, on which a running gateway answers ``rosic`` commands of the same machine.
 
 Unix, 0600, in the data folder; one JSON object a line, both ways; only the same user or root.
 """
@@ -18,7 +18,7 @@ import msgspec
 
 from rosic.app.desk.asked import Ask, Verb
 from rosic.core.saying import plain
-from rosic.errors import ConfigurationError, Fault, RosicError
+from rosic.errors import ConfigurationError, RosicError
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -34,9 +34,7 @@ __all__ = (
     "Answer",
     "Ask",
     "ControlServer",
-    "NotRunning",
     "Verb",
-    "ask_gateway",
     "peer_uid",
     "socket_path",
 )
@@ -49,7 +47,7 @@ CONNECTIONS_AT_MOST = 256
 AT_ONCE = 16  # a stop is not counted
 ASK_WITHIN_S = 5.0
 READ_WITHIN_S = 5.0
-ANSWER_WITHIN_S = 60.0
+LOOK_EVERY_S = 2.0
 
 log = logging.getLogger("rosic.control")
 
@@ -67,15 +65,10 @@ class Answer(msgspec.Struct, frozen=True):
     more: bool = False
 
 
-class NotRunning(Fault):
-    """No gateway listens on this data."""
-
-    code = "not-running"
-
+HEARD = Answer("", more=True)
 
 _decode_ask = msgspec.json.Decoder(Ask).decode
-_decode_answer = msgspec.json.Decoder(Answer).decode
-_encode = msgspec.json.Encoder(enc_hook=plain).encode
+encode = msgspec.json.Encoder(enc_hook=plain).encode
 
 
 def socket_path(data: Path) -> Path:
@@ -118,14 +111,42 @@ class ControlServer:
         self._server: asyncio.Server | None = None
         self._answering: set[asyncio.Task[None]] = set()
         self._following = 0
+        self._number = (0, 0)
+        self._looking: asyncio.Task[None] | None = None
 
     async def open(self) -> None:
         """Listen. What a gateway that died left behind is removed: the folder is ours now.
+
+        A socket that somebody removes or replaces meanwhile is made anew.
 
         Raises:
             ConfigurationError: Something that is no socket stands in the way, or the folder
                 cannot be written.
         """
+        await self._listen()
+        self._looking = asyncio.create_task(self._look())
+
+    async def _look(self) -> None:
+        while True:
+            await asyncio.sleep(LOOK_EVERY_S)
+            if not self._is_there():
+                log.warning("the control socket %s was removed: it is made anew", self._path)
+                before = self._server
+                try:
+                    await self._listen()
+                except ConfigurationError as error:
+                    log.warning("%s", error)
+                else:
+                    if before is not None:
+                        before.close()
+
+    def _is_there(self) -> bool:
+        try:
+            return _number(self._path) == self._number
+        except OSError:
+            return False
+
+    async def _listen(self) -> None:
         try:
             self._clear()
             listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -136,6 +157,7 @@ class ControlServer:
                 self._server = await asyncio.start_unix_server(
                     self._connected, sock=listener, limit=ASK_BYTES
                 )
+                self._number = _number(self._path)
             except BaseException:
                 listener.close()
                 raise
@@ -156,6 +178,9 @@ class ControlServer:
 
     async def close(self) -> None:
         """Answer nobody any more, and take the socket away."""
+        if self._looking is not None:
+            self._looking.cancel()
+            await asyncio.wait((self._looking,))
         if self._server is None:
             return
         self._server.close()
@@ -201,6 +226,7 @@ class ControlServer:
             return
         self._following += 1
         try:
+            writer.write(_line(HEARD))
             async for text in self._follow(ask):
                 writer.write(_line(Answer(str(text), more=True)))  # a sentence as it is in English
                 await self._read(writer)
@@ -268,36 +294,10 @@ def peer_uid(connection: socket.socket) -> int:
     return int(uid)
 
 
+def _number(path: Path) -> tuple[int, int]:
+    status = path.lstat()
+    return status.st_dev, status.st_ino
+
+
 def _line(answer: Answer) -> bytes:
-    return _encode(answer) + b"\n"
-
-
-async def ask_gateway(data: Path, ask: Ask) -> AsyncIterator[Answer]:
-    """Ask the gateway that runs on a data folder; yield its answers as they come.
-
-    Raises:
-        NotRunning: None runs there.
-        Fault: It runs and did not answer.
-    """
-    path = socket_path(data)
-    try:
-        reader, writer = await asyncio.open_unix_connection(str(path), limit=ANSWER_BYTES)
-    except (FileNotFoundError, NotADirectoryError, ConnectionRefusedError):
-        raise NotRunning(f"No gateway is running on {data}.") from None
-    except OSError as error:
-        raise Fault(f"The gateway cannot be asked ({error.strerror}).") from error
-    try:
-        async with asyncio.timeout(ANSWER_WITHIN_S):
-            writer.write(_encode(ask) + b"\n")
-            await writer.drain()
-            while line := await reader.readline():
-                answer = _decode_answer(line)
-                if answer.text:
-                    yield answer
-                if not answer.more:
-                    return
-        raise Fault("The gateway turned this away: it belongs to another user, or it is closing.")
-    except (OSError, TimeoutError, ValueError, msgspec.MsgspecError) as error:
-        raise Fault("The gateway did not answer.") from error
-    finally:
-        writer.close()
+    return encode(answer) + b"\n"

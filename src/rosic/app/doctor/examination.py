@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.app.adapters import shared_spaces
-from rosic.app.desk.control import Ask, NotRunning, Verb, ask_gateway
+from rosic.app.desk.asked import Ask, Verb
+from rosic.app.desk.control_client import NotRunning, ask_gateway
 from rosic.app.doctor.findings import Finding, Verdict
 from rosic.app.doctor.machine import examine_clock, examine_disk
 from rosic.app.doctor.record import examine_record
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from rosic.contracts.entropy import Entropy
 
 ROS_LINK = "ros2"
+
+log = logging.getLogger("rosic.doctor")
 
 
 async def examine(
@@ -89,7 +93,7 @@ async def _asked(config: Config, name: str) -> AsyncIterator[Finding]:
         known = ", ".join(profile.id for profile in config.robots)
         yield Finding(name, Verdict.LOOK, f"there is no such robot; there are: {known}")
         return
-    async for answer in ask_gateway(config.data, Ask(Verb.STOP, (name,))):
+    async for answer in ask_gateway(config.data, Ask(Verb.STOP, (name,)), log.warning):
         good = answer.good and "not confirmed" not in answer.text
         yield Finding(name, Verdict.GOOD if good else Verdict.LOOK, answer.text)
     text = f"by the running gateway; it stays stopped until somebody says: resume {name}"
