@@ -6,7 +6,9 @@ import gettext
 
 import pytest
 
-from rosic.core.saying import Sentence, in_language, joined, said, said_n
+from rosic.app.languages import catalogue
+from rosic.core.measures import measured
+from rosic.core.saying import Imperial, Sentence, in_language, joined, said, said_n
 
 GERMAN = {
     "{robot} is free.": "{robot} ist frei.",
@@ -62,3 +64,17 @@ def test_what_a_person_wrote_is_no_template() -> None:
 def test_without_a_catalogue_it_stays_english() -> None:
     assert in_language(said("an hour"), None) == "an hour"
     assert not isinstance(in_language(said("an hour"), None), Sentence)
+
+
+def test_decimals_have_a_comma_where_they_are_read_with_one() -> None:
+    german, feet = catalogue("de"), Imperial(catalogue("de"))
+    way = measured("1.50 m", 1.5, "m")
+    assert in_language(way, german) == "1,50 m"
+    assert in_language(way, feet) == "4,92 ft"
+    assert in_language(way, Imperial(None)) == "4.92 ft"
+    assert in_language(measured("12.5 N", 12.5, "N"), german) == "12,5 N"
+    assert in_language(measured("22.5 deg", 22.5, "deg"), german) == "22,5 Grad"
+    assert in_language(said("{hint}, else {default:g}", hint="x", default=0.25), german) == (
+        "x, sonst 0,25"
+    )
+    assert str(way) == "1.50 m"

@@ -145,8 +145,9 @@ async def test_the_menu_follows_languages_chats_and_roles(
         kinds = {chat for chat, _ in found}
         assert kinds == {"all_private_chats", "all_group_chats", str(place.ada)}
         assert {language for _, language in found} == {"", "de"}
-        assert "invite" in found[str(place.ada), "de"]
-        assert "invite" not in found["all_private_chats", "de"]
+        assert "einladen" in found[str(place.ada), "de"]
+        assert {"buchen", "stopp", "undo"} <= found["all_private_chats", "de"]
+        assert "einladen" not in found["all_private_chats", "de"]
         assert "topic" in found["all_group_chats", ""]
         await place.ask(place.ada, "/grant Bo admin for 1h", "Bo")
         assert await place.until(lambda: menus(8)), found

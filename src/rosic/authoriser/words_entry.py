@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.limits import limit_in_words
 from rosic.core.saying import joined, said, said_n
 
 if TYPE_CHECKING:
@@ -90,7 +91,8 @@ def given(
         said("{skill} on {robot}", skill=said("everything") if skill == "*" else skill, robot=robot)
         for robot, skill in skills
     ]
-    within = said(", with {listed}", listed=listed(limits)) if limits else ""
+    bounds = tuple(map(limit_in_words, limits))
+    within = said(", with {listed}", listed=listed(bounds)) if bounds else ""
     until = "" if lasts_s is None else said(" for {lasting}", lasting=lasting(lasts_s))
     comma = "," if within and until else ""
     return joined("", (listed(things), within, comma, until))

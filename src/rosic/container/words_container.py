@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import listed
-from rosic.core.saying import joined, said, said_n
+from rosic.core.saying import figure, joined, said, said_n
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -157,7 +157,7 @@ def size(count: int) -> str:
     if count < KIB:
         return said("{count} bytes", count=count)
     number, unit = (count / KIB, "KiB") if count < KIB * KIB else (count / KIB / KIB, "MiB")
-    return f"{number:.0f} {unit}" if number >= _FEW else f"{number:.1f} {unit}"
+    return figure(f"{number:.0f} {unit}" if number >= _FEW else f"{number:.1f} {unit}")
 
 
 def age(seconds: float) -> str:

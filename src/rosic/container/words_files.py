@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import listed
-from rosic.core.saying import joined, said, said_n
+from rosic.core.saying import figure, joined, said, said_n
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -39,8 +39,8 @@ BROKEN = said("Something went wrong while I took the file in. Nothing was kept. 
 def amount(count: int) -> str:
     """Return a number of bytes as messengers count them."""
     if count >= MB:
-        return f"{count / MB:.1f} MB"
-    return f"{count / KB:.0f} KB" if count >= KB else f"{count} bytes"
+        return figure(f"{count / MB:.1f} MB")
+    return f"{count / KB:.0f} KB" if count >= KB else said("{count} bytes", count=count)
 
 
 def no_such_file(name: str) -> str:

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, TypeAlias
 import msgspec
 
 from rosic.core.authority import Scope
+from rosic.core.language.common_names import known_name
 from rosic.core.language.units import NONE
-from rosic.core.saying import said
+from rosic.core.saying import figure, joined, said
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -33,6 +34,8 @@ _LIMIT = re.compile(
     r"(?P<sign><=|>=|≤|≥|=|<|>)\s*"
     r"(?P<number>[+-]?(?:\d{1,18}(?:\.\d{0,18})?|\.\d{1,18})(?:[eE][+-]?\d{1,3})?)(?P<unit>.*)\Z"
 )
+_WORDS = re.compile(r"(\s+|[<>]=?|[≤≥=])")
+_JOINT = said("and")
 _AT_LEAST = frozenset({">=", "≥"})
 _EXACT = "="
 _HOW = said("write for example speed <= 0.2 m/s")
@@ -203,6 +206,15 @@ def _fit(
 
 def _with_slack(bound: float, side: int) -> float:
     return bound + side * abs(bound) * _SLACK if isfinite(bound) else bound
+
+
+def limit_in_words(said_limit: str) -> str:
+    """Return a limit as people read it: ``speed <= 0.2 m/s``, in their language."""
+    return joined("", map(_word, _WORDS.split(said_limit)))
+
+
+def _word(word: str) -> str:
+    return figure(word) if word[:1].isdigit() else _JOINT if word == "and" else known_name(word)
 
 
 def broken_limit(limits: tuple[Limit, ...], arguments: Mapping[str, Argument]) -> Limit | None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.core.saying import Imperial, Measured
+from rosic.core.saying import Imperial, figure, joined, said
 
 if TYPE_CHECKING:
     from rosic.core.language.units import Unit  # it reads quantities, and so comes later
@@ -28,10 +28,18 @@ _IMPERIAL = {
     "°C": ("°F", 1.8, 32.0),
 }
 
+_WORDS = {"deg": said("deg"), "deg/s": said("deg/s")}
+"""Units that are written as a word, and so as another one in other languages."""
+
 _QUANTITY = re.compile(
     r"(?<![\w.,])(-?[0-9]{1,12}(?:\.[0-9]{1,12})?) "
     r"(mm/s|cm/s|km/h|m/s|mm|cm|dm|km|kg|m|°C)(?![\w/])"
 )
+
+
+def shown_unit(symbol: str) -> str:
+    """Return a unit as it is written in the reader's language."""
+    return _WORDS.get(symbol) or symbol
 
 
 def measured(text: str, value: float, symbol: str) -> str:
@@ -44,11 +52,11 @@ def measured(text: str, value: float, symbol: str) -> str:
     """
     other = _IMPERIAL.get(symbol)
     if other is None:
-        return text
+        if symbol not in _WORDS:
+            return figure(text)
+        return joined("", (figure(text.removesuffix(symbol)), _WORDS[symbol]))
     name, factor, offset = other
-    shown = Measured(text)
-    shown.imperial = f"{round(value * factor + offset, 2):g} {name}"
-    return shown
+    return figure(text, f"{round(value * factor + offset, 2):g} {name}")
 
 
 def in_units_of(text: str, catalogue: Catalogue | None) -> str:

@@ -9,6 +9,7 @@ from contextlib import aclosing
 import msgspec
 
 from rosic.core.identity import Address
+from rosic.core.saying import said
 
 _NO_NAME = frozenset("/\\\0\n\r")
 
@@ -267,6 +268,9 @@ class Attachment(msgspec.Struct, frozen=True):
         return f"Attachment({self.name!r}, {self.media_type!r}, {self.size} bytes)"
 
 
+LIES_IN = said("It lies in {path}: only you can read it. Delete it when you are done.")
+
+
 class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """A message to a chat. The text is plain: an adapter never reads markup out of it.
 
@@ -275,6 +279,9 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         buttons: Rows of buttons.
         weight: Whether it overtakes what waits to be said elsewhere, or is overtaken.
         attachment: A file that goes with it; only for a messenger that sends files of its size.
+        lies_in: `LIES_IN` as its reader reads it, ``{path}`` unfilled, for a messenger that puts
+            the file into a folder; empty for English.
+        language: Code of what it is written in, for what a messenger adds; empty for English.
     """
 
     chat: Chat
@@ -283,6 +290,7 @@ class Outbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     buttons: tuple[tuple[Button, ...], ...] = ()
     weight: Weight = Weight.QUESTION
     attachment: Attachment | None = None
+    lies_in: str = ""
 
     @property
     def urgent(self) -> bool:

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING, Protocol, final
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+_COMMAS = frozenset({"de"})
+
 
 class Catalogue(Protocol):
     """Templates in one language. ``gettext.NullTranslations`` and its descendants are such."""
@@ -82,7 +84,28 @@ class Measured(str):
 
     def read_in(self, catalogue: Catalogue) -> str:
         """Return it as whoever reads this catalogue reads it."""
-        return self.imperial if isinstance(catalogue, Imperial) else str(self)
+        text = self.imperial if isinstance(catalogue, Imperial) else str(self)
+        return text.replace(".", ",") if writes_commas(catalogue) else text
+
+
+def figure(text: str, imperial: str = "") -> Measured:
+    """Return a number, with its unit perhaps, whose decimals everybody reads as they write them.
+
+    Args:
+        text: ``0.50 m``.
+        imperial: How it reads to whoever thinks in feet; empty: the same.
+    """
+    shown = Measured(text)
+    shown.imperial = imperial or text
+    return shown
+
+
+@final
+class _Comma(float):
+    """A number that a template shows with a comma."""
+
+    def __format__(self, spec: str, /) -> str:
+        return float.__format__(self, spec).replace(".", ",")
 
 
 @final
@@ -193,6 +216,11 @@ def language_of(catalogue: Catalogue) -> str:
     return catalogue.info().get("language", "") if isinstance(catalogue, NullTranslations) else ""
 
 
+def writes_commas(catalogue: Catalogue) -> bool:
+    """Whether decimals have a comma before them where this catalogue is read."""
+    return language_of(catalogue) in _COMMAS
+
+
 def plain(text: object) -> str:
     """Return a sentence as plain English; for an encoder, which takes nothing but ``str`` itself.
 
@@ -212,9 +240,10 @@ def _translated(text: Sentence, catalogue: Catalogue) -> str:
     )
     if not text.parts:
         return form
-    return form.format(
-        **{
-            name: in_language(part, catalogue) if isinstance(part, str) else part
-            for name, part in text.parts.items()
-        }
-    )
+    return form.format(**{name: _part(part, catalogue) for name, part in text.parts.items()})
+
+
+def _part(part: object, catalogue: Catalogue) -> object:
+    if isinstance(part, str):
+        return in_language(part, catalogue)
+    return _Comma(part) if isinstance(part, float) and writes_commas(catalogue) else part

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.core.language.cleaning import quote
+from rosic.core.language.common_names import shown_name
 from rosic.core.language.numerals import read_numeral
+from rosic.core.measures import measured
 from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood, OutOfBounds
 
@@ -33,7 +35,7 @@ def checked(strategy: Strategy, given: Mapping[str, float | str], units: UnitTab
     """
     for name in given:
         if name not in strategy.parameters:
-            known = ", ".join(strategy.parameters) or "-"
+            known = joined(", ", map(shown_name, strategy.parameters)) or "-"
             raise NotUnderstood(
                 said("There is no parameter {name} there. There are: {known}.",
                      name=quote(name), known=known)
@@ -42,7 +44,7 @@ def checked(strategy: Strategy, given: Mapping[str, float | str], units: UnitTab
     for name, parameter in strategy.parameters.items():
         value = given.get(name, parameter.default)
         if value is None:
-            raise NotUnderstood(said("{name} has to be said, too.", name=name))
+            raise NotUnderstood(said("{name} has to be said, too.", name=shown_name(name)))
         values[name] = _one(name, parameter, value, units)
     return values
 
@@ -53,17 +55,21 @@ def _one(name: str, parameter: Parameter, value: float | str, units: UnitTable) 
             if str(value).casefold() in {choice, *spellings}:
                 return choice
         raise NotUnderstood(
-            said("{name} is one of {choices}.", name=name, choices=", ".join(parameter.choices))
+            said(
+                "{name} is one of {choices}.",
+                name=shown_name(name),
+                choices=joined(", ", map(shown_name, parameter.choices)),
+            )
         )
     number = float(value) if isinstance(value, float | int) else _number(value, parameter, units)
     low, high = parameter.min, parameter.max
     if number is None or (parameter.integer and not number.is_integer()):
         raise NotUnderstood(said("{name}: {value} is no such number.",
-                                 name=name, value=quote(str(value))))  # fmt: skip
+                                 name=shown_name(name), value=quote(str(value))))  # fmt: skip
     if low is None or high is None or not low <= number <= high:
         raise OutOfBounds(
             said("{name} must be from {low:g} to {high:g} {unit}.",
-                 name=name, low=low or 0.0, high=high or 0.0, unit=parameter.unit)
+                 name=shown_name(name), low=low or 0.0, high=high or 0.0, unit=parameter.unit)
         )  # fmt: skip
     return number
 
@@ -87,6 +93,9 @@ def spoken(values: Mapping[str, float | str], strategy: Strategy | None) -> str:
     for name, value in values.items():
         parameter = None if strategy is None else strategy.parameters.get(name)
         unit = parameter.unit if parameter is not None else ""
-        shown = f"{value:g}" if isinstance(value, float | int) else value
-        row.append(f"{name} {shown} {unit}".rstrip())
+        if isinstance(value, float | int):
+            shown: str = measured(f"{value:g} {unit}".rstrip(), value, unit)
+        else:
+            shown = shown_name(value)
+        row.append(joined(" ", (shown_name(name), shown)))
     return joined(", ", row)

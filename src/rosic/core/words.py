@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import echo
-from rosic.core.measures import measured
-from rosic.core.saying import filled, joined, said, titled
+from rosic.core.language.common_names import shown_name
+from rosic.core.measures import measured, shown_unit
+from rosic.core.saying import figure, filled, joined, said, titled
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -49,7 +50,9 @@ def no_robot_or_group(named: str) -> str:
 
 def help_for_all(examples: Sequence[str]) -> str:
     """Return the general help, with examples from the robots this person may see."""
-    return filled(HELP, examples="\n".join(f"  {example}" for example in examples))
+    return filled(
+        HELP, examples=joined("\n", (joined("", ("  ", example)) for example in examples))
+    )
 
 
 def help_for(profile: Profile, shown: str = "") -> str:
@@ -57,9 +60,7 @@ def help_for(profile: Profile, shown: str = "") -> str:
     lines: list[str] = [said("{shown} can:", shown=shown or profile.shown)]
     for skill in profile.skills.values():
         wanted = joined(", ", (parameter_hint(n, p) for n, p in skill.parameters.items()))
-        lines.append(
-            joined("", ("  ", spoken(skill), joined("", (": ", wanted)) if wanted else ""))
-        )
+        lines.append(joined("", ("  ", named(skill), joined("", (": ", wanted)) if wanted else "")))
     return joined("\n", lines)
 
 
@@ -76,6 +77,17 @@ def spoken(skill: Skill) -> str:
     return skill.id.replace("_", " ")
 
 
+def named(skill: Skill) -> str:
+    """Return a skill's name in a sentence: as it is typed, in a language it has a title in."""
+    return titled(spoken(skill), skill.titles)
+
+
+def named_of(profile: Profile, skill: str) -> str:
+    """Return the name of one of a robot's skills in a sentence, by its id."""
+    found = profile.skills.get(skill)
+    return skill.replace("_", " ") if found is None or not found.titles else named(found)
+
+
 def label(skill: Skill) -> str:
     """Return a skill's name as a button shows it."""
     return titled(skill.title or spoken(skill).capitalize(), skill.titles)
@@ -89,13 +101,14 @@ def button_label(skill: Skill) -> str:
 def parameter_hint(name: str, parameter: Parameter) -> str:
     """Return a parameter with its bounds: ``distance 0.01 to 5 m``."""
     if parameter.choices is not None:
-        return joined("", (name, " (", joined(", ", parameter.choices), ")"))
+        choices = joined(", ", map(shown_name, parameter.choices))
+        return joined("", (shown_name(name), " (", choices, ")"))
     if parameter.text:
-        return name
-    unit = f" {parameter.unit}" if parameter.unit else ""
+        return shown_name(name)
+    unit = joined("", (" ", shown_unit(parameter.unit))) if parameter.unit else ""
     hint = said(
         "{name} {min:g} to {max:g}{unit}",
-        name=name,
+        name=shown_name(name),
         min=parameter.min,
         max=parameter.max,
         unit=unit,
@@ -148,7 +161,7 @@ def _state(profile: Profile, presence: Presence, holder: str, stopped_by: str | 
         if presence.moves:
             parts.append(STILL_MOVES)
     elif presence.doing:
-        parts.append(said("doing {what}", what=presence.doing.replace("_", " ")))
+        parts.append(said("doing {what}", what=named_of(profile, presence.doing)))
     elif presence.at_rest:
         parts.append(said("at rest"))
     elif rest_unmeasured(profile, presence):
@@ -178,11 +191,11 @@ def _values(profile: Profile, values: Mapping[str, float | str]) -> Iterable[str
     for name, described in profile.telemetry.items():
         value = values.get(name)
         if isinstance(value, str):
-            yield joined(" ", (name, value))
+            yield joined(" ", (shown_name(name), value))
         elif value is not None:
             shown = f"{value:.0f}" if described.unit == "%" else f"{value:z.2f}"
             text = f"{shown} {described.unit}".rstrip()
-            yield joined(" ", (name, measured(text, value, described.unit)))
+            yield joined(" ", (shown_name(name), measured(text, value, described.unit)))
 
 
 def rests(profiles: Mapping[str, Profile], found: Iterable[Rest]) -> str:
@@ -195,8 +208,9 @@ def rests(profiles: Mapping[str, Profile], found: Iterable[Rest]) -> str:
     for rest in rests:
         shown = profiles[rest.robot].shown
         if rest.confirmed:
+            took = figure(f"{rest.seconds:.2f} s")
             confirmed.append(
-                joined("", (shown, " ", rest.note or said("at rest"), f" ({rest.seconds:.2f} s)."))
+                joined("", (shown, " ", rest.note or said("at rest"), " (", took, ")."))
             )
         else:
             missing.append(_unconfirmed(shown))

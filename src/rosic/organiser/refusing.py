@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from rosic.core.asking import Code
 from rosic.core.authority import RESUME
 from rosic.core.language.suggestions import AND, OR
-from rosic.core.limits import broken_limit
+from rosic.core.limits import broken_limit, limit_in_words
 from rosic.core.robot import Slots
 from rosic.core.roles import Assurance, Need
-from rosic.core.saying import joined, said
-from rosic.core.words import no_robot
+from rosic.core.saying import capital, joined, said
+from rosic.core.words import named_of, no_robot
 from rosic.errors import (
     FirstNeeded,
     NotPermitted,
@@ -27,7 +27,7 @@ from rosic.errors import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from rosic.core.asking import Allowed, Denied
+    from rosic.core.asking import Allowed, Ask, Denied
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import Profile, RobotId
     from rosic.core.skill import Argument, Parameter, Skill
@@ -99,7 +99,7 @@ class Refusing:
         """Return what has to come first, with the command that is asked again then."""
         first = allowed.needs[0]
         shown = self._shown(allowed.ask.robot)
-        what = _spoken(allowed.ask.skill)
+        what = self._named(allowed.ask)
         if first is Need.CONFIRMATION:
             # As it was said: with its values, and of a group all that move.
             sentence = said("{text}? It moves only if you confirm it.", text=text)
@@ -107,13 +107,13 @@ class Refusing:
             sentence = said(
                 "{what} on {shown} needs your second factor first. Send: code, and the "
                 "six digits your authenticator app shows.",
-                what=what.capitalize(),
+                what=capital(what),
                 shown=shown,
             )
         else:
             sentence = said(
                 "{what} on {shown} needs a second person who agrees.",
-                what=what.capitalize(),
+                what=capital(what),
                 shown=shown,
             )
         return FirstNeeded(
@@ -159,6 +159,10 @@ class Refusing:
             )
         )
 
+    def _named(self, ask: Ask) -> str:
+        """Return what was asked for, as a sentence names it."""
+        return named_of(self._profiles[ask.robot], ask.skill)
+
     def _shown(self, robot: RobotId) -> str:
         return self._profiles[robot].shown
 
@@ -180,7 +184,7 @@ class Refusing:
             if denied.roles
             else said("a right nobody has yet")
         )
-        what = _spoken(denied.ask.skill).capitalize()
+        what = capital(self._named(denied.ask))
         shown, resumes = self._shown(denied.ask.robot), denied.ask.skill == RESUME
         sentence = said(
             "{what} needs {role} on {shown}. {who_grants}",
@@ -196,7 +200,7 @@ class Refusing:
         )
 
     def _right_ended(self, denied: Denied) -> Refusal:
-        what = _spoken(denied.ask.skill).capitalize()
+        what = capital(self._named(denied.ask))
         when = self._organiser.moment(denied.ask.principal, denied.when_ns or 0)
         shown = self._shown(denied.ask.robot)
         return NotPermitted(
@@ -211,7 +215,7 @@ class Refusing:
         )
 
     def _too_narrow(self, denied: Denied) -> Refusal:
-        what, shown = _spoken(denied.ask.skill).capitalize(), self._shown(denied.ask.robot)
+        what, shown = capital(self._named(denied.ask)), self._shown(denied.ask.robot)
         return NotPermitted(
             said(
                 "{what} on {robot} is outside what your key is for. The operator of this place "
@@ -222,7 +226,7 @@ class Refusing:
         )
 
     def _too_weak(self, denied: Denied) -> Refusal:
-        what, shown = _spoken(denied.ask.skill).capitalize(), self._shown(denied.ask.robot)
+        what, shown = capital(self._named(denied.ask)), self._shown(denied.ask.robot)
         wanted = ANY_CHANNEL.get(denied.channel or Assurance.LOCAL, said("a better protected chat"))
         return NotPermitted(
             said(
@@ -236,8 +240,8 @@ class Refusing:
 
     def _over_limit(self, denied: Denied) -> Refusal:
         limit = denied.limit
-        within = bound_of(limit.said) if limit is not None else said("a limit")
-        what, shown = _spoken(denied.ask.skill), self._shown(denied.ask.robot)
+        within = limit_in_words(bound_of(limit.said)) if limit is not None else said("a limit")
+        what, shown = self._named(denied.ask), self._shown(denied.ask.robot)
         own = self._organiser.own_limits(denied.ask.principal)
         if limit is not None and any(each in limit.said for each in own):
             return OutOfBounds(

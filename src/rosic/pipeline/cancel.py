@@ -52,7 +52,8 @@ OTHERS_SHOWN = 3
 
 BOOKING: Final = "booking"
 """The verb of what ``/cancel booking`` asks for; nobody types it alone."""
-TASKS: Final = {"task": "task", "tasks": "task", "mission": "mission", "missions": "mission"}
+TASKS: Final = {"task": "task", "tasks": "task", "mission": "mission", "missions": "mission",
+                "aufgabe": "task", "aufgaben": "task", "missionen": "mission"}  # fmt: skip
 
 Also: TypeAlias = Callable[[PrincipalId, Collection[RobotId]], Awaitable[str]]
 """Ends what else somebody has under way, with some robots or with all if none is named. Returns

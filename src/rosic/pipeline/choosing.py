@@ -125,8 +125,8 @@ class Choosing:
                 except Refusal:
                     continue  # the profile has changed since
                 command = _command(robot, compiled, given)
-                label = show(vocabulary, robot, line.skills[0], given)
-                found.setdefault(command, Button(f"{OFTEN} {label}", f"{ASK_FIRST}{command}"))
+                label = joined(" ", (OFTEN, show(vocabulary, robot, line.skills[0], given)))
+                found.setdefault(command, Button(label, f"{ASK_FIRST}{command}"))
         return list(found.values())
 
 

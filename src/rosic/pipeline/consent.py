@@ -13,6 +13,7 @@ from rosic.core.decision import may_agree
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.language import Do
 from rosic.core.language.suggestions import OR
+from rosic.core.limits import limit_in_words
 from rosic.core.message import Button
 from rosic.core.roles import ASSURANCES, Assurance, Need
 from rosic.core.saying import joined, said
@@ -330,7 +331,7 @@ def _why_not(denied: Denied, act: str) -> str:
         return said(
             "You cannot agree to this: {act}. For you it is allowed with {within}.",
             act=act,
-            within=bound_of(denied.limit.said),
+            within=limit_in_words(bound_of(denied.limit.said)),
         )
     if denied.channel is not None:
         return said(

@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.core import words
 from rosic.core.authority import RESUME
+from rosic.core.language.common_names import shown_command, shown_name
 from rosic.core.language.stepping import beginning
 from rosic.core.message import Button
 from rosic.core.reach import FLEET, GRANT
 from rosic.core.robot import Slots
-from rosic.core.saying import joined, said
+from rosic.core.saying import figure, joined, said
 from rosic.core.view import Sight
+from rosic.pipeline.command_words import TYPED
 from rosic.pipeline.menus import ADMINS, EVERYBODY
 
 if TYPE_CHECKING:
@@ -69,50 +71,6 @@ _ABOUT_PEOPLE: Final = {
     "lock": ("lock",),
 }
 
-# What to type. A translation is understood: it stands in `rosic.core.language.words.ALIASES`.
-TYPED: Final = {
-    "again": said("/again"),
-    "use": said("/use"),
-    "undo": said("/undo"),
-    "stop": said("/stop"),
-    "resume": said("/resume"),
-    "robots": said("/robots"),
-    "status": said("/status"),
-    "card": said("/card"),
-    "history": said("/history"),
-    "picture": said("/picture"),
-    "map": said("/map"),
-    "trajectory": said("/trajectory"),
-    "chart": said("/chart"),
-    "slots": said("/slots"),
-    "book": said("/book"),
-    "wish": said("/wish"),
-    "wait": said("/wait"),
-    "cancel": said("/cancel"),
-    "cancel booking": said("/cancel booking"),
-    "handover": said("/handover"),
-    "me": said("/me"),
-    "role": said("/role"),
-    "ask": said("/ask"),
-    "settings": said("/settings"),
-    "files": said("/files"),
-    "mydata": said("/mydata"),
-    "people": said("/people"),
-    "invite": said("/invite"),
-    "grant": said("/grant"),
-    "revoke": said("/revoke"),
-    "lock": said("/lock"),
-    "security": said("/security"),
-    "plan": said("/plan"),
-    "fleet": said("/fleet"),
-    "together": said("/together"),
-    "task": said("/task"),
-    "tasks": said("/tasks"),
-    "mission": said("/mission"),
-    "alerts": said("/alerts"),
-    "mute": said("/mute"),
-}
-
 
 class HelpMenu:
     """Says what can be said, and nothing that this person could not use.
@@ -160,7 +118,7 @@ class HelpMenu:
 
     def _move(self, principal: PrincipalId, visible: frozenset[RobotId]) -> Lines:
         examples = self.examples(principal, visible)
-        yield from (f"  {example}" for example in examples)
+        yield from (joined("", ("  ", example)) for example in examples)
         if examples:
             yield from _commands("again", "use", "undo")
         yield _line("stop")
@@ -202,7 +160,7 @@ class HelpMenu:
         yield from _commands("fleet")
         example = self._together(principal, visible)
         if example:
-            yield f"  {example}"
+            yield joined("", ("  ", example))
             yield from _commands("together")
         if self._organiser.allows(principal, FLEET, "assign"):
             yield from _commands("task", "tasks", "mission")
@@ -243,7 +201,8 @@ class HelpMenu:
             if every and compiled is not None and all(map(_shared(skill.id), self._of(robots))):
                 values = list(_values(compiled))
                 if None not in values:
-                    return " ".join([name, compiled.spoken, *filter(None, values)])
+                    command = shown_command(skill.id, compiled.spoken, skill.titles)
+                    return joined(" ", (name, command, *filter(None, values)))
         return ""
 
     def _of(self, robots: Iterable[RobotId]) -> Iterator[Profile]:
@@ -265,11 +224,11 @@ def _values(compiled: CompiledSkill) -> Iterator[str | None]:
 def _value(parameter: CompiledParameter, *, named: bool) -> str | None:
     value = beginning(parameter)
     if value is None or not parameter.is_number:
-        return None if value is None else str(value).replace("_", " ")
+        return None if value is None else shown_name(str(value))
     text = f"{parameter.unit.from_si(float(value)):.4g}"
     if named:
-        return f"{parameter.name}={text}"
-    return f"{text} {parameter.unit.symbol}".rstrip()
+        return joined("=", (parameter.shown, figure(text)))
+    return figure(f"{text} {parameter.unit.symbol}".rstrip())
 
 
 def _commands(*names: str) -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
+from rosic.core.message import LIES_IN
 from rosic.core.saying import Catalogue, Imperial, in_language
 
 if TYPE_CHECKING:
@@ -89,6 +90,10 @@ class Languages:
             self._chosen.pop(principal, None)
         self._settle(principal)
 
+    def chosen(self) -> Mapping[PrincipalId, str]:
+        """Return which language people chose, by its code."""
+        return self._chosen
+
     def hear(self, principal: PrincipalId, locale: str) -> None:
         """Note what somebody's messenger is set to: the default of whoever has not chosen."""
         if self._heard.get(principal) == locale:
@@ -114,7 +119,8 @@ def translated(outbound: Outbound, catalogue: Catalogue | None) -> Outbound:
     text, buttons = in_language(outbound.text, catalogue), outbound.buttons
     if buttons:
         buttons = labelled(buttons, catalogue)
-    return msgspec.structs.replace(outbound, text=text, buttons=buttons)
+    lies_in = in_language(LIES_IN, catalogue) if outbound.attachment is not None else ""
+    return msgspec.structs.replace(outbound, text=text, buttons=buttons, lies_in=lies_in)
 
 
 def labelled(buttons: _Rows, catalogue: Catalogue | None) -> _Rows:

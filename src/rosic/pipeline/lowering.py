@@ -13,6 +13,7 @@ from msgspec.structs import replace
 
 from rosic.core.asking import Code, Denied
 from rosic.core.language.binding import place
+from rosic.core.limits import limit_in_words
 from rosic.core.order import Request, Spoken
 from rosic.core.roles import Assurance
 from rosic.core.saying import joined, said
@@ -136,8 +137,8 @@ class Lowering:
     def _said(self, caller: Caller, limit: Limit) -> str:
         bound = bound_of(limit.said)
         if any(own in limit.said for own in self._rooms.organiser.own_limits(caller.principal)):
-            return said("as much as your own setting allows ({limit})", limit=bound)
-        return said("as much as your limit allows ({limit})", limit=bound)
+            return said("as much as your own setting allows ({limit})", limit=limit_in_words(bound))
+        return said("as much as your limit allows ({limit})", limit=limit_in_words(bound))
 
 
 class _Open(NamedTuple):

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from rosic.core.menu import Menu, Where
 from rosic.core.saying import in_language, said
+from rosic.pipeline.command_words import menu_name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from rosic.authoriser.directory import Directory
     from rosic.contracts.clock import Clock
@@ -18,9 +19,13 @@ if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
     from rosic.core.saying import Catalogue
 
+    _Entries: TypeAlias = Sequence[tuple[str, str]]
+
 ADMINS_AT_MOST: Final = 40
+CHOSEN_AT_MOST: Final = 40
 """Each is some calls; further ones find everything in /help."""
 SETTLE_S: Final = 2.0
+ENGLISH: Final = "en"
 
 EVERYBODY: Final = (
     ("robots", said("The robots you may see")),
@@ -62,6 +67,8 @@ class Menus:
         directory: Where people are reached.
         admins: Returns who looks after people here, the same ones first each time.
         catalogues: Other languages than English.
+        chosen: Returns which language people chose here, by its code: their own chat's menu is in
+            that one, whatever their messenger is set to.
         clock: Waits until a row of changes is over.
     """
 
@@ -70,11 +77,13 @@ class Menus:
         directory: Directory,
         admins: Callable[[], Sequence[PrincipalId]],
         catalogues: dict[str, Catalogue],
+        chosen: Callable[[], Mapping[PrincipalId, str]],
         clock: Clock,
     ) -> None:
         self._directory = directory
         self._admins = admins
         self._languages: dict[str, Catalogue | None] = {"": None, **catalogues}
+        self._chosen = chosen
         self._clock = clock
         self._platforms: list[tuple[str, SetMenus]] = []
         self._with_own: dict[str, set[str]] = {}
@@ -107,27 +116,48 @@ class Menus:
     def of(self, platform: str) -> list[Menu]:
         """Return every menu of a platform; an empty one for a chat that has none of its own now."""
         whole = (*EVERYBODY, *ADMINS)
-        own = {
-            address.account
-            for principal in list(self._admins())[:ADMINS_AT_MOST]
-            if (person := self._directory.person(principal)) is not None
-            for address in person.addresses
-            if address.platform == platform
-        }
+        admins = list(self._admins())[:ADMINS_AT_MOST]
+        entries: dict[str, _Entries] = {account: whole for _, account in self._at(platform, admins)}
+        chosen = self._reading(platform)
+        for account in chosen:
+            entries.setdefault(account, EVERYBODY)
         before = self._with_own.setdefault(platform, set())
         menus: list[Menu] = []
         for locale, catalogue in self._languages.items():
-            everybody = _said(EVERYBODY, catalogue)
-            groups = tuple(entry for entry in everybody if entry[0] in IN_GROUPS)
-            menus.append(Menu(Where.PRIVATE, everybody, locale))
-            menus.append(Menu(Where.GROUPS, (*groups, *_said((TOPIC,), catalogue)), locale))
+            groups = tuple(entry for entry in EVERYBODY if entry[0] in IN_GROUPS)
+            menus.append(Menu(Where.PRIVATE, _said(EVERYBODY, catalogue), locale))
+            menus.append(Menu(Where.GROUPS, _said((*groups, TOPIC), catalogue), locale))
             menus += [
-                Menu(Where.CHAT, _said(whole, catalogue) if chat in own else (), locale, chat)
-                for chat in sorted(own | before)
+                Menu(
+                    Where.CHAT,
+                    _said(entries.get(chat, ()), chosen.get(chat, catalogue)),
+                    locale,
+                    chat,
+                )
+                for chat in sorted(before.union(entries))
             ]
         before.clear()
-        before.update(own)
+        before.update(entries)
         return menus
+
+    def _reading(self, platform: str) -> dict[str, Catalogue | None]:
+        """Return in which language whoever chose one reads, by account."""
+        chosen = {
+            principal: self._languages["" if code == ENGLISH else code]
+            for principal, code in self._chosen().items()
+            if code == ENGLISH or code in self._languages
+        }
+        few = list(chosen)[:CHOSEN_AT_MOST]
+        return {account: chosen[principal] for principal, account in self._at(platform, few)}
+
+    def _at(
+        self, platform: str, people: Iterable[PrincipalId]
+    ) -> Iterator[tuple[PrincipalId, str]]:
+        for principal in people:
+            person = self._directory.person(principal)
+            for address in () if person is None else person.addresses:
+                if address.platform == platform:
+                    yield principal, address.account
 
     async def close(self) -> None:
         """Look no more."""
@@ -136,7 +166,7 @@ class Menus:
         await asyncio.gather(*self._tasks.values(), return_exceptions=True)
 
 
-def _said(
-    entries: Sequence[tuple[str, str]], catalogue: Catalogue | None
-) -> tuple[tuple[str, str], ...]:
-    return tuple((name, in_language(text, catalogue)) for name, text in entries)
+def _said(entries: _Entries, catalogue: Catalogue | None) -> tuple[tuple[str, str], ...]:
+    return tuple(
+        (menu_name(name, catalogue), in_language(text, catalogue)) for name, text in entries
+    )

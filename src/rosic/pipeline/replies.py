@@ -13,6 +13,7 @@ from rosic.core.rate import Bucket, RateLimit
 from rosic.core.saying import in_language, said
 from rosic.errors import Refusal, Repeated
 from rosic.pipeline.arrears import Arrears
+from rosic.pipeline.command_words import offered
 from rosic.pipeline.freshness import is_missed
 from rosic.pipeline.languages import translated
 from rosic.pipeline.telling import Note, Teller
@@ -179,7 +180,7 @@ class Replies:
         except Repeated:
             return  # the same message was settled before
         buttons: tuple[tuple[Button, ...], ...] = tuple(
-            (Button(offer, offer),) for offer in refusal.offers[:OFFERED_AT_MOST]
+            (Button(offered(offer), offer),) for offer in refusal.offers[:OFFERED_AT_MOST]
         )
         if refusal.choices:
             buttons = (tuple(Button(*choice) for choice in refusal.choices), *buttons)

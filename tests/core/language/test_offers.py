@@ -78,7 +78,7 @@ def test_what_is_offered_is_read_to_its_end(
 
 @pytest.mark.parametrize(
     "said",
-    ["omni drehe dich 5 grad", "omni mvoe 5 quux", "status omin and nobdy", "omin move 2 quux m"],
+    ["omni drhee dich 5 grad", "omni mvoe 5 quux", "status omin and nobdy", "omin move 2 quux m"],
 )
 def test_a_mended_word_in_a_line_that_says_nothing_is_not_offered(means: Means, said: str) -> None:
     line = means(said)

@@ -6,13 +6,14 @@ import pytest
 
 from rosic.app.documents.profiles import known_units, load_profile, shipped_profiles
 from rosic.app.languages import catalogue
-from rosic.core.language import Context, Vocabulary, hears_stop, understand
+from rosic.core.language import Context, Errand, Vocabulary, hears_stop, understand
 from rosic.core.language.cancelling import hears_cancel
 from rosic.core.language.words import ALIASES, ERRANDS, HELP_PAGES, PAGE_ALIASES, VERBS
 from rosic.core.measures import in_units_of
 from rosic.core.saying import Imperial, in_language
 from rosic.core.words import button_label
-from rosic.pipeline.help_menu import TYPED
+from rosic.pipeline.command_words import TYPED
+from rosic.pipeline.times.cancelling import BOOKINGS
 from tests.rooms.pipeline.place import FLEET
 
 GERMAN = catalogue("de")
@@ -32,6 +33,13 @@ def test_what_german_help_says_to_type_is_understood(name: str) -> None:
         return
     if name == "cancel":
         assert hears_cancel(german) == ()
+        return
+    if name == "cancel booking":
+        [asked] = understand(german, VOCABULARY, Context("", frozenset()))
+        assert isinstance(asked, Errand)
+        assert asked.verb == "cancel"
+        assert asked.rest in BOOKINGS
+        assert hears_cancel(german) is None
         return
     assert meant(german) == meant(f"/{name}")
     assert meant(german.removeprefix("/").capitalize()) == meant(name)

@@ -135,7 +135,7 @@ async def test_lengths_are_read_in_the_units_somebody_chose() -> None:
         assert told_to(place, ADA).startswith("omni: move, 3.28 ft forward\n")
         await ask(place, ADA, "/language de")
         missing = await ask(place, ADA, "omni move")
-        assert missing == "omni: move braucht distance, von 0.03281 bis 16.4 ft."
+        assert missing == "omni: move braucht Strecke, von 0,03281 bis 16,4 ft."
         await ask(place, BO, "cf1 move 1 m")
         assert told_to(place, BO).startswith("cf1: move, 1.00 m forward\n")
 

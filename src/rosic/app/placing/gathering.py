@@ -59,7 +59,7 @@ class Gathering:
         others = {code: found for code in LANGUAGES if (found := catalogue(code)) is not None}
         admins = partial(_admins, authority, around.clock)
         self.windows: Windows | None = None
-        self.menus = Menus(directory, admins, others, around.clock)
+        self.menus = Menus(directory, admins, others, around.teller.languages.chosen, around.clock)
         changes.after(self.menus.look)
 
     def gather(self, messengers: Iterable[Messenger], memory: Memory) -> None:

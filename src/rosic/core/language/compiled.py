@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 
 from rosic.core.language.cleaning import clean_name, normalised, quote
+from rosic.core.language.common_names import shown_name, typed_names
 from rosic.core.language.numerals import read_numeral
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.units import NONE, Unit, UnitTable
@@ -17,7 +18,9 @@ from rosic.core.robot import Profile, RobotId
 from rosic.core.skill import Argument, Parameter, Skill, SkillClass
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
+
+T = TypeVar("T")
 
 # A bound that went through another unit and back still is the bound.
 TOLERANCE = 1e-9
@@ -163,7 +166,7 @@ def compile_parameter(name: str, parameter: Parameter, units: UnitTable) -> Comp
         default = int(default) if integer else min(max(float(default), low), high)
     return CompiledParameter(
         name=name,
-        shown=clean_name(name).replace("_", " "),
+        shown=shown_name(clean_name(name)),
         unit=unit,
         low=low,
         high=high,
@@ -187,6 +190,7 @@ def compile_skill(skill: Skill, units: UnitTable) -> CompiledSkill:
     for parameter in parameters:
         for spelling in spellings(parameter.name):
             by_name.setdefault(spelling, parameter)
+    add_common(by_name, ((parameter.name, parameter) for parameter in parameters))
     words = [word for parameter in parameters for word in parameter.words or ()]
     texts = [parameter for parameter in parameters if parameter.text]
     dimensions = {parameter.unit.dimension for parameter in parameters if parameter.is_number}
@@ -204,6 +208,22 @@ def compile_skill(skill: Skill, units: UnitTable) -> CompiledSkill:
         longest_word=longest_by_first_word(word for word in words if " " in word),
         text=texts[0] if texts else None,
     )
+
+
+def add_common(known: dict[str, T], named: Iterable[tuple[str, T]]) -> None:
+    """Let common names be said in other languages, too, where they leave no doubt.
+
+    Args:
+        known: What can be said to what it means; is added to.
+        named: A name of the profile, and what it means.
+    """
+    meant: dict[str, list[T]] = {}
+    for name, what in named:
+        for word in typed_names(name):
+            meant.setdefault(word, []).append(what)
+    for word, several in meant.items():
+        if len(several) == 1:
+            known.setdefault(word, several[0])
 
 
 def merge(skills: tuple[CompiledSkill, ...]) -> CompiledSkill:
@@ -251,4 +271,5 @@ def _choice_words(name: str, parameter: Parameter) -> dict[str, str] | None:
                     f"parameter {name!r}: {quote(spelling)} is both "
                     f"{quote(words[spelling])} and {quote(choice)}"
                 )
+    add_common(words, ((choice, choice) for choice in parameter.choices))
     return words

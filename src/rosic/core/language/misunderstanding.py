@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
 from rosic.core.language.lines import Misunderstood
-from rosic.core.language.suggestions import MOST_CANDIDATES, did_you_mean, listed
+from rosic.core.language.suggestions import MOST_CANDIDATES, did_you_mean, listed, one_each
 from rosic.core.language.words import HINTS, VERBS
 from rosic.core.saying import said
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator
 
     from rosic.core.language.compiled import CompiledSkill
     from rosic.core.language.vocabulary import Callee, Vocabulary
@@ -95,7 +95,7 @@ class Misunderstanding:
             if callee.group
             else said("{shown} has no {quote}.", shown=_shown(callee), quote=quote(self._raw[at]))
         )
-        close = _one_each(did_you_mean(self._low[at], _phrases(callee)), _skills(callee))
+        close = one_each(did_you_mean(self._low[at], _phrases(callee)), _skills(callee))
         prefix = f"{callee.name} " if chosen else ""
         mended = self._mended(at, close, prefix)
         if not mended and chosen:
@@ -110,7 +110,7 @@ class Misunderstanding:
     def no_such_robot(self, at: int) -> Misunderstood:
         """A name names nobody the person may see."""
         close = did_you_mean(self._low[at], self._callees())
-        mended = self._mended(at, _one_each(close, self._vocabulary.callees))
+        mended = self._mended(at, one_each(close, self._vocabulary.callees))
         sentence = said("I know no robot {quote}.", quote=quote(self._raw[at]))
         if not mended:
             return Misunderstood(
@@ -167,7 +167,7 @@ class Misunderstanding:
         word = self._low[at]
         hint = HINTS.get(word)
         close = (hint,) if hint else did_you_mean(word, self._first_words())
-        mended = self._mended(at, _one_each(close, self._vocabulary.callees))
+        mended = self._mended(at, one_each(close, self._vocabulary.callees))
         if not mended:
             return Misunderstood(
                 said("{sentence} Say help for what can be said.", sentence=sentence), ("help",)
@@ -219,14 +219,6 @@ def _meant(sentence: str, mended: dict[str, str]) -> Misunderstood:
 
 def _shown(callee: Callee) -> str:
     return callee.name if callee.group else callee.robots[0].shown
-
-
-def _one_each(words: tuple[str, ...], meanings: Mapping[str, object]) -> tuple[str, ...]:
-    """Return the words without those that mean the same as an earlier one."""
-    kept: dict[int, str] = {}
-    for word in words:
-        kept.setdefault(id(meanings.get(word, word)), word)
-    return tuple(kept.values())
 
 
 def _skills(callee: Callee) -> dict[str, CompiledSkill]:

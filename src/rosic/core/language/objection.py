@@ -7,17 +7,18 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
+from rosic.core.language.common_names import known_name
 from rosic.core.language.kinds import article, kind_of, kinds
 from rosic.core.language.placing import fits
 from rosic.core.language.showing import show_bound, show_number, shown_bound, usual_values
-from rosic.core.language.suggestions import AND, did_you_mean, listed
+from rosic.core.language.suggestions import AND, did_you_mean, listed, one_each
 from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.order import Spoken
-from rosic.core.saying import joined, said
+from rosic.core.saying import joined, said, titled
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from rosic.core.language.compiled import CompiledParameter, CompiledSkill
     from rosic.core.language.units import Unit
@@ -34,7 +35,7 @@ _NOTHING_DONE = said("Nothing was done.")
 class Objection:
     """Finds out what is wrong with values that could not be bound."""
 
-    __slots__ = ("_addressee", "_compiled", "_robot", "_spoken", "_units")
+    __slots__ = ("_addressee", "_compiled", "_robot", "_skill", "_spoken", "_units")
 
     def __init__(
         self,
@@ -47,6 +48,7 @@ class Objection:
         self._units = vocabulary.units
         self._robot = vocabulary.robots[robot].shown
         self._compiled = compiled
+        self._skill = titled(compiled.spoken, compiled.skill.titles)
         self._spoken = spoken
         self._addressee = addressee
 
@@ -57,18 +59,19 @@ class Objection:
                 said(
                     "write the {shown} after {spoken}.",
                     shown=parameter.shown,
-                    spoken=self._compiled.spoken,
+                    spoken=self._skill,
                 )
             )
         what = said(
             "{spoken} needs {article}",
-            spoken=self._compiled.spoken,
+            spoken=self._skill,
             article=article(parameter.shown),
         )
         if parameter.words is not None:
             choices = tuple(dict.fromkeys(parameter.words.values()))
             offers = [self._command(extra=choice.replace("_", " ")) for choice in choices]
-            return self._refuse(joined("", (what, ": ", listed(_few(choices)), ".")), offers)
+            names = listed(_few(_shown(choices)))
+            return self._refuse(joined("", (what, ": ", names, ".")), offers)
         low, high = (
             shown_bound(parameter.low, parameter.high, parameter.unit, upper=upper, with_unit=upper)
             for upper in (False, True)
@@ -123,7 +126,7 @@ class Objection:
         return self._wrong_dimension(value, unit, self._compiled.numbers)
 
     def _no_place(self, value: Spoken) -> Refusal:
-        skill, given = self._compiled.spoken, _said(value)
+        skill, given = self._skill, _said(value)
         if not self._compiled.numbers:
             return self._refuse(
                 said(
@@ -149,7 +152,7 @@ class Objection:
         if knowing:
             return self._twice(knowing[0])
         unsaid = [p.words for p in self._compiled.choices if p.words and p.name not in given]
-        takes = tuple(dict.fromkeys(unsaid[0].values())) if unsaid else ()
+        takes = _shown(dict.fromkeys(unsaid[0].values())) if unsaid else ()
         close = did_you_mean(word, chain(self._compiled.words, self._compiled.by_name))
         return self._guess(at, word, close, takes)
 
@@ -171,11 +174,12 @@ class Objection:
                 ),
                 stops,
             )
-        sentence = said(
-            "{spoken} does not know {quote}.", spoken=self._compiled.spoken, quote=quote(word)
-        )
+        sentence = said("{spoken} does not know {quote}.", spoken=self._skill, quote=quote(word))
         value = self._spoken[at]
-        others = {other: Spoken(value.name, value.number, other) for other in close}
+        meanings = dict(item for p in self._compiled.choices for item in (p.words or {}).items())
+        others = {
+            other: Spoken(value.name, value.number, other) for other in one_each(close, meanings)
+        }
         if (meant := self._meant(sentence, at, others)) is not None:
             return meant
         known = [said("It takes {listed}.", listed=listed(_few(takes)))] if takes else []
@@ -201,14 +205,12 @@ class Objection:
     def _unknown_parameter(self, at: int, value: Spoken) -> Refusal:
         names = tuple(p.name for p in self._compiled.parameters)
         close = did_you_mean(value.name, names)
-        sentence = said(
-            "{spoken} has no {quote}.", spoken=self._compiled.spoken, quote=quote(value.name)
-        )
+        sentence = said("{spoken} has no {quote}.", spoken=self._skill, quote=quote(value.name))
         others = {name: Spoken(name, value.number, value.word) for name in close}
         if (meant := self._meant(sentence, at, others)) is not None:
             return meant
         takes = (
-            said("It takes {listed}.", listed=listed(_few(names), AND))
+            said("It takes {listed}.", listed=listed(_few(_shown(names)), AND))
             if names
             else said("It takes nothing.")
         )
@@ -269,7 +271,7 @@ class Objection:
             said(
                 "{shown} is one of {listed}, not {rest}.",
                 shown=parameter.shown,
-                listed=listed(_few(choices)),
+                listed=listed(_few(_shown(choices))),
                 rest=_said(value),
             ),
             offers,
@@ -278,7 +280,7 @@ class Objection:
     def _wrong_dimension(
         self, value: Spoken, unit: Unit, parameters: tuple[CompiledParameter, ...]
     ) -> Refusal:
-        taker = parameters[0].shown if len(parameters) == 1 else self._compiled.spoken
+        taker = parameters[0].shown if len(parameters) == 1 else self._skill
         return self._refuse(
             said(
                 "{rest} is {article}; {taker} takes {listed}. Nothing was done.",
@@ -304,7 +306,7 @@ class Objection:
             )
         subject = parameter.shown
         if parameter.name in _EXTENTS:
-            subject = said("one {spoken}", spoken=self._compiled.spoken)
+            subject = said("one {spoken}", spoken=self._skill)
         if si < 0 <= parameter.low:
             return self._refuse(
                 said(
@@ -383,6 +385,10 @@ def _said(value: Spoken) -> str:
     if value.number is None:
         return quote(value.word)
     return f"{show_number(value.number)} {value.word[:16]}".rstrip()
+
+
+def _shown(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(map(known_name, names))
 
 
 def _count(number: int) -> str:

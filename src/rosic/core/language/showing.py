@@ -6,8 +6,9 @@ from math import ceil, floor, isfinite, log10
 from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
+from rosic.core.language.common_names import shown_name
 from rosic.core.measures import imperial_unit, measured
-from rosic.core.saying import Measured, joined, said, titled
+from rosic.core.saying import figure, joined, titled
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,28 +19,6 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
     from rosic.core.skill import Argument, Skill
 
-_COMMON = {
-    "forward": said("forward"),
-    "back": said("back"),
-    "backward": said("backward"),
-    "left": said("left"),
-    "right": said("right"),
-    "up": said("up"),
-    "down": said("down"),
-    "home": said("home"),
-    "reach": said("reach"),
-    "carry": said("carry"),
-    "line": said("line"),
-    "triangle": said("triangle"),
-    "column": said("column"),
-    "open": said("open"),
-    "closed": said("closed"),
-    "on": said("on"),
-    "off": said("off"),
-    "fast": said("fast"),
-    "slow": said("slow"),
-}
-"""Choices that many robots have. What somebody types stays as the profile has it."""
 _SMALL = 1e-3
 _LARGE = 1e9
 _DIGITS = (4, 6, 9, 12)
@@ -70,12 +49,11 @@ def show_value(si: float, unit: Unit) -> str:
 
 def shown_bound(low: float, high: float, unit: Unit, *, upper: bool, with_unit: bool = True) -> str:
     """Return one of two SI bounds as it is read; in other units it is rounded inwards as well."""
-    shown = Measured(_with_unit(show_bound(low, high, unit, upper=upper), unit, with_unit))
+    shown = _with_unit(show_bound(low, high, unit, upper=upper), unit, with_unit)
     other = imperial_unit(unit)
     if other is None:
-        return str(shown)
-    shown.imperial = _with_unit(show_bound(low, high, other, upper=upper), other, with_unit)
-    return shown
+        return measured(shown, 0.0, unit.symbol if with_unit else "")
+    return figure(shown, _with_unit(show_bound(low, high, other, upper=upper), other, with_unit))
 
 
 def _with_unit(number: str, unit: Unit, with_unit: bool) -> str:
@@ -165,7 +143,7 @@ def _show_word(parameter: CompiledParameter, word: str) -> str:
 
 def show_choice(word: str) -> str:
     """Return a choice as people read it; common ones in their language."""
-    return _COMMON.get(word, word.replace("_", " "))
+    return shown_name(word)
 
 
 def show_named(compiled: CompiledSkill, parameter: CompiledParameter, value: Argument) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.core.saying import joined, said
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
 MOST_CANDIDATES = 512
 MOST_SUGGESTIONS = 3
@@ -61,6 +61,14 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
                 found[candidate] = slips
     closest = min(found.values(), default=0)
     return tuple(sorted(c for c in found if found[c] == closest))[:MOST_SUGGESTIONS]
+
+
+def one_each(words: tuple[str, ...], meanings: Mapping[str, object]) -> tuple[str, ...]:
+    """Return the words without those that mean the same as an earlier one."""
+    kept: dict[int, str] = {}
+    for word in words:
+        kept.setdefault(id(meanings.get(word, word)), word)
+    return tuple(kept.values())
 
 
 def listed(words: tuple[str, ...], joint: str = OR) -> str:

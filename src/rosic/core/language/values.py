@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.numerals import read_numeral
-from rosic.core.language.words import FILLERS, NOT_FINITE, NUMBERS
+from rosic.core.language.words import FILLERS, NOT_FINITE, NUMBERS, SOFT_FILLERS
 from rosic.core.order import Spoken
 
 if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledSkill
     from rosic.core.language.units import UnitTable
 
+_SKIPPED = FILLERS | SOFT_FILLERS
 _PER = frozenset({"per", "pro"})
 
 
@@ -63,7 +64,7 @@ class ValueReader:
                 spoken.append(Spoken("", None, word))
             elif word.replace(".", "", 1).isdecimal():
                 spoken.append(self._value(""))
-            elif word in FILLERS and not self._is_one(word):
+            elif (word in FILLERS and not self._is_one(word)) or self._is_soft(word):
                 self._at += 1
             else:
                 spoken.append(self._named_or_value(word))
@@ -72,6 +73,15 @@ class ValueReader:
     def _has_equals(self) -> bool:
         after = self._at + 1
         return after < len(self._low) and self._low[after] == "="
+
+    def _is_soft(self, word: str) -> bool:
+        """Whether a word carries no meaning, unless it is the name of a value or of a unit."""
+        return (
+            word in SOFT_FILLERS
+            and word not in self._skill.by_name
+            and word not in self._skill.longest_word
+            and not self._has_equals()
+        )
 
     def _is_one(self, word: str) -> bool:
         """Whether ``a`` or ``an`` stands for 1: ``a metre``."""
@@ -135,7 +145,7 @@ class ValueReader:
         if low in skill.plain_words or self._has_equals():
             return ""
         if raw not in self._units.exact:
-            if low in FILLERS or low in skill.words or low in skill.by_name or low in NUMBERS:
+            if low in _SKIPPED or low in skill.words or low in skill.by_name or low in NUMBERS:
                 return ""
             if low in skill.longest_word or read_numeral(raw) is not None or low == "=":
                 return ""

@@ -8,6 +8,7 @@ import msgspec
 
 from rosic.core.language.cancelling import is_cancel_word
 from rosic.core.language.cleaning import clean_name, quote
+from rosic.core.language.common_names import TYPED
 from rosic.core.language.compiled import (
     CompiledRobot,
     CompiledSkill,
@@ -80,7 +81,8 @@ class Vocabulary(msgspec.Struct, frozen=True, kw_only=True):
             if by_id.setdefault(profile.id, profile) is not profile:
                 raise ValueError(f"two robots are called {quote(profile.id)}")
         shared: dict[str, CompiledSkill] = {}
-        robots = {n: _compile_robot(profile, units, shared) for n, profile in by_id.items()}
+        names = _chosen_names(by_id.values())
+        robots = {n: _compile_robot(p, units, shared, names) for n, p in by_id.items()}
         callees = _callees(robots)
         having = _having(robots)
         for phrase in having:
@@ -189,7 +191,7 @@ def _refuse_reserved(name: str, what: str) -> None:
 
 
 def _compile_robot(
-    profile: Profile, units: UnitTable, shared: dict[str, CompiledSkill]
+    profile: Profile, units: UnitTable, shared: dict[str, CompiledSkill], names: frozenset[str]
 ) -> CompiledRobot:
     skills: dict[str, CompiledSkill] = {}
     for name, skill in skills_of(profile).items():
@@ -200,6 +202,11 @@ def _compile_robot(
             raise ValueError(f"robot {profile.id}, skill {name!r}: {error}") from error
         shared[same] = skills[name]
     phrases = _phrases(profile.id, skills)
+    for name in TYPED:
+        if name in skills:
+            for word in TYPED[name]:
+                if word not in names and not _means_else(word):
+                    phrases.setdefault(word, skills[name])
     return CompiledRobot(
         id=profile.id,
         profile=profile,
@@ -211,6 +218,11 @@ def _compile_robot(
         phrases=phrases,
         longest=longest_by_first_word(phrases),
     )
+
+
+def _chosen_names(profiles: Iterable[Profile]) -> frozenset[str]:
+    """Return what robots and groups are called by whoever wrote their profiles."""
+    return frozenset(fold(name) for p in profiles for name in (p.id, p.shown, *p.words, *p.groups))
 
 
 def _phrases(robot: RobotId, skills: dict[str, CompiledSkill]) -> dict[str, CompiledSkill]:

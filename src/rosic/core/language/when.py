@@ -23,6 +23,7 @@ from rosic.core.civil import (
     weekday_of,
 )
 from rosic.core.language.clock_words import Unclear
+from rosic.core.language.clock_words_elsewhere import shown_when
 from rosic.core.language.lines import Misunderstood
 from rosic.core.language.when_said import Said
 from rosic.core.saying import said
@@ -30,7 +31,7 @@ from rosic.core.saying import said
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.core.language.when_said import Date
+from rosic.core.language.when_said import Date
 
 # Good at any time: none of them is over before somebody taps it.
 EXAMPLES = ("tomorrow 14:00 1h", "mon 9-10", "now 30 min", "every tue 14:00 1h 10 times")
@@ -80,7 +81,7 @@ def read_when(text: str, now_ns: int, local_at: Callable[[int], Local]) -> When 
             sentence = said(
                 "{sentence} Write it as {example}, or the day as 2027-02-01.",
                 sentence=sentence,
-                example=EXAMPLES[0],
+                example=shown_when(EXAMPLES[0]),
             )
         return Misunderstood(sentence, offers)
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from rosic.core.civil import MINUTES_A_DAY, MONTHS, WEEKDAYS
 from rosic.core.language.cleaning import quote
 from rosic.core.language.clock_words import Unclear, clock_of, words_of
+from rosic.core.language.clock_words_elsewhere import OTHERWISE
 from rosic.core.language.numerals import read_numeral
 from rosic.core.saying import said
 
@@ -39,7 +40,7 @@ UNITS: dict[str, int] = {
 WORKDAYS = (0, 1, 2, 3, 4)
 
 _FULL_DAYS = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
-_DAYS_AWAY = {"yesterday": -1, "today": 0, "tonight": 0, "tomorrow": 1}
+_DAYS_AWAY = {"yesterday": -1, "today": 0, "tonight": 0, "tomorrow": 1, "übermorgen": 2}
 _OTHER_DAYS = {"tues": 1, "weds": 2, "thur": 3, "thurs": 3}
 _DAYS: dict[str, int] = {
     **{name.lower(): number for number, name in enumerate(WEEKDAYS)},
@@ -71,7 +72,7 @@ class Said:
     """What the words say, each thing at most once.
 
     Attributes:
-        day: Days from today: -1, 0 or 1.
+        day: Days from today, from -1 to 2.
         weekdays: Monday is 0. Several only if it comes again.
         start: Minutes since midnight; ``end`` as well.
         delay_s: ``in 20 min``; 0 for ``now``.
@@ -91,7 +92,7 @@ class Said:
         self.until: Date | None = None
         self.count: int | None = None
         self.rrule = ""
-        self._words = words_of(text)
+        self._words = [OTHERWISE.get(word, word) for word in words_of(text)]
         self._at = 0
         self._told: set[str] = set()
         self._read()
@@ -140,8 +141,8 @@ class Said:
     # ---- one word ----
 
     def _filler(self) -> bool:
-        if self._word() not in FILLERS and self._word() != "for":
-            return False
+        if self._word() not in FILLERS and self._word() not in {"for", "am"}:
+            return False  # ``am dienstag``; after an hour it was read with it
         self._at += 1
         return True
 

@@ -66,6 +66,11 @@ ALIASES: dict[str, str] = {
     "daten": "mydata",
     "übergeben": "handover",
     "planen": "plan",
+    "abbrechen": "cancel",
+    "weiter": "continue",
+    "fortsetzen": "continue",
+    "pausieren": "pause",
+    "strategie": "strategy",
 }
 PAGE_ALIASES: dict[str, str] = {
     "alarme": "alarms",
@@ -89,6 +94,10 @@ HINTS: dict[str, str] = {
 
 # Words that carry no meaning here. A phrase may contain them ("go to"), a name may not be one.
 FILLERS = frozenset({"a", "an", "and", "at", "by", "for", "of", "please", "the", "to", "with", "&"})
+
+# Likewise in other languages, among the values of a command. They are not reserved: where a choice
+# is called so, that is meant.
+SOFT_FILLERS = frozenset({"bitte", "mit", "nach", "um", "und"})
 
 EVERYTHING = frozenset({"all", "everybody", "everyone", "everything"})
 NOTHING = frozenset({"nobody", "none", "nothing"})

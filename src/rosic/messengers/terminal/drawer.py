@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.core.saying import said
+from rosic.core.message import LIES_IN
 from rosic.errors import MessengerFault, RosicError
 
 if TYPE_CHECKING:
@@ -26,8 +26,12 @@ class Drawer:
     def __init__(self) -> None:
         self._folder: Path | None = None
 
-    async def put(self, attachment: Attachment) -> str:
+    async def put(self, attachment: Attachment, lies_in: str = "") -> str:
         """Write a file, over none that is there, and return a sentence about where it lies.
+
+        Args:
+            attachment: The file.
+            lies_in: The sentence in the reader's language, without its path; empty for English.
 
         Raises:
             MessengerFault: It is too large, or cannot be written. There is no part of it.
@@ -40,8 +44,7 @@ class Drawer:
             raise MessengerFault(f"The file cannot be written ({error.strerror}).") from error
         except RosicError as error:
             raise MessengerFault(error.sentence) from error
-        return said("It lies in {path}: only you can read it. Delete it when you are done.",
-                    path=path)  # fmt: skip
+        return (lies_in or LIES_IN).format(path=path)
 
     async def _written(self, attachment: Attachment) -> Path:
         if self._folder is None or not self._folder.is_dir():

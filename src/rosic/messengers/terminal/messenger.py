@@ -187,7 +187,7 @@ class TerminalMessenger:
         """Show a text, where its file lies, and its choices. See the contract."""
         message = self._next_id()
         if outbound.attachment is not None:
-            lies = await self._drawer.put(outbound.attachment)
+            lies = await self._drawer.put(outbound.attachment, outbound.lies_in)
             outbound = replace(outbound, text=f"{outbound.text}\n{lies}".strip())
         choices = self._choices.show(message, outbound, self._clock.monotonic_ns())
         self.show(f"{outbound.text}\n{choices}" if choices else outbound.text)

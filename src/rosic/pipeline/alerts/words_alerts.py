@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 from rosic.core.alert_rule import Severity
 from rosic.core.benchmark import DEVIATION, Kind
 from rosic.core.language import clean, inert_text
+from rosic.core.language.common_names import shown_name
 from rosic.core.message import Button
 from rosic.core.rule import PAUSE, REALLOCATE
-from rosic.core.saying import joined, said
+from rosic.core.saying import figure, joined, said
 from rosic.organiser.words_calendar import length
 
 if TYPE_CHECKING:
@@ -36,10 +37,10 @@ def value(condition: Condition, found: float | str | None) -> str:
     if condition.name == DEVIATION:
         return deviation(str(found))
     if isinstance(found, str):
-        return f"{condition.name} {inert_text(found)[:80]}"
+        return joined(" ", (shown_name(condition.name), inert_text(found)[:80]))
     # Rounded down: what is below a fifth is never shown as a fifth.
     number = f"{floor(found * 10) / 10:g}" if condition.unit == "%" else f"{found:.2f}"
-    return f"{condition.name.replace('_', ' ')} {number} {condition.unit}".rstrip()
+    return joined(" ", (shown_name(condition.name), figure(f"{number} {condition.unit}".rstrip())))
 
 
 def deviation(kind: str) -> str:

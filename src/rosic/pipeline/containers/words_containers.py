@@ -8,7 +8,7 @@ from rosic.container.preferences import IMPERIAL, METRIC
 from rosic.container.words_container import size
 from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import AND
-from rosic.core.saying import joined, said, said_n
+from rosic.core.saying import figure, joined, said, said_n
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -63,7 +63,7 @@ def settings(kept: Preferences, language: str, robot: str, zone: str) -> str:
         (said("Language"), language),
         (said("Units"), UNITS_SAID.get(kept.units, METRIC_SAID)),
         (said("Robot, when none is named"), robot or said("none")),
-        (said("Highest speed"), speed or said("whatever each robot allows")),
+        (said("Highest speed"), figure(speed) or said("whatever each robot allows")),
         (said("Time zone"), zone),
     )
     return joined(
@@ -81,7 +81,7 @@ def speed_set(speed: str, robots: Sequence[str]) -> str:
     given = speed.partition("<=")[2].strip()
     return said(
         "Saved. Nothing you command goes faster than {speed}. It holds for {robots}.",
-        speed=given,
+        speed=figure(given),
         robots=joined(", ", robots),
     )
 
@@ -93,6 +93,8 @@ KINDS: Final[Mapping[str, str]] = {
     "card": said("your name and your addresses"),
     "command": said("your commands, and where I answered"),
     "file": said("files you sent"),
+    "fleet-card": said("your view of all robots"),
+    "habits": said("what you often ask for"),
     "file-part": said("what is in them"),
     "invitation": said("invitations you made"),
     "mission-time": said("missions you planned"),

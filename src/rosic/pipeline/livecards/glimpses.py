@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.robot import Slots
 from rosic.core.saying import joined
-from rosic.core.words import REST_UNMEASURED, rest_unmeasured
+from rosic.core.words import REST_UNMEASURED, named_of, rest_unmeasured
 from rosic.pipeline.livecards import words_livecards as words
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ class Glimpses:
         if done:
             yield words.now(done)
         elif presence.doing:
-            yield words.now(words.doing(presence.doing))
+            yield words.now(words.doing(named_of(profile, presence.doing)))
         elif presence.at_rest:
             yield words.now(words.at_rest())
         elif rest_unmeasured(profile, presence):

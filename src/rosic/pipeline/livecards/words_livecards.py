@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.cleaning import echo
-from rosic.core.saying import joined, said
+from rosic.core.saying import figure, joined, said
 
 if TYPE_CHECKING:
     from rosic.core.robot import Presence, Profile
@@ -79,7 +79,7 @@ def battery(profile: Profile, presence: Presence) -> str:
     if isinstance(value, str):
         return said("battery {value}", value=value)
     shown = f"{value:.0f}" if described.unit == "%" else f"{value:.1f}"
-    shown = f"{shown} {described.unit}".rstrip()
+    shown = figure(f"{shown} {described.unit}".rstrip())
     if described.alert_below is not None and value < described.alert_below:
         return said("battery {value}, low", value=shown)
     return said("battery {value}", value=shown)
@@ -112,7 +112,7 @@ def benchmark(what: str) -> str:
 
 def doing(skill: str) -> str:
     """It is at work, and nobody's order here says with what."""
-    return said("doing {skill}", skill=skill.replace("_", " "))
+    return said("doing {skill}", skill=skill)
 
 
 def at_rest() -> str:

@@ -8,7 +8,7 @@ from rosic.core.authority import RESUME
 from rosic.core.language import clean_name
 from rosic.core.reach import FLEET
 from rosic.core.saying import joined
-from rosic.core.words import spoken
+from rosic.core.words import named
 from rosic.organiser.refusing import bound_of
 from rosic.organiser.words_calendar import moment
 from rosic.organiser.zones import UNIVERSAL, zone_named
@@ -130,13 +130,13 @@ class About:
             return words.EVERYTHING
         told = [
             words.within(
-                spoken(skills[skill]), [list(map(bound_of, limit)) for limit in limits[skill]]
+                named(skills[skill]), [list(map(bound_of, limit)) for limit in limits[skill]]
             )
             for skill in may
             if skill != RESUME
         ]
         return words.may_do(
-            told, [spoken(skills[s]) for s in lacks if s != RESUME], resume=RESUME in may
+            told, [named(skills[s]) for s in lacks if s != RESUME], resume=RESUME in may
         )
 
     def _key(self, principal: PrincipalId) -> list[str]:

@@ -14,9 +14,11 @@ from rosic.core.identity import PrincipalId
 from rosic.core.language import Vocabulary, clean
 from rosic.core.language.cleaning import fold_word
 from rosic.core.language.suggestions import did_you_mean
+from rosic.core.limits import limit_in_words
 from rosic.core.robot import RobotId
 from rosic.core.roles import chains
-from rosic.core.words import spoken
+from rosic.core.saying import joined
+from rosic.core.words import named_of, spoken
 from rosic.errors import NotUnderstood
 from rosic.organiser.petitions import Want
 from rosic.organiser.zones import Zone
@@ -49,6 +51,11 @@ class Places(msgspec.Struct, frozen=True, kw_only=True):
     shown: Callable[[RobotId], str]
     zone_of: Callable[[PrincipalId], Zone]
 
+    def named(self, robot: RobotId, skill: str) -> str:
+        """Return the name of a skill in a sentence."""
+        profile = self.vocabulary.profiles.get(robot)
+        return skill.replace("_", " ") if profile is None else named_of(profile, skill)
+
     def given(self, want: Want) -> Given:
         """Return what somebody would be given; without an end of its own."""
         if want.role:
@@ -61,7 +68,7 @@ class Places(msgspec.Struct, frozen=True, kw_only=True):
             [role], [robot] = given.roles, given.robots
             return words_asking.thing(role, self.shown(robot))
         robot, _, skill = given.scopes[0].partition(":")
-        return words_asking.thing(skill.replace("_", " "), self.shown(robot))
+        return words_asking.thing(self.named(robot, skill), self.shown(robot))
 
     def lacks(self, rights: Rights, principal: PrincipalId, given: Given, now_ns: int) -> bool:
         """Whether somebody would gain anything by this: it is not theirs, or only with limits."""
@@ -82,7 +89,7 @@ class Places(msgspec.Struct, frozen=True, kw_only=True):
             if now_ns < holding.until_ns
             for limit in way.limits
         ]
-        return ", ".join(dict.fromkeys(found))
+        return joined(", ", map(limit_in_words, dict.fromkeys(found)))
 
     def _rights(self, rights: Rights, given: Given) -> list[tuple[RobotId, str]]:
         if given.scopes:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.authoriser.words_entry import DAY_S, given, listed
 from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import OR
+from rosic.core.limits import limit_in_words
 from rosic.core.message import Button
 from rosic.core.saying import filled, joined, said, said_n
 
@@ -312,7 +313,7 @@ def within(skill: str, limits: Sequence[Sequence[str]]) -> str:
     """Return a skill with its limits: ``grasp (force <= 20 N)``; any of several is enough."""
     if not limits:
         return skill
-    shown = joined(OR, [listed(each) for each in limits])
+    shown = joined(OR, [listed(tuple(map(limit_in_words, each))) for each in limits])
     return said("{skill} ({limits})", skill=skill, limits=shown)
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.language.common_names import shown_name, typed_names
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
-from rosic.core.saying import joined, said
+from rosic.core.saying import figure, joined, said
 from rosic.core.view import Curve, Way
 from rosic.errors import NothingToSee, NotUnderstood
 from rosic.pipeline.desk import Reply
@@ -48,7 +49,10 @@ class Recalling:
             raise NothingToSee(words.no_values(profile.shown))
         numbers = self._seeing.sampler.samples.names(robot)
         if not said_after and len(numbers) != 1:
-            offered = [Button(n, f"/chart {robot} {n}") for n in (numbers or known)[:MOST_BUTTONS]]
+            offered = [
+                Button(shown_name(n), f"/chart {robot} {n}")
+                for n in (numbers or known)[:MOST_BUTTONS]
+            ]
             return Reply(words.which_value(profile.shown), rows(offered))
         name = self._value(robot, said_after, known) if said_after else numbers[0]
         self._seeing.studio.begin(
@@ -58,6 +62,7 @@ class Recalling:
 
     def _value(self, robot: RobotId, text: str, known: tuple[str, ...]) -> str:
         wanted = fold(text).replace(" ", "_")
+        wanted = next((name for name in known if wanted in typed_names(name)), wanted)
         if wanted not in known:
             shown = self._seeing.profiles[robot].shown
             offers = tuple(f"chart {robot} {name}" for name in known[:3])
@@ -76,15 +81,16 @@ class Recalling:
         if not points:
             raise NothingToSee(words.no_samples(profile.shown, name))
         described = profile.telemetry[name]
-        value = f"{points[-1][1]:.4g} {described.unit}".strip()
-        what = words.chart(name, value, -points[0][0])
+        value = figure(f"{points[-1][1]:.4g} {described.unit}".strip())
+        title = joined(": ", (profile.shown, shown_name(name)))
+        what = words.chart(shown_name(name), value, -points[0][0])
         newest_ns = now_ns + int(points[-1][0] * 1e9)
         again = Button(said("Again"), f"/chart {robot} {name}")
         other = Button(said("Another value"), f"/chart {robot}")
         several = len(profile.telemetry) > 1
         return _Take(
             Shot(
-                Curve(f"{profile.shown}: {name}", described.unit, points, described.alert_below),
+                Curve(title, described.unit, points, described.alert_below),
                 lambda: words.caption(
                     profile.shown, what, seeing.age_s(newest_ns), foreign=False, low=low
                 ),

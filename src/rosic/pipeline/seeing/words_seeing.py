@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.language.common_names import shown_name
 from rosic.core.measures import measured
-from rosic.core.saying import joined, said
+from rosic.core.saying import figure, joined, said
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +32,7 @@ GONE = said("You may not look at that robot any more.")
 def age(seconds: float) -> str:
     """Return ``0.4 s ago``."""
     if seconds < TENTHS_UNTIL_S:
-        return said("{number} s ago", number=f"{max(0.0, seconds):.1f}")
+        return said("{number} s ago", number=figure(f"{max(0.0, seconds):.1f}"))
     if seconds < 2 * MINUTE_S:
         return said("{number} s ago", number=f"{seconds:.0f}")
     if seconds < 2 * HOUR_S:
@@ -77,7 +78,7 @@ def camera() -> str:
 
 def clip(seconds: float) -> str:
     """Return what a clip is."""
-    return said("clip of {seconds} s", seconds=f"{seconds:.1f}")
+    return said("clip of {seconds} s", seconds=figure(f"{seconds:.1f}"))
 
 
 def plan() -> str:
@@ -112,7 +113,9 @@ def stayed(robot: str, words: str, *, over: bool) -> str:
 
 def way(words: str, metres: float, seconds: float, *, over: bool) -> str:
     """Return what a way is: of which order, how long, how far."""
-    figures = {"metres": f"{metres:.2f}", "seconds": f"{seconds:.1f}", "order": words}
+    figures = {
+        "metres": figure(f"{metres:.2f}"), "seconds": figure(f"{seconds:.1f}"), "order": words,
+    }  # fmt: skip
     if over:
         return said("way of the last order ({order}): {metres} m in {seconds} s", **figures)
     return said("way of this order so far ({order}): {metres} m in {seconds} s", **figures)
@@ -168,7 +171,7 @@ def no_such_value(robot: str, name: str, known: Sequence[str]) -> str:
         "{robot} does not report {name}. There is: {known}.",
         robot=robot,
         name=name[:32],
-        known=", ".join(known[:SHOWN_VALUES]),
+        known=joined(", ", map(shown_name, known[:SHOWN_VALUES])),
     )
 
 

@@ -33,7 +33,10 @@ MOST_LISTED = 8
 
 # Said by buttons, with an id after them.
 ONLY, ALL, FROM = "only", "all", "from"
-BOOKINGS = frozenset({"booking", "bookings", "time", "times", "slot", "slots"})
+BOOKINGS = frozenset(
+    {"booking", "bookings", "time", "times", "slot", "slots"}
+    | {"buchung", "buchungen", "termin", "termine", "zeit", "zeiten"}
+)
 _ID = re.compile(r"[0-9a-f]{8,}\Z")
 
 

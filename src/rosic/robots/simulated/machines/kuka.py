@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import degrees, radians
 from typing import TYPE_CHECKING
 
+from rosic.core.language.showing import show_choice
 from rosic.core.measures import measured
 from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import CannotDo, Failed
@@ -120,7 +121,7 @@ class Kuka(SteppedMachine):
         force = asked.number("force_n", FORCE_LOW_N, FORCE_HIGH_N, FORCE_N)
         held = self.gripper.held
         if held is not None:
-            raise CannotDo(self.id, said("already holds the {name}", name=held.name))
+            raise CannotDo(self.id, said("already holds the {name}", name=show_choice(held.name)))
         return self._recipe_grasp(force, self._way(self._above))
 
     def _plan_release(self, _asked: Arguments) -> Recipe:
@@ -225,7 +226,7 @@ class Kuka(SteppedMachine):
         yield from self._fingers(0.7)
         self._stage(said("rising"))
         yield from self._move(self._above, SLOW_SHARE, 0.7, 1.0)
-        return said("{name} put down", name=held.name)
+        return said("{name} put down", name=show_choice(held.name))
 
     def _follow(self, way: list[Sequence[float]], start: float, end: float) -> Recipe:
         part = (end - start) / len(way)

@@ -222,7 +222,7 @@ class Omni(SteppedMachine):
         while not self.arm.still:
             self._advance(self.arm.progress)
             yield
-        return said("arm in pose {pose}", pose=pose)
+        return said("arm in pose {pose}", pose=show_choice(pose))
 
     def _mark(self) -> None:
         self._from = (self.base.x_m, self.base.y_m, self.base.yaw_rad)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import dist, radians
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from rosic.core.language.showing import show_choice
 from rosic.core.saying import joined, said
 from rosic.robots.simulated.machines.activity import CannotDo, Failed, State
 from rosic.robots.simulated.machines.clockwork import Plan, Recipe, SteppedMachine
@@ -93,7 +94,7 @@ class Yumi(SteppedMachine):
         """Let one arm fail: both stop, grippers keep what they hold, the activity fails."""
         self.step(now_s)
         self.failed.add(side)
-        self.note = said("the {side} arm has failed, both arms stopped", side=side)
+        self.note = said("the {side} arm has failed, both arms stopped", side=show_choice(side))
         held = self._held()
         self._end(State.FAILED, f"{self.note}, {held}" if held else self.note)
         self._brake()
@@ -108,7 +109,7 @@ class Yumi(SteppedMachine):
             return ""
         return said(
             "the object is still held by the {sides} gripper",
-            sides=joined(said(" and the "), sides),
+            sides=joined(said(" and the "), map(show_choice, sides)),
         )
 
     # --------------------------------------------------------------------------------------- plans
@@ -118,7 +119,7 @@ class Yumi(SteppedMachine):
 
     def _able(self) -> None:
         for side in self.failed:
-            raise CannotDo(self.id, said("the {side} arm has failed", side=side))
+            raise CannotDo(self.id, said("the {side} arm has failed", side=show_choice(side)))
         if self._in_motion():
             raise CannotDo(self.id, said("still coming to rest"))
 
@@ -133,11 +134,15 @@ class Yumi(SteppedMachine):
         thing = self.grippers[giver].held
         if self.grippers[receiver].held is not None:
             raise CannotDo(
-                self.id, said("the {receiver} gripper already holds something", receiver=receiver)
+                self.id,
+                said(
+                    "the {receiver} gripper already holds something", receiver=show_choice(receiver)
+                ),
             )
         if thing is None:
             raise CannotDo(
-                self.id, said("the {giver} gripper holds nothing to hand over", giver=giver)
+                self.id,
+                said("the {giver} gripper holds nothing to hand over", giver=show_choice(giver)),
             )
         return self._recipe_handover(giver, receiver, thing)
 
@@ -157,14 +162,14 @@ class Yumi(SteppedMachine):
         yield from self._fingers(self.grippers[receiver])
         self._stage(said("meeting"))
         yield from self._move(MEET, SLOW_SHARE, 0.3, 0.45)
-        self._stage(said("{receiver} closes", receiver=receiver))
+        self._stage(said("{receiver} closes", receiver=show_choice(receiver)))
         yield from self._take(giver, receiver, thing)
         self._advance(0.6)
         self._stage(said("verifying both hold"))
         yield from self._wait(SETTLE_S)
         if not self._both_hold(thing):
             yield from self._undo(giver, receiver, thing)
-        self._stage(said("{giver} opens", giver=giver))
+        self._stage(said("{giver} opens", giver=show_choice(giver)))
         both_since = self._time_s
         self.grippers[giver].open()
         yield from self._fingers(self.grippers[giver])
@@ -175,7 +180,11 @@ class Yumi(SteppedMachine):
         yield from self._move(HOME, SHARE, 0.85, 1.0)
         if self.grippers[receiver].held is not thing:
             raise Failed(said("the object was lost after the hand-over"))
-        return said("the {receiver} gripper holds the {name}", receiver=receiver, name=thing.name)
+        return said(
+            "the {receiver} gripper holds the {name}",
+            receiver=show_choice(receiver),
+            name=show_choice(thing.name),
+        )
 
     def _take(self, giver: Side, receiver: Side, thing: Thing) -> Recipe:
         """Close the receiver on what the giver really brings."""
@@ -199,7 +208,10 @@ class Yumi(SteppedMachine):
         yield from self._move(BEFORE, SLOW_SHARE, 0.0, 0.0)
         yield from self._move(HOME, SHARE, 0.0, 0.0)
         raise Failed(
-            said("the {receiver} gripper did not get hold of the object", receiver=receiver)
+            said(
+                "the {receiver} gripper did not get hold of the object",
+                receiver=show_choice(receiver),
+            )
         )
 
     def _leave_meeting(self, end: float) -> Recipe:
