@@ -69,7 +69,7 @@ def test_what_a_profile_says_comes_first() -> None:
 
 
 def test_what_would_leave_a_doubt_means_nothing() -> None:
-    sides = {"back": (), "backward": ()}
+    sides: dict[str, tuple[str, ...]] = {"back": (), "backward": ()}
     vocabulary = own("rover", shift=Skill(id="shift", parameters={"to": Parameter(choices=sides)}))
     assert meant("rover shift back", vocabulary) == ("rover", "shift", {"to": "back"})
     [found] = understand("rover shift zurück", vocabulary, Context("", frozenset({"rover"})))
