@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import logging
 import os
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -19,6 +20,27 @@ if TYPE_CHECKING:
     from rosic.stores.sealing import Root
 
 LOCK = "gateway.lock"
+RESERVE = "reserve"
+RESERVE_BYTES = 1 << 20
+OPENING_BYTES = 1 << 16
+
+FULL = (
+    "the disk of %s is full: its reserve of %d KiB was given up. Free some space: soon nothing can "
+    "be moved, only stopped"
+)
+
+log = logging.getLogger("rosic.record")
+
+
+def _take_room(path: Path) -> None:
+    file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+    try:
+        os.posix_fallocate(file, 0, RESERVE_BYTES)
+    except OSError:
+        path.unlink()
+        raise
+    finally:
+        os.close(file)
 
 
 def holder_of(path: Path) -> str:
@@ -87,9 +109,37 @@ class Folder:
                 f"Another gateway is already running on this data (process {other}).",
                 hint="Stop it first, or give this one a data folder of its own.",
             ) from error
-        os.ftruncate(lock, 0)
-        os.pwrite(lock, f"{os.getpid()}\n".encode(), 0)
+        number = f"{os.getpid()}\n".encode()
+        os.pwrite(lock, number, 0)  # cut afterwards: a full disk gives back nothing it was given
+        os.ftruncate(lock, len(number))
         self._kept.know(self.path / LOCK, lock)
+        self._keep_reserve()
+
+    def _keep_reserve(self) -> None:
+        """Keep some of the disk for a start on one that is full, and give it up at such a start.
+
+        Without it the record could not be opened there, and nobody could stop a robot by us.
+        """
+        reserve = self.path / RESERVE
+        try:
+            if self._free_bytes() < RESERVE_BYTES:
+                reserve.unlink()
+                log.warning(FULL, self.path, RESERVE_BYTES >> 10)
+            elif not reserve.exists():
+                _take_room(reserve)
+        except OSError as error:
+            log.debug("there is no reserve in %s: %s", self.path, error.strerror)
+
+    def is_full(self) -> bool:
+        """Whether its disk has no room for what a record has to write when it is opened."""
+        try:
+            return self._free_bytes() < OPENING_BYTES
+        except OSError:
+            return False
+
+    def _free_bytes(self) -> int:
+        disk = os.statvfs(self.path)
+        return disk.f_bavail * disk.f_frsize
 
     def _lock_itself(self) -> None:
         """Lock the folder, too: its lock file may be removed while it is held.

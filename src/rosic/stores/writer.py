@@ -387,6 +387,11 @@ def unusable(error: BaseException, folder: Folder) -> ConfigurationError:
     """Say why a record cannot be opened."""
     if sqlite.is_damage(error):
         return sqlite.damaged()
+    if folder.is_full():
+        return ConfigurationError(
+            f"The record in {folder.path} cannot be opened: the disk is full.",
+            hint="Free some space. Nothing was started: robots cannot be stopped by ROSIC either.",
+        )
     return ConfigurationError(
         f"The record in {folder.path} cannot be opened: {sqlite.reason(error).lower()}.",
         hint="Close the other program." if sqlite.is_busy(error) else "Look at the disk.",

@@ -6,7 +6,7 @@ import resource
 import signal
 import subprocess
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ import pytest
 from rosic.core.record import Letter
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores.database import DatabaseStore
+from rosic.stores.folder import RESERVE, RESERVE_BYTES
 from rosic.stores.latch import FileLatch
 from rosic.stores.record_mark import DATABASE
 from rosic.testing.clock import ManualClock
@@ -191,6 +192,45 @@ async def test_a_full_disk_is_said_and_heals_and_stops_are_kept(tmp_path: Path) 
         latch = FileLatch(disk / "data" / "latch")
         assert latch.read() == {OMNI: (7, True)}
         await latch.close()
+
+
+async def test_on_a_full_disk_a_gateway_starts_once_more_and_stops_are_kept(tmp_path: Path) -> None:
+    with a_small_disk(tmp_path / "disk", kib=8192) as disk:
+        store = a_store(disk / "data")
+        await store.open()
+        FileLatch(disk / "data" / "latch").read()
+        await store.write(a_claim("before"))
+        await store.close()
+        fill_up(disk / "ballast")
+
+        await store.open()
+        latch = FileLatch(disk / "data" / "latch")
+        latch.read()
+        await latch.write(OMNI, 7, latched=True)
+        _, fault = await fill(store, 0)
+        assert "The disk is full" in str(fault)
+        await latch.write(OMNI, 8, latched=True)
+        await store.close()
+        await latch.close()
+
+        fill_up(disk / "more ballast")
+        with pytest.raises(ConfigurationError, match=r"cannot be opened: the disk is full\."):
+            await a_store(disk / "data").open()
+        (disk / "ballast").unlink()
+        store = a_store(disk / "data")
+        assert (await store.open()).generations == {}
+        await store.close()
+        assert (disk / "data" / RESERVE).stat().st_blocks * 512 >= RESERVE_BYTES
+        again = FileLatch(disk / "data" / "latch")
+        assert again.read() == {OMNI: (8, True)}
+        await again.close()
+
+
+def fill_up(path: Path) -> None:
+    """Leave nothing free on a disk."""
+    with path.open("wb", buffering=0) as file, suppress(OSError):
+        while file.write(bytes(4096)):
+            pass
 
 
 WITHOUT_OVERRIDE = """
