@@ -51,6 +51,22 @@ def test_what_could_be_better_is_said_too(
     said = capsys.readouterr().out
     assert "Nobody of this file may move omni." in said
     assert "Bob has no address on a messenger of this file." in said
+    assert "Nobody is heard at telegram:1001: the messengers of this file are terminal." in said
+
+
+def test_an_address_that_nobody_hears_is_named_though_another_is_heard(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = CONFIG.replace(
+        'address = "terminal:99999"', 'addresses = ["terminal:99999", "telegrm:1001"]'
+    )
+    assert "telegrm" in text
+
+    assert main(["check", "-c", str(write_config(tmp_path, text))]) == 0
+
+    said = capsys.readouterr().out
+    assert "Nobody is heard at telegrm:1001: the messengers of this file are terminal." in said
+    assert "has no address" not in said
 
 
 @pytest.mark.parametrize(("account", "status"), [("1001", 0), ("ada", 2), ("10x1", 2)])

@@ -87,6 +87,15 @@ def number(pattern: str, text: str) -> str:
     return found[1]
 
 
+def test_what_the_class_sums_up_is_what_was_told(ran: dict[str, Ran]) -> None:
+    lesson = ran["class"].out
+    until = number(r"KUKA iiwa is at rest, and Student 2's until ([\d:]+)\.", lesson)
+    assert f"KUKA iiwa is yours now, until {until}." in lesson
+    assert "KUKA iiwa: at rest · taken by Student 2\n" in lesson, "their time is not over"
+    assert "stopped before it ended" in lesson
+    assert "Nobody said stop." in lesson, "what is taken over is ended, and nothing is stopped"
+
+
 def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
     forest, lesson, fleet, shift, swarm = (ran[name].out for name in NAMES)
     assert "recalibrated; the sensor was -24.0 °C off" in forest

@@ -19,6 +19,7 @@ from rosic.core.roles import Grant
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from rosic.contracts.adapter import RobotFactory
@@ -94,18 +95,25 @@ def _advice(config: Config) -> list[ConfigurationError]:
             rights.holds(p, profile.id, skill, 0) for p in people for skill in profile.skills
         )
     ]
-    kinds = {table.kind for table in config.messengers}
-    silent = [
-        f"{person.name} has no address on a messenger of this file."
-        for person in config.people
-        if not any(address.platform == ROBOT for address in person.addresses)
-        and kinds.isdisjoint(address.platform for address in person.addresses)
-    ]
     said = [
         ConfigurationError(text, where=where)
-        for text in (*unmoved, *silent, *shared_spaces(config.robots))
+        for text in (*unmoved, *_unheard(config), *shared_spaces(config.robots))
     ]
     return [*others, *said]
+
+
+def _unheard(config: Config) -> Iterator[str]:
+    """Say at which addresses nobody is ever heard: one slip of a finger in a platform's name."""
+    kinds = {table.kind for table in config.messengers}
+    here = ", ".join(sorted(kinds))
+    for person in config.people:
+        elsewhere = [a for a in person.addresses if a.platform not in {*kinds, ROBOT}]
+        if not elsewhere:
+            continue
+        if len(elsewhere) == len(person.addresses):
+            yield f"{person.name} has no address on a messenger of this file."
+        named = " and ".join(f"{address.platform}:{address.account}" for address in elsewhere)
+        yield f"Nobody is heard at {named}: the messengers of this file are {here}."
 
 
 def _told(config: Config) -> str:

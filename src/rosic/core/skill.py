@@ -251,6 +251,11 @@ class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
         """What people read: its title, in their language where it has one."""
         return titled(self.title or self.id.replace("_", " "), self.titles)
 
+    @property
+    def doing(self) -> str:
+        """What a robot at work is said to do."""
+        return titled((self.title or self.id.replace("_", " ")).lower(), self.titles)
+
     def filled(
         self, value: Argument | bool, arguments: Mapping[str, Argument]
     ) -> Argument | Meaning | bool:

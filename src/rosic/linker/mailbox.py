@@ -119,7 +119,7 @@ class Mailbox:
                 said(
                     "{shown} is busy: {spoken}. Ask again when that has ended, or stop it.",
                     shown=profile.shown,
-                    spoken=_spoken(self.current.order),
+                    spoken=self.current.order.skill.doing,
                 )
             )
 
@@ -191,7 +191,3 @@ class Mailbox:
             self._wakes_ns = min(entry.order.deadline_ns for entry in self._waiting)
             await self._clock.sleep(max(0.01, (self._wakes_ns - now_ns) / 1e9))
         self._watch = None
-
-
-def _spoken(order: Order) -> str:
-    return (order.skill.title or order.skill.id.replace("_", " ")).lower()

@@ -9,10 +9,9 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from rosic.core import words
 from rosic.core.language import Do
 from rosic.core.robot import Busy
-from rosic.core.saying import said, titled
+from rosic.core.saying import said
 from rosic.errors import OrderVoid, RobotBusy
 from rosic.pipeline.replies import AFTER, INSTEAD
 
@@ -63,8 +62,7 @@ class BusyRobots:
         self, current: Order, request: Request, principal: PrincipalId, command: str
     ) -> Refusal:
         shown = self._rooms.profiles[current.robot].shown
-        skill = current.skill
-        what = titled((skill.title or words.spoken(skill)).lower(), skill.titles)
+        what = current.skill.doing
         whose = current.permit.principal
         after = () if request.group else ((AFTER_THIS, f"{AFTER}{command}"),)
         if whose != principal:

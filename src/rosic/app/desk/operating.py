@@ -60,7 +60,7 @@ class Operating:
 
     def _status(self, robot: RobotId) -> str:
         rooms = self._gateway.rooms
-        holder = rooms.organiser.holder(robot)
+        holder = rooms.organiser.whose(robot)
         stopped = rooms.board[robot]
         name_of = rooms.organiser.name_of
         by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None
@@ -83,7 +83,7 @@ class Operating:
     def _state(self, robot: RobotId) -> dict[str, object]:
         rooms = self._gateway.rooms
         presence, stopped = rooms.linker.presence(robot), rooms.board[robot]
-        holder = rooms.organiser.holder(robot)
+        holder = rooms.organiser.whose(robot)
         return {
             "robot": robot,
             "shown": rooms.profiles[robot].shown,

@@ -87,7 +87,7 @@ class LedgerStore(MemoryStore):
         yield f"{counted(len(self.claims), 'order')} accepted: {told or 'none'}."
         yield self._told_refusals()
         stopped = dict.fromkeys(robots.get(stop.robot, stop.robot) for stop in self.stops.values())
-        yield f"Stopped: {', '.join(stopped)}." if stopped else "No robot was stopped."
+        yield f"Stopped: {', '.join(stopped)}." if stopped else "Nobody said stop."
         for robot, shown in robots.items():
             had = Counter(
                 names.get(claim.principal, "?")

@@ -17,6 +17,7 @@ from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_fleet as words
 from rosic.pipeline.fleet.completing import refused
 from rosic.pipeline.fleet.letters import Said
+from rosic.pipeline.fleet.readiness import why_waits
 from rosic.pipeline.fleet.reading import able
 from rosic.pipeline.fleet.task_line import read_wish
 from rosic.pipeline.freshness import check_errand_fresh
@@ -85,9 +86,12 @@ class TaskClerk:
     def line(self, task: Task, who: PrincipalId) -> str:
         """Return one task in a list, as somebody may read it."""
         shown = self._telling.shown(task.robot) if task.robot else ""
-        waits = task.state is State.QUEUED and not self.dispatching.fleet.ready(task)
-        why = words.waits_for(task.after) if waits else ""
+        why = self._waits(task, who) if task.state is State.QUEUED else ""
         return words.line(task, self._telling.what(task, who), shown or task.wanted, why)
+
+    def _waits(self, task: Task, who: PrincipalId) -> str:
+        visible = self._rooms.organiser.visible(who)
+        return why_waits(self._rooms, self.dispatching.fleet, task, visible)
 
     # ---- giving ----
 
@@ -222,7 +226,8 @@ class TaskClerk:
         now = self.dispatching.fleet.tasks[task.id]
         if now.leaving:
             return Reply(words.being_held(now, self._telling.shown(now.robot)))
-        return Reply(words.now_is(now))
+        why = self._waits(now, asked.caller.principal) if now.state is State.QUEUED else ""
+        return Reply(words.now_is(now, why))
 
     async def _pause(self, asked: Asked, task: Task) -> Reply:
         return await self._act(asked, task, e.Held(task.id, Why.PAUSED), "pause")

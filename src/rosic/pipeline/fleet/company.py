@@ -11,20 +11,21 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.container.letters import ReplyTo
 from rosic.core.common_start import begin_together
-from rosic.core.fleet.task import Standing
 from rosic.core.identity import robot_command_id
 from rosic.core.language import Do
+from rosic.core.language.suggestions import AND, listed
 from rosic.core.life import ENGLISH, wording_in
 from rosic.core.roles import Need
 from rosic.core.saying import in_language, joined
 from rosic.core.words import no_robot_or_group
-from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal
+from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, RobotBusy
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_company as words
 from rosic.pipeline.fleet.attempting import AwaitedLife
 from rosic.pipeline.fleet.completing import Completing, refused
 from rosic.pipeline.fleet.pact import Pact
+from rosic.pipeline.fleet.readiness import why_not_ready
 from rosic.pipeline.fleet.reading import step_for
 from rosic.pipeline.fleet.words_fleet import wants_a_person
 from rosic.pipeline.replies import reply_id
@@ -137,22 +138,8 @@ class CompanyClerk:
 
     def why_not_ready(self, asked: Asked, robot: RobotId) -> str:
         """Return why a robot would not begin at once; empty if it would."""
-        rooms = self._rooms
-        presence, profile = rooms.linker.presence(robot), rooms.profiles[robot]
-        holder = rooms.organiser.whose(robot)
-        battery, described = presence.values.get("battery"), profile.telemetry.get("battery")
-        least = described.alert_below if described is not None else None
-        low = least is not None and isinstance(battery, int | float) and battery < least
-        hindrances = (
-            (presence.online is False, words.NOT_THERE),
-            (self._dispatching.fleet.standing(robot) is not Standing.ACTIVE, words.NO_PART),
-            (rooms.board[robot].latched, words.STOPPED),
-            (holder is not None and holder != asked.caller.principal, words.ANOTHERS),
-            (rooms.linker.current(robot) is not None, words.AT_WORK),
-            (presence.moves, words.NOT_AT_REST),
-            (low, words.BATTERY_LOW),
-        )
-        return next((why for so, why in hindrances if so), "")
+        fleet = self._dispatching.fleet
+        return why_not_ready(self._rooms, fleet, robot, asked.caller.principal)
 
     # ---- as many as can ----
 
@@ -164,20 +151,26 @@ class CompanyClerk:
         """
         meant, said = self._meant(asked, "broadcast"), self._said(asked)
         orders: list[Order] = []
-        left_out: list[str] = []
-        late = False
+        left_out: dict[str, list[RobotId]] = {}
+        busy: list[RobotId] = []
+        one_busy, late = "", False
         for robot in meant.robots:
             try:
                 orders += await self._one(asked, said, meant._replace(robots=(robot,)))
+            except RobotBusy as refusal:
+                busy.append(robot)
+                one_busy = refusal.sentence
             except Refusal as refusal:
-                left_out.append(words.state(self._shown(robot), refusal.sentence))
+                left_out.setdefault(refusal.sentence, []).append(robot)
                 late = late or isinstance(refusal, Expired)
         if orders:
             self._begin(asked, said, meant, tuple(orders))
-        if not left_out:
+        if not left_out and not busy:
             return Reply("")
-        asked_of = words.asked_of(len(orders), len(meant.robots))
-        text = joined("\n", [asked_of, *left_out])
+        lines = [words.state(self._names(robots), why) for why, robots in left_out.items()]
+        if busy:
+            lines.append(words.busy(self._names(busy)) if len(busy) > 1 else one_busy)
+        text = joined("\n", [words.asked_of(len(orders), len(meant.robots)), *lines])
         if late and not orders:
             raise Expired(text, offers=(meant.again,))
         return Reply(text)
@@ -294,6 +287,9 @@ class CompanyClerk:
                 life.over = partial(pact.ended, order)
             hands.lives.begin(order, said, card, life)
         hands.teller.show(card)
+
+    def _names(self, robots: Sequence[RobotId]) -> str:
+        return listed(tuple(map(self._shown, robots)), AND)
 
     def _shown(self, robot: RobotId) -> str:
         return self._rooms.profiles[robot].shown

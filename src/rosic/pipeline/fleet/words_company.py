@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.message import Button
-from rosic.core.saying import said
+from rosic.core.saying import said, said_n
 from rosic.core.words import headed
 
 if TYPE_CHECKING:
@@ -43,6 +43,16 @@ def begin_with(shown: Sequence[str], command: str) -> tuple[tuple[Button, ...], 
     """Return what lets those begin that are ready."""
     label = said("Begin with {robots}", robots=", ".join(shown))
     return ((Button(label, command),),)
+
+
+def busy(shown: str) -> str:
+    """Return that several are at work."""
+    return said("{robots} are busy. Ask again when that has ended, or stop them.", robots=shown)
+
+
+def so_many_more(count: int) -> str:
+    """Return that others are in the way, too."""
+    return said_n("and one more", "and {n} more", count)
 
 
 def asked_of(asked: int, altogether: int) -> str:

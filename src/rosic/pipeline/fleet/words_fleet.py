@@ -331,9 +331,10 @@ def being_held(task: Task, shown: str) -> str:
     )  # fmt: skip
 
 
-def now_is(task: Task) -> str:
-    """Return how a task is now."""
-    return said("Task {task}: {state}.", task=task.id, state=state(task))
+def now_is(task: Task, why: str = "") -> str:
+    """Return how a task is now; of one that waits, what it waits for."""
+    now = said("Task {task}: {state}.", task=task.id, state=state(task))
+    return joined(" ", (now, said("Why: {cause}.", cause=why))) if why else now
 
 
 def too_many_steps(most: int) -> str:

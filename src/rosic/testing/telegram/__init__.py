@@ -8,10 +8,22 @@ docs/fake-bot-api.md.
 
 from __future__ import annotations
 
-from rosic.testing.telegram.client import Control
-from rosic.testing.telegram.refusals import ApiError, ControlError
-from rosic.testing.telegram.server import DEFAULT_TOKEN, FakeTelegram
-from rosic.testing.telegram.settings import Limits, Settings
+import sys
+
+from rosic.errors import how_to_install
+
+try:
+    from rosic.testing.telegram.client import Control
+    from rosic.testing.telegram.refusals import ApiError, ControlError
+    from rosic.testing.telegram.server import DEFAULT_TOKEN, FakeTelegram
+    from rosic.testing.telegram.settings import Limits, Settings
+except ModuleNotFoundError as missing:
+    if missing.name != "aiohttp":
+        raise
+    sentence = f"The stand-in for Telegram needs aiohttp: {how_to_install('testing')}."
+    if sys.argv[:1] == ["-m"]:  # `python -m rosic.testing.telegram` looks for the program here
+        raise SystemExit(sentence) from None
+    raise ModuleNotFoundError(sentence, name=missing.name) from None
 
 __all__ = [
     "DEFAULT_TOKEN",
