@@ -64,6 +64,7 @@ MODULES = (
         f"{STORES}/test_trouble.py", f"{STORES}/test_opening.py", f"{STORES}/test_decisions.py",
         f"{STORES}/test_sealing.py", f"{STORES}/test_overwritten.py",
         f"{STORES}/test_parts_of_records.py", "tests/conformance/test_stores.py",
+        "tests/app/test_retention.py",
     )),
     Module("root key", "stores/rootkey.py", (
         f"{STORES}/test_rootkey.py", f"{STORES}/test_opening.py",
@@ -79,12 +80,12 @@ MODULES = (
     )),
     Module("agreements", "pipeline/agreement.py", (
         f"{PIPELINE}/test_agreements.py", f"{PIPELINE}/test_agreed_acts.py",
-        f"{PIPELINE}/test_second_person.py",
+        f"{PIPELINE}/test_second_person.py", f"{PIPELINE}/test_end_buttons.py",
     )),
     Module("buttons", "authoriser/buttons.py", (
         "tests/rooms/authoriser/test_buttons.py", f"{PIPELINE}/test_buttons.py",
         "tests/rooms/test_authoriser.py",
-        f"{PIPELINE}/test_retracting.py",
+        f"{PIPELINE}/test_retracting.py", f"{PIPELINE}/test_end_buttons.py",
     )),
     Module("enrolment", "authoriser/enrolment.py", ("tests/rooms/authoriser",)),
     Module("guessing", "authoriser/guessing.py", (

@@ -25,11 +25,18 @@ if TYPE_CHECKING:
     from rosic.core.message import Inbound, Passing, Reaction
 
 Data: TypeAlias = dict[str, Any]
-Answer: TypeAlias = "list[Any] | Exception"
+Answer: TypeAlias = "list[Any] | Exception | Held"
 
 ADA, EVE = 1001, 666
 LAB = -1002
 POLL_S = 20
+
+
+class Held(NamedTuple):
+    """A poll that fails after a while."""
+
+    error: Exception
+    seconds: float
 
 
 class Asked(NamedTuple):
@@ -67,6 +74,9 @@ class ScriptedBot:
         if not self.answers:
             await asyncio.Event().wait()
         answer = self.answers.pop(0)
+        if isinstance(answer, Held):
+            await self._clock.sleep(answer.seconds)
+            answer = answer.error
         if isinstance(answer, Exception):
             raise answer
         return answer

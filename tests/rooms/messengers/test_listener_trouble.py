@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import errno
+
 import pytest
 from telegram.error import Conflict, Forbidden, InvalidToken, NetworkError
 
 from rosic.errors import MessengerFault
+from rosic.messengers.telegram.line import polled_within_s
+from rosic.messengers.telegram.listener import AWAKE_S
 from rosic.messengers.telegram.listening import CALM_NS, SECOND_NS
 from rosic.messengers.telegram.trouble import TooFast
-from tests.rooms.messengers.ear import POLL_S, Ear, text
+from rosic.testing.clock import ManualClock
+from tests.rooms.messengers.ear import POLL_S, Ear, Held, text
 
 
 async def test_it_waits_longer_and_longer_until_telegram_answers_and_then_anew(
@@ -35,6 +40,17 @@ async def test_a_gap_while_telegram_was_away_is_a_backlog() -> None:
     async with ear.listening(30.0):
         assert ear.heard[0].listening_since_ns == ear.heard[0].received_ns + 1
         assert not ear.listener.catching_up
+
+
+async def test_what_was_sent_while_the_network_was_away_says_so_until_all_of_it_has_come() -> None:
+    away = NetworkError("away")
+    away.__cause__ = OSError(errno.ENETUNREACH, "Network is unreachable")
+    sent_s = ManualClock().wall_ns() // SECOND_NS + 5
+    while_away = Held(away, polled_within_s(POLL_S) + AWAKE_S / 2)
+    ear = Ear([], while_away, [text(1, "old", date=sent_s)], [], [text(2, "late", date=sent_s)])
+    async with ear.listening(60.0):
+        found = [(inbound.text, inbound.network_away) for inbound in ear.heard]
+        assert found == [("old", True), ("late", False)]
 
 
 @pytest.mark.parametrize("reason", ["terminated by other getUpdates request", "Webhook is active"])

@@ -181,6 +181,7 @@ def test_the_network_was_away_if_there_was_no_way_and_nobody_answered(
 ) -> None:
     outage = polled(*shown)
     assert outage.covers(after(50).wall_ns) is said
+    assert outage.covers(after(0).wall_ns) is said, "from the first poll that failed"
     assert not outage.covers(after(-1).wall_ns), "sent before"
     assert not outage.covers(after(99.5).wall_ns), "perhaps sent after"
     outage.over()
@@ -200,6 +201,25 @@ def test_of_a_time_in_which_we_did_not_run_nothing_is_said() -> None:
     outage.answered(after(7210))
     assert not outage.covers(after(3600).wall_ns)
     assert outage.covers(after(7202).wall_ns)
+
+
+def test_of_one_outage_nothing_is_left_for_the_next() -> None:
+    outage = polled(AWAY)
+    outage.failed(after(100.5), after(101), SILENT, WITHIN_S)
+    outage.answered(after(110))
+    assert not outage.covers(after(105).wall_ns), "nobody said that there was no way"
+
+    outage = polled(THERE)
+    outage.failed(after(100.5), after(101), AWAY, WITHIN_S)
+    outage.answered(after(110))
+    assert outage.covers(after(105).wall_ns)
+
+    outage = Outage()
+    for second in (0, 6):
+        outage.failed(after(second), after(second + 3), AWAY, WITHIN_S)
+        outage.answered(after(second + 5))
+    assert outage.covers(after(8).wall_ns)
+    assert not outage.covers(after(2).wall_ns), "it was answered in between"
 
 
 def test_another_outage_is_another() -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import shutil
 import sqlite3
-from contextlib import asynccontextmanager, closing
+from contextlib import asynccontextmanager, closing, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -19,7 +21,6 @@ from rosic.testing.records import ADA, a_claim, a_stop, an_id
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
-    from pathlib import Path
 
 LOG = f"{DATABASE}-wal"
 SMALL = Settings(busy_timeout_ms=20, pages_max=120)
@@ -58,6 +59,26 @@ async def test_it_heals_knows_what_was_and_is_as_strict_as_before(tmp_path: Path
             await store.write(a_claim("three", letter=TOO_MUCH))
         await store.write(a_claim("last"))
     assert claimed(tmp_path) == {an_id(name) for name in ("before", "after", "last")}
+
+
+async def test_no_file_is_kept_open_from_an_earlier_connection(tmp_path: Path) -> None:
+    def held_open() -> list[str]:
+        gc.collect()  # a fault keeps what it came from for as long as somebody has it
+        found: list[str] = []
+        for each in Path("/proc/self/fd").iterdir():
+            with suppress(FileNotFoundError):  # the folder's own
+                found.append(str(each.readlink()))
+        return sorted(path for path in found if path.startswith(str(tmp_path)))
+
+    async with disconnected(tmp_path) as store:
+        await store.write(a_claim("after"))
+        before = held_open()
+        for name in ("three", "four"):
+            with pytest.raises(StoreFault, match="The disk is full"):
+                await store.write(a_claim(name, letter=TOO_MUCH))
+        await store.write(a_claim("last"))
+        assert held_open() == before
+    assert held_open() == []
 
 
 async def test_nothing_is_claimed_once_the_new_log_is_gone(tmp_path: Path) -> None:
