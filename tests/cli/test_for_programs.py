@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 from typing import TYPE_CHECKING
 
@@ -173,10 +174,19 @@ def test_history_says_what_the_operator_did_and_asks_for_known_names(config: Pat
     assert (last["name"], last["asked"], last["told"]) == (
         "the operator", "resume omni", "ready again"
     )  # fmt: skip
-    assert "resume omni" in rosic("history", "--since", "1h", "-c", config).out
+    told = rosic("history", "--since", "1h", "-c", config).out
+    assert "resume omni" in told
+    assert "the operator  stop omni  stopped" in told
     assert rosic("history", "--robot", "omin", "-c", config).status == 1
     assert rosic("history", "--person", "Zed", "-c", config).status == 1
     assert rosic("history", "--since", "never", "-c", config).status == 1
+
+
+@pytest.mark.usefixtures("running")
+def test_history_of_nothing_is_one_sentence_that_says_of_what(config: Path) -> None:
+    nothing = rosic("history", "--since", "1h", "--person", "Bob", "-c", config)
+    assert re.fullmatch(r"Nothing was asked by Bob since .+\.\n", nothing.out)
+    assert nothing.status == 0
 
 
 def test_history_works_without_a_gateway(place: Place) -> None:

@@ -44,7 +44,7 @@ _VARIES: Final = (
     (re.compile(rf"\b\d{{4}}-\d\d-\d\d\b|\b(?:{_NEXT_DAY}|DAY )(?=\d\d:\d\d)"), "DAY "),
     (re.compile(r"\b\d\d:\d\d(?::\d\d)?\b"), "TIME"),
     (re.compile(r"(?:DAY +)?TIME"), "TIME"),
-    (re.compile(r"\(\d+\.\d\d s\)|\b(?:within|innerhalb von) \d+ s\b"), "(SO SOON)"),
+    (re.compile(r"\(\d+[.,]\d\d s\)|\b(?:within|innerhalb von) \d+ s\b"), "(SO SOON)"),
     (re.compile(r"\b\d+ %"), "SO MUCH"),
     (re.compile(r"((?:stopped before it ended|vor dem Ende angehalten) TIME).*"), r"\1"),
 )

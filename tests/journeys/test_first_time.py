@@ -115,8 +115,8 @@ async def test_the_same_in_german(
 
         await cy.start(code, "eingeladen")
         await cy.tap("Beitreten", "Was soll omni tun?")
-        await cy.tap("🚗 Geradeaus fahren", "0.50 m vorwärts?")
-        await cy.tap("Mach es", "0.50 m vorwärts gefahren")
+        await cy.tap("🚗 Geradeaus fahren", "0,50 m vorwärts?")
+        await cy.tap("Mach es", "0,50 m vorwärts gefahren")
 
         assert cy.taps <= TAPS_TO_A_MOTION
         await finished("join-de", cy, capsys)
@@ -141,7 +141,7 @@ async def test_asking_for_a_right(
         )
         await ada.tap("Allow 1 h", "Vi may now")
         await vi.reads(said("Ada allows it. You may now", "Ada erlaubt es"))
-        await vi.type("omni move 0.5 m", said("moved 0.50 m forward", "0.50 m vorwärts gefahren"))
+        await vi.type("omni move 0.5 m", said("moved 0.50 m forward", "0,50 m vorwärts gefahren"))
 
         await finished(said.picture("ask"), vi, capsys)
 
@@ -155,9 +155,9 @@ async def test_driving_and_stopping_with_buttons(
 
         await bo.start("", said("What should omni do?", "Was soll omni tun?"))
         straight = said("🚗 Move in a straight line", "🚗 Geradeaus fahren")
-        await bo.tap(straight, said("0.50 m forward?", "0.50 m vorwärts?"))
-        await bo.tap("+", said("1.00 m forward?", "1.00 m vorwärts?"))
-        await bo.tap("+", said("2.00 m forward?", "2.00 m vorwärts?"))
+        await bo.tap(straight, said("0.50 m forward?", "0,50 m vorwärts?"))
+        await bo.tap("+", said("1.00 m forward?", "1,00 m vorwärts?"))
+        await bo.tap("+", said("2.00 m forward?", "2,00 m vorwärts?"))
         await bo.tap(said("Do it", "Mach es"), said("driving", " %"))
         await bo.tap("STOP", said("STOP: omni at rest", "STOP: omni steht still"))
         await bo.reads(said("stopped before it ended", "vor dem Ende angehalten"))
@@ -174,7 +174,8 @@ async def test_booking_a_time(
         bo = await said.newcomer(place, place.bo)
 
         await bo.type("book", said("When, and for how long?", "Wann"))
-        await bo.tap("book omni tomorrow 14:00 1h", said("omni is yours on", "omni gehört dir"))
+        tomorrow = said("book omni tomorrow 14:00 1h", "buchen omni morgen 14:00 1h")
+        await bo.tap(tomorrow, said("omni is yours on", "omni gehört dir"))
 
         await finished(said.picture("book"), bo, capsys)
 
@@ -190,7 +191,8 @@ async def test_being_refused_and_asking_to_be_next(
         await bo.start("", said("You do not have permission", "Du darfst keine Befehle"))
         await bo.type("omni move 0.5 m", said("omni is taken by Ada until", "Ada"))
         await bo.tap(
-            "wait omni", said("You are number 1 in the queue for omni", "Du bist Nummer 1")
+            said("wait omni", "warten omni"),
+            said("You are number 1 in the queue for omni", "Du bist Nummer 1"),
         )
         await ada.tap("Cancel it", "omni is given back")
         await bo.reads(said("omni is free and it is your turn", "omni ist frei, und du bist dran"))

@@ -98,8 +98,8 @@ OF_TELLING = (
     Fault(
         name="L2 the next message of a chat waits until a refusal is on disk",
         file="pipeline/replies.py",
-        guard="if self.arrears.settles(messenger):",
-        without="if is_missed(inbound) and self.arrears.settles(messenger):",
+        guard="if self.arrears.settles(said.messenger):",
+        without="if is_missed(said.inbound) and self.arrears.settles(said.messenger):",
         caught_by=("tests/rooms/pipeline/test_arrears.py",),
     ),
     Fault(

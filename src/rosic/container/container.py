@@ -124,7 +124,6 @@ class Containers:
             Repeated: This message was claimed or refused before. Nothing was written.
             RecordUnavailable: The record cannot be written; nothing may move.
         """
-        letter = Letter(permits[0].principal, letters.encode(reply_to))
         accepted_ns = self._clock.wall_ns()
         orders: list[Order] = []
         claims: list[Claimed] = []
@@ -140,6 +139,8 @@ class Containers:
                     values.words,
                 )
             )  # fmt: skip
+            told = letters.encode(replace(reply_to, values=dict(values.arguments)))
+            letter = Letter(permits[0].principal, told)
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))
         try:
             await self._store.write(*claims)

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections import deque
+from typing import TYPE_CHECKING
+
 import msgspec
 
 from rosic.core.identity import PrincipalId
 from rosic.core.robot import RobotId
 
-REFUSED, RESUMED = "refused", "resumed"
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+REFUSED, RESUMED, STOPPED = "refused", "resumed", "stopped"
 
 
 class HistoryQuery(msgspec.Struct, frozen=True, kw_only=True):
@@ -25,10 +31,10 @@ class HistoryQuery(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class HistoryEntry(msgspec.Struct, frozen=True, kw_only=True):
-    """One command of one person.
+    """One command of one person, or one robot that they stopped.
 
     Attributes:
-        kind: ``claimed``, ``refused`` or ``resumed``.
+        kind: ``claimed``, ``refused``, ``resumed`` or ``stopped``.
         robot: Empty for a refusal: what was refused was no order to a robot yet.
         outcome: How it ended, or why it was refused, as a word for programs; empty while it runs.
         letter: The sealed words of the claim or the refusal, unsealed; None once they are erased.
@@ -44,3 +50,18 @@ class HistoryEntry(msgspec.Struct, frozen=True, kw_only=True):
     ended_ns: int | None = None
     letter: bytes | None = None
     words: bytes | None = None
+
+
+def with_stops(
+    commands: Iterable[HistoryEntry], stops: Iterable[HistoryEntry], limit: int
+) -> tuple[HistoryEntry, ...]:
+    """Return commands and stops, each the newest first, as one row of at most so many.
+
+    Commands keep their order among each other, whatever a clock that was set back made of it.
+    """
+    waiting, row = deque(stops), list[HistoryEntry]()
+    for command in commands:
+        while waiting and waiting[0].at_ns > command.at_ns:
+            row.append(waiting.popleft())
+        row.append(command)
+    return tuple([*row, *waiting][:limit])

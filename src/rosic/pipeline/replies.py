@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.authoriser.buttons import OPEN
 from rosic.container.letters import Answer
+from rosic.core.language import clean
 from rosic.core.message import Button, ChatKind, Outbound, Weight
 from rosic.core.rate import Bucket, RateLimit
 from rosic.core.saying import in_language, said
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat, Inbound
     from rosic.pipeline.desk import Reply
     from rosic.pipeline.rooms import Rooms
+    from rosic.pipeline.said import Said
 
 # What only a button says; typed, it means nothing.
 LEAVE = "leave it"
@@ -43,6 +45,8 @@ TRAIL = "\x1f"
 DO_IT, LEAVE_IT, PREVIOUS = said("Do it"), said("Leave it"), said("Previous")
 # What a refusal offers to tap: a page. A robot beyond it can be named; Telegram takes 100 at most.
 OFFERED_AT_MOST = 8
+ASKED_KEPT = 300
+"""Letters of what was refused that are kept beside the refusal, sealed as it is."""
 STRANGERS = RateLimit(burst=5.0, per_s=0.2)
 STRANGERS_KEPT = 1_000
 AGAIN_NS = 600_000_000_000
@@ -144,37 +148,26 @@ class Replies:
         plain = translated(outbound, self._languages.of_sender(inbound))
         self._teller.say(Note(messenger, plain, None, edited_by(inbound)))
 
-    async def refuse(
-        self,
-        messenger: Messenger,
-        inbound: Inbound,
-        caller: Caller,
-        cid: CommandId,
-        refusal: Refusal,
-    ) -> None:
-        """Write a refusal down, then tell it, once.
+    async def refuse(self, said: Said, cid: CommandId, refusal: Refusal, asked: str) -> None:
+        """Write a refusal down with what it refuses, then tell it, once.
 
         It is only begun, if the messenger waits for it before it confirms anything: nothing moves
         by it, and a stop may wait behind a hundred of them.
         """
         if refusal.silent:
             return
-        writing = self._refuse(messenger, inbound, caller, cid, refusal)
-        if self.arrears.settles(messenger):
+        writing = self._refuse(said, cid, refusal, asked)
+        if self.arrears.settles(said.messenger):
             self.arrears.begin(writing)
         else:
             await writing
 
-    async def _refuse(
-        self,
-        messenger: Messenger,
-        inbound: Inbound,
-        caller: Caller,
-        cid: CommandId,
-        refusal: Refusal,
-    ) -> None:
+    async def _refuse(self, said: Said, cid: CommandId, refusal: Refusal, asked: str) -> None:
+        messenger, inbound, caller = said.messenger, said.inbound, said.caller
         plain = in_language(refusal.sentence, self._languages.of(caller.principal))
-        answer = Answer(messenger.name, inbound.chat, reply_id(inbound), plain)
+        answer = Answer(
+            messenger.name, inbound.chat, reply_id(inbound), plain, clean(asked[:ASKED_KEPT])
+        )
         try:
             await self._container.refuse(cid, caller, refusal, answer)
         except Repeated:

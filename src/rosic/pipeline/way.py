@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rosic.container.habits import Habits
 from rosic.container.letters import ReplyTo
 from rosic.core.common_start import begin_together
-from rosic.core.language import Do, Errand, Halt, Misunderstood, Reader, Resume, Use
+from rosic.core.language import Do, Errand, Halt, Misunderstood, Reader, Resume, Use, kept_of
 from rosic.core.life import ENGLISH, wording_in
 from rosic.core.message import ChatKind, Standing
 from rosic.core.saying import in_language, said
@@ -231,7 +231,7 @@ class Pipeline:
                 self._ask_for(said, line, needed)
             except Refusal as refusal:
                 self.agreements.name_in(refusal, line)
-                await self._replies.refuse(said.messenger, inbound, caller, cid, refusal)
+                await self._replies.refuse(said, cid, refusal, kept_of(line, text))
                 self.reception.refused(caller, refusal)
             except Exception:
                 log.exception("a line could not be followed")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 from sqlalchemy import select
 
+from rosic.core.history import with_stops
 from rosic.core.record import APART, Fact, KeyRevoked, Letter, Resumed, Stopped
 from rosic.core.saying import said
 from rosic.errors import StoreFault
@@ -129,6 +130,14 @@ class Shelves(reading.Reader):
     def newest(self) -> int:
         """Return the number behind the newest command."""
         return history.newest(self._connection)
+
+    def stops(self, query: HistoryQuery, before: int, limit: int) -> list[HistoryEntry]:
+        """Return stops of one step, newest first."""
+        return history.stops(self._connection, query, before, limit)
+
+    def newest_stop(self) -> int:
+        """Return the number behind the newest stop."""
+        return history.newest_stop(self._connection)
 
 
 class ReadingWriter(Writer):
@@ -315,20 +324,29 @@ class DatabaseStore:
         return await self._look(lambda shelves: shelves.belongings(container))
 
     async def history(self, query: HistoryQuery) -> tuple[HistoryEntry, ...]:
-        """Return commands, the newest first, at most as many as are asked for.
+        """Return commands and stops, the newest first, at most as many as are asked for.
 
         Goes in small steps, so that writes pass between them.
 
         Raises:
             StoreFault: They cannot be read now.
         """
+        commands = await self._stepwise(Shelves.newest, Shelves.history, query)
+        stops = await self._stepwise(Shelves.newest_stop, Shelves.stops, query)
+        return with_stops(commands, stops, query.limit)
+
+    async def _stepwise(
+        self,
+        newest: Callable[[Shelves], int],
+        step: Callable[..., list[HistoryEntry]],
+        query: HistoryQuery,
+    ) -> list[HistoryEntry]:
         found: list[HistoryEntry] = []
-        before = await self._look(Shelves.newest)
+        before = await self._look(newest)
         while before > 0 and (left := query.limit - len(found)) > 0:
-            step = partial(Shelves.history, query=query, before=before, limit=left)
-            found += await self._look(step)
+            found += await self._look(partial(step, query=query, before=before, limit=left))
             before -= history.AT_ONCE
-        return tuple(found)
+        return found
 
     async def containers(self) -> tuple[str, ...]:
         """Return whose containers have a key.

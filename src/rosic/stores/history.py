@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import Select, func, select
 
-from rosic.core.history import HistoryEntry, HistoryQuery
+from rosic.core.history import STOPPED, HistoryEntry, HistoryQuery
 from rosic.stores import tables
 from rosic.stores.scribe import CLAIM, WORDS
 
@@ -27,6 +27,31 @@ def newest(connection: Connection) -> int:
     """Return the number behind the newest command."""
     found = connection.scalar(select(func.max(tables.commands.c.seq)))
     return 0 if found is None else int(found) + 1
+
+
+def newest_stop(connection: Connection) -> int:
+    """Return the number behind the newest stop."""
+    found = connection.scalar(select(func.max(tables.stops.c.id)))
+    return 0 if found is None else int(found) + 1
+
+
+def stops(
+    connection: Connection, query: HistoryQuery, before: int, limit: int
+) -> list[HistoryEntry]:
+    """Return what is asked about of the ``AT_ONCE`` stops before one of them, newest first."""
+    table = tables.stops.c
+    chosen = select(tables.stops).where(
+        table.id < before, table.id >= before - AT_ONCE, table.at_ns >= query.since_ns
+    )
+    if query.principal:
+        chosen = chosen.where(table.principal == query.principal)
+    if query.robot:
+        chosen = chosen.where(table.robot == query.robot)
+    rows = connection.execute(chosen.order_by(table.id.desc()).limit(limit)).all()
+    return [
+        HistoryEntry(principal=row.principal, kind=STOPPED, at_ns=row.at_ns, robot=row.robot)
+        for row in rows
+    ]
 
 
 def page(

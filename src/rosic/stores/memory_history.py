@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
+from itertools import islice
 from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
 
-from rosic.core.history import HistoryEntry, HistoryQuery
-from rosic.core.record import Claimed, Concluded, Refused, Resumed
+from rosic.core.history import STOPPED, HistoryEntry, HistoryQuery, with_stops
+from rosic.core.record import Claimed, Concluded, Refused, Resumed, Stopped
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from rosic.core.identity import CommandId
     from rosic.core.record import Letter
 
@@ -23,6 +26,7 @@ class MemoryHistory:
     def __init__(self) -> None:
         self._asked: deque[Claimed | Refused | Resumed] = deque(maxlen=COMMANDS_KEPT)
         self._came: dict[CommandId, Concluded] = {}
+        self._stops: deque[Stopped] = deque(maxlen=COMMANDS_KEPT)
 
     def _keep_past(self, record: Claimed | Refused | Resumed | Concluded) -> None:
         if isinstance(record, Concluded):
@@ -48,7 +52,15 @@ class MemoryHistory:
             ours = query.principal in {"", entry.principal} and query.robot in {"", entry.robot}
             if ours and entry.at_ns >= query.since_ns:
                 found.append(entry)
-        return tuple(found)
+        return with_stops(found, islice(self._stopped_by(query), query.limit), query.limit)
+
+    def _stopped_by(self, query: HistoryQuery) -> Iterator[HistoryEntry]:
+        for stop in reversed(self._stops):
+            ours = query.principal in {"", stop.principal} and query.robot in {"", stop.robot}
+            if ours and stop.at_ns >= query.since_ns:
+                yield HistoryEntry(
+                    principal=stop.principal, kind=STOPPED, at_ns=stop.at_ns, robot=stop.robot
+                )
 
     def _entry(self, record: Claimed | Refused | Resumed) -> HistoryEntry:
         came = self._came.get(record.cid)

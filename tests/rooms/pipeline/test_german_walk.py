@@ -129,6 +129,8 @@ A /strategy omni careful speed=90 m/s
 A /role
 A leute
 A einladen viewer
+A protokoll
+A protokoll omni
 A daten
 A /broadcast cf1 abheben
 A stopp

@@ -12,7 +12,15 @@ from rosic.stores import history
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
-from rosic.testing.records import ADA, a_claim, a_conclusion, a_refusal, a_resumption, an_enrolment
+from rosic.testing.records import (
+    ADA,
+    a_claim,
+    a_conclusion,
+    a_refusal,
+    a_resumption,
+    a_stop,
+    an_enrolment,
+)
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -67,4 +75,19 @@ async def test_a_long_record_is_read_in_steps(tmp_path: Path) -> None:
     assert len(await store.history(HistoryQuery(limit=count + 1))) == count
     [oldest] = await store.history(HistoryQuery(principal=ADA))
     assert oldest.principal == ADA
+    await store.close()
+
+
+async def test_stops_stand_among_the_commands(store: MemoryStore | DatabaseStore) -> None:
+    await store.open()
+    await store.write(a_claim("one", accepted_ns=500, letter=None))
+    await store.write(a_stop(1), a_stop(2))
+    await store.write(a_claim("two", accepted_ns=2_000, letter=None))
+    everything = await store.history(HistoryQuery())
+    assert [e.kind for e in everything] == ["claimed", "stopped", "stopped", "claimed"]
+    assert [(e.principal, e.robot, e.at_ns) for e in everything[1:3]] == [(ADA, "omni", 1_000)] * 2
+    assert [e.kind for e in await store.history(HistoryQuery(limit=2))] == ["claimed", "stopped"]
+    assert len(await store.history(HistoryQuery(robot="omni", since_ns=1_000))) == 3
+    assert await store.history(HistoryQuery(principal=BO)) == ()
+    assert await store.history(HistoryQuery(robot="kuka1")) == ()
     await store.close()

@@ -7,17 +7,19 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app.desk.naming import the_one, utc
-from rosic.core.history import HistoryQuery
+from rosic.core.history import REFUSED, STOPPED, HistoryQuery
 from rosic.core.language import clean
+from rosic.core.language.cleaning import quote
 from rosic.core.saying import plain
 from rosic.errors import NotUnderstood
-from rosic.pipeline.containers.history import NOTHING_YET, Read, read_entry
+from rosic.pipeline.containers.history import NOTHING_YET, Read, at_once, read_entry, stopped
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from rosic.app.desk.books import Books
     from rosic.core.history import HistoryEntry
+    from rosic.core.robot import RobotId
 
 AT_MOST = 10_000
 LINES_AT_ONCE = 200
@@ -64,21 +66,36 @@ async def history_of(books: Books, asked: HistoryAsk) -> Iterator[str]:
     )
     found = await books.holdings.vault.history(query)
     if not found and not asked.json:
-        return iter((str(NOTHING_YET),))
+        return iter((_nothing(books, asked, query),))
     return _written(books, found[::-1], json=asked.json)
+
+
+def _nothing(books: Books, asked: HistoryAsk, query: HistoryQuery) -> str:
+    """Say in one sentence what there is nothing of."""
+    if not (query.robot or query.principal or query.since_ns):
+        return str(NOTHING_YET)
+    what = f" of {books.profiles[query.robot].shown}" if query.robot else ""
+    who = f" by {books.name(query.principal)}" if query.principal else ""
+    since = "" if asked.since_s is None else f" since {books.moment(query.since_ns)}"
+    return f"Nothing was asked{what}{who or ''}{since}."
 
 
 def _written(books: Books, found: tuple[HistoryEntry, ...], *, json: bool) -> Iterator[str]:
     for at in range(0, max(1, len(found)), LINES_AT_ONCE):
-        read = [read_entry(entry) for entry in found[at : at + LINES_AT_ONCE]]
+        some = found[at : at + LINES_AT_ONCE]
         if json:
+            read = [read_entry(entry, books.vocabulary) for entry in some]
             yield _encode([_listed(books, one) for one in read]).decode()
         else:
-            yield "\n".join(_line(books, one) for one in read)
+            yield "\n".join(_line(books, entry, robots) for entry, robots in at_once(some))
 
 
-def _line(books: Books, read: Read) -> str:
-    parts = (books.moment(read.at_ns), books.name(read.who), read.asked, read.came)
+def _line(books: Books, entry: HistoryEntry, robots: Sequence[RobotId]) -> str:
+    read = read_entry(entry, books.vocabulary)
+    asked = stopped(robots, books.vocabulary) if entry.kind == STOPPED else read.asked
+    if entry.kind == REFUSED and asked:
+        asked = quote(asked)
+    parts = (books.moment(read.at_ns), books.name(read.who), asked, read.came)
     return "  ".join(filter(None, map(str, parts)))
 
 

@@ -164,12 +164,14 @@ class Alone:
         organiser = Organiser(rights, profiles, board, access.state, rates=rates, lease_idle_s=1.0)
         organiser.name_of = lambda who: clean(authoriser.directory.name(who))
         access.restore(memory, organiser, board)
+        vocabulary = Vocabulary.build(robots, known_units())
         around = Around(
-            preferences, access, authoriser, organiser, profiles, clock, _nobody_hears, Habits()
-        )
+            preferences, access, authoriser, organiser, profiles, vocabulary, clock,
+            _nobody_hears, Habits(),
+        )  # fmt: skip
         return Books(
             access=access, authority=authority, authoriser=authoriser, organiser=organiser,
-            vocabulary=Vocabulary.build(robots, known_units()), profiles=profiles, clock=time,
+            vocabulary=vocabulary, profiles=profiles, clock=time,
             zone=zone_or_universal(UNIVERSAL if config is None else config.zone),
             assurances=LOCAL,
             holdings=self._holdings(around, store, memory),

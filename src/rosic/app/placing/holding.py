@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
-    from rosic.core.language import UnitTable
+    from rosic.core.language import UnitTable, Vocabulary
     from rosic.core.message import Chat
     from rosic.core.record import Fact, Memory, Record
     from rosic.core.robot import Profile, RobotId
@@ -133,7 +133,7 @@ class Holding:
         rooms = self._rooms
         around = Around(
             self.preferences, self._access, rooms.authoriser, rooms.organiser, rooms.profiles,
-            self._clock, furnishing.reach.tell, pipeline.habits,
+            rooms.vocabulary, self._clock, furnishing.reach.tell, pipeline.habits,
         )  # fmt: skip
         holdings = holdings_of(around, vault, self.archive, parts, self._room)
         self.holdings = holdings
@@ -319,6 +319,7 @@ class Around(NamedTuple):
     authoriser: Authoriser
     organiser: Organiser
     profiles: Mapping[RobotId, Profile]
+    vocabulary: Vocabulary
     clock: Clock
     tell: Callable[[tuple[PrincipalId, ...], str], object]
     habits: Habits
@@ -347,6 +348,7 @@ def holdings_of(
         changes=around.access.changes,
         clock=clock,
         name=around.authoriser.directory.name,
+        vocabulary=around.vocabulary,
         shown=lambda robot: profiles[robot].shown if robot in profiles else robot,
         visible=organiser.visible,
         choices=organiser.visible,

@@ -25,6 +25,7 @@ from rosic.core.language.lines import (
     Start,
     Status,
     Use,
+    kept_of,
 )
 from rosic.core.language.reader import Reader
 from rosic.core.language.reading import MOST_WORDS
@@ -62,6 +63,7 @@ __all__ = [
     "hears_stop",
     "inert_text",
     "is_urgent",
+    "kept_of",
     "show",
     "skills_of",
     "understand",

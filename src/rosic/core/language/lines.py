@@ -136,3 +136,19 @@ class Misunderstood(msgspec.Struct, frozen=True):
 
 
 Line: TypeAlias = Do | Halt | Status | Help | Robots | Use | Resume | Start | Errand | Misunderstood
+
+
+# What stands behind these words lets somebody in.
+_SECRET = frozenset({"authenticator", "code", "join", "start"})
+
+
+def kept_of(line: Line, text: str) -> str:
+    """Return what is kept of a message of which a line was refused: no code that stands in it."""
+    if isinstance(line, Do):
+        return line.text
+    return "\n".join(map(_without_code, text.splitlines()))
+
+
+def _without_code(text: str) -> str:
+    first = text.split(maxsplit=1)[:1]
+    return first[0] if first and first[0].strip("/").casefold() in _SECRET else text

@@ -6,17 +6,18 @@ that robot: what its users asked of it is shown to nobody else (I11).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeVar
 
 import msgspec
 
 from rosic.container import letters
-from rosic.core.history import REFUSED, RESUMED, HistoryEntry, HistoryQuery
+from rosic.core.history import REFUSED, RESUMED, STOPPED, HistoryEntry, HistoryQuery
 from rosic.core.identity import PrincipalId
-from rosic.core.language import clean
-from rosic.core.life import ended_as
+from rosic.core.language import clean, show
+from rosic.core.language.cleaning import quote
+from rosic.core.life import BETWEEN, ended_as
 from rosic.core.message import Button
-from rosic.core.saying import joined, said
+from rosic.core.saying import joined, said, said_n
 from rosic.errors import NotPermitted, NotUnderstood, RecordUnavailable, StoreFault
 from rosic.organiser.words_calendar import moment
 from rosic.pipeline.containers import words_containers as words
@@ -24,11 +25,22 @@ from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from rosic.core.language import Vocabulary
+    from rosic.core.language.compiled import CompiledSkill
     from rosic.core.robot import RobotId
+    from rosic.core.skill import Argument
     from rosic.pipeline.containers.parts import Holdings
     from rosic.pipeline.office import Asked
 
+L = TypeVar("L")
+
 SHOWN: Final = 10
+NAMED_AT_MOST: Final = 5
+AT_ONCE_NS: Final = 1_000_000_000
+TASK: Final = "task "
+"""What stands behind an order that belongs to a task, in the record's own English."""
 MORE: Final = 50
 LONGEST: Final = 300
 """Letters of what somebody wrote or a robot said that one line repeats."""
@@ -83,7 +95,11 @@ class History:
             raise RecordUnavailable(words.NOT_READABLE) from fault
         if not found:
             return Reply(NOTHING_YET)
-        lines = [self._line(read_entry(e), who) for e in reversed(found[:limit])]
+        vocabulary = self._holdings.vocabulary
+        lines = [
+            self._line(entry, robots, vocabulary, who)
+            for entry, robots in at_once(found[:limit][::-1])
+        ]
         further = Button(said("More"), " ".join(("/history", *named, _MORE)))
         return Reply(joined("\n", lines), ((further,),) if limit < len(found) <= MORE else ())
 
@@ -104,44 +120,125 @@ class History:
             )
         return robot
 
-    def _line(self, read: Read, who: PrincipalId) -> str:
+    def _line(
+        self, entry: HistoryEntry, robots: tuple[RobotId, ...], vocabulary: Vocabulary,
+        who: PrincipalId,
+    ) -> str:  # fmt: skip
+        read = read_entry(entry, vocabulary)
+        asked = stopped(robots, vocabulary) if entry.kind == STOPPED else read.asked
+        if entry.kind == REFUSED and asked:
+            asked = quote(asked)  # as they wrote it
         zone, now_ns = self._holdings.zone_of(who), self._holdings.clock.wall_ns()
         when = moment(read.at_ns, now_ns, zone)
         name = "" if read.who == who else self._holdings.name(read.who)
-        parts = [when, *filter(None, (name, read.asked)), read.came]
-        return joined(" · ", parts)
+        parts = [when, *filter(None, (name, asked)), read.came]
+        return joined(BETWEEN, parts)
 
 
-def read_entry(entry: HistoryEntry) -> Read:
+def read_entry(entry: HistoryEntry, vocabulary: Vocabulary) -> Read:
     """Return an entry in words; what was erased, or cannot be read any more, is left out."""
+    other = entry.kind if entry.kind in {RESUMED, STOPPED} else ""
     return Read(
         who=entry.principal,
         at_ns=entry.at_ns,
         robot=entry.robot,
-        skill=entry.skill or (RESUMED if entry.kind == RESUMED else ""),
-        outcome=entry.outcome or (RESUMED if entry.kind == RESUMED else ""),
+        skill=entry.skill or other,
+        outcome=entry.outcome or other,
         ended_ns=entry.ended_ns,
-        asked=_asked(entry),
+        asked=_asked(entry, vocabulary),
         came=_came(entry),
     )
 
 
-def _asked(entry: HistoryEntry) -> str:
+def at_once(entries: Sequence[HistoryEntry]) -> Iterator[tuple[HistoryEntry, tuple[RobotId, ...]]]:
+    """Yield entries as lines show them: who stopped several robots at once did one thing.
+
+    Yields:
+        The first of them, and the robots of all of them.
+    """
+    first: HistoryEntry | None = None
+    robots: list[RobotId] = []
+    for entry in entries:
+        if first is not None and not _same_stop(first, entry):
+            yield first, tuple(robots)
+            first = None
+        if first is None:
+            first, robots = entry, []
+        robots.append(entry.robot)
+    if first is not None:
+        yield first, tuple(robots)
+
+
+def _same_stop(first: HistoryEntry, entry: HistoryEntry) -> bool:
+    both = first.kind == entry.kind == STOPPED and first.principal == entry.principal
+    return both and abs(entry.at_ns - first.at_ns) < AT_ONCE_NS
+
+
+def stopped(robots: Sequence[RobotId], vocabulary: Vocabulary) -> str:
+    """Return what somebody did who stopped robots; each is named once."""
+    names = [_shown(robot, vocabulary) for robot in dict.fromkeys(robots)]
+    few = names[:NAMED_AT_MOST]
+    if len(names) > len(few):
+        few.append(said_n("and one more", "and {n} more", len(names) - len(few)))
+    return said("stop {robots}", robots=joined(", ", few))
+
+
+def _asked(entry: HistoryEntry, vocabulary: Vocabulary) -> str:
+    if entry.kind == STOPPED:
+        return stopped((entry.robot,), vocabulary)
     if entry.kind == RESUMED:
-        return f"resume {entry.robot}"
+        return said("resume {robots}", robots=_shown(entry.robot, vocabulary))
     if entry.kind == REFUSED:
-        return ""
-    if entry.letter is not None:
-        try:
-            return _one_line(letters.read_reply_to(entry.letter).title)
-        except msgspec.MsgspecError:
-            pass
-    return f"{entry.robot}: {entry.skill}"
+        answer = _read(letters.read_answer, entry.letter)
+        return "" if answer is None else _one_line(answer.asked)
+    shown, origin = _shown(entry.robot, vocabulary), _read(letters.read_reply_to, entry.letter)
+    if origin is None:
+        return f"{shown}: {entry.skill}"
+    compiled = vocabulary.compiled_skill(entry.robot, entry.skill)
+    if origin.values is None or compiled is None:
+        return named_once(_one_line(origin.title))
+    words = show(vocabulary, entry.robot, compiled.skill, _known(compiled, origin.values))
+    _, between, origin_of = origin.title.rpartition(BETWEEN)
+    task = origin_of.removeprefix(TASK) if between and origin_of.startswith(TASK) else ""
+    parts = [joined(": ", (shown, words)), said("task {task}", task=task) if task else ""]
+    return joined(BETWEEN, filter(None, parts))
+
+
+def _known(compiled: CompiledSkill, values: Mapping[str, Argument]) -> dict[str, Argument]:
+    """Return the values that fit the profile of now: it may have changed since."""
+    return {
+        p.name: values[p.name]
+        for p in compiled.parameters
+        if p.name in values and isinstance(values[p.name], str) is not p.is_number
+    }
+
+
+def _shown(robot: RobotId, vocabulary: Vocabulary) -> str:
+    profile = vocabulary.profiles.get(robot)
+    return robot if profile is None else profile.shown
+
+
+def named_once(title: str) -> str:
+    """Return the first line of a card without the name that was typed behind the robot's own."""
+    name, colon, rest = title.partition(": ")
+    first, _, asked = rest.partition(" ")
+    return f"{name}{colon}{asked}" if asked and first.casefold() == name.casefold() else title
+
+
+def _read(decode: Callable[[bytes], L], letter: bytes | None) -> L | None:
+    if letter is None:
+        return None
+    try:
+        return decode(letter)
+    except msgspec.MsgspecError:
+        return None
 
 
 def _came(entry: HistoryEntry) -> str:
     if entry.kind == RESUMED:
         return said("ready again")
+    if entry.kind == STOPPED:
+        return said("stopped")
     if entry.kind == REFUSED:
         return _refusal(entry)
     if entry.words:
@@ -152,12 +249,10 @@ def _came(entry: HistoryEntry) -> str:
 
 
 def _refusal(entry: HistoryEntry) -> str:
-    if entry.letter is not None:
-        try:
-            return _one_line(letters.read_answer(entry.letter).text)
-        except msgspec.MsgspecError:
-            pass
-    return said("refused ({code})", code=entry.outcome)
+    answer = _read(letters.read_answer, entry.letter)
+    if answer is None:
+        return said("refused ({code})", code=entry.outcome)
+    return _one_line(answer.text)
 
 
 def _one_line(text: str) -> str:

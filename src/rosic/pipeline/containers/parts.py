@@ -15,6 +15,7 @@ from rosic.container.preferences import PreferenceBook
 from rosic.container.shelf import Shelf
 from rosic.contracts.clock import Clock
 from rosic.core.identity import PrincipalId
+from rosic.core.language import Vocabulary
 from rosic.core.robot import RobotId
 from rosic.organiser.zones import Zone
 from rosic.pipeline.changes import Changes
@@ -87,6 +88,7 @@ class Holdings(msgspec.Struct, frozen=True, kw_only=True):
     changes: Changes
     clock: Clock
     name: Callable[[PrincipalId], str]
+    vocabulary: Vocabulary
     shown: Callable[[RobotId], str]
     visible: Callable[[PrincipalId], frozenset[RobotId]]
     choices: Callable[[PrincipalId], frozenset[str]]

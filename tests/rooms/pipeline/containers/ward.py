@@ -118,6 +118,7 @@ class Ward(Place):
             preferences=self.book, shelf=self.shelf, files=Drawer(clock),
             habits=gateway.pipeline.habits, archive=self.archive, vault=self.kept,
             changes=access.changes, clock=clock, name=directory.name,
+            vocabulary=rooms.vocabulary,
             shown=lambda robot: rooms.profiles[robot].shown if robot in rooms.profiles else robot,
             visible=organiser.visible, choices=organiser.visible,
             zone_of=lambda who: zone_named(self.book.of(who).zone or "UTC"),
