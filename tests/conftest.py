@@ -55,6 +55,7 @@ SECONDS = {
     "tests/rooms/pipeline/test_histories.py": 70,
     "tests/cli/test_bench.py": 70,
     "tests/real/ros2/test_simulation.py": 55,
+    "tests/real/ros2/test_server_gone.py": 55,
     "tests/real/ros2/test_streams.py": 60,
     "tests/real/ros2/test_robot_stopping.py": 50,
     "tests/real/ros2/test_interfaces.py": 50,

@@ -70,6 +70,14 @@ class ActionLink:
         """Tell whether somebody offers the action now."""
         return self._runtime.alive and bool(self._handle.server_is_ready())
 
+    def servers(self) -> frozenset[bytes]:
+        """Return who offers the action now: one that begins anew is another."""
+        if not self._runtime.alive:
+            return frozenset()
+        node = self._runtime.thread.node
+        found = node.get_publishers_info_by_topic(f"{self.name}/_action/feedback")
+        return frozenset(bytes(each.endpoint_gid) for each in found)
+
     async def send(
         self,
         values: Values,

@@ -21,6 +21,8 @@ from rosic.robots.ros2.reasons import Reasons
 from rosic.robots.ros2.two_clocks import ahead_ns
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.core.deadman import Break
     from rosic.core.skill import ActionBinding
     from rosic.robots.ros2.actions import ActionLink, Goal, GoalEnd
@@ -106,7 +108,7 @@ class ByAction:
         errand.received()
         if not errand.allowed():
             await call_off(goal)
-        end = await self._end(goal, errand, watch)
+        end = await self._end(goal, errand, watch, link)
         done = end is not None and end.status == "succeeded"
         if watch.broken is not None and errand.allowed() and not done:
             return await self._broken_off(errand, watch.broken, end)
@@ -122,7 +124,9 @@ class ByAction:
             values[f"{self._binding.start}.nanosec"] = at_ns % _NS
         return values
 
-    async def _end(self, goal: Goal, errand: Errand, watch: GoalWatch) -> GoalEnd | None:
+    async def _end(
+        self, goal: Goal, errand: Errand, watch: GoalWatch, link: ActionLink
+    ) -> GoalEnd | None:
         """Wait for the end; None when a stop, or a break, brought no more words.
 
         Raises:
@@ -133,7 +137,7 @@ class ByAction:
         end = asyncio.ensure_future(goal.end())
         halted = asyncio.ensure_future(errand.halted.wait())
         try:
-            await watch.end(goal, end, halted, limit_s)
+            await watch.end(goal, end, halted, limit_s, _served_by(link))
             if end.done():
                 return end.result()
         except NoAnswer as fault:
@@ -183,6 +187,12 @@ class ByAction:
         if end.status == "cancelled":  # by its own side, or by somebody beside us
             return Outcome(Ending.CANCELLED, words, facts, code=INTERRUPTED)
         return Outcome(Ending.FAILED, words, facts)
+
+
+def _served_by(link: ActionLink) -> Callable[[], bool]:
+    """Return what says whether one of those who offer the action now still does."""
+    first = link.servers()
+    return lambda: link.ready() and (not first or not first.isdisjoint(link.servers()))
 
 
 def _confirmed(errand: Errand) -> None:

@@ -14,6 +14,8 @@ from rosic.robots.ros2.errand import note
 from rosic.robots.ros2.reading import compile_path
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from rosic.core.order import Order
     from rosic.robots.ros2.actions import Goal
     from rosic.robots.ros2.errand import Errand
@@ -42,6 +44,7 @@ class GoalWatch:
         self.broken: Break | None = None
         self._errand = errand
         self._heard_ns = self.now_ns()
+        self._unserved_ns: int | None = None
         self._fraction = fraction
         binding = errand.order.skill.action
         self._stage = binding.stage if binding is not None else ""
@@ -65,9 +68,22 @@ class GoalWatch:
         return min(age_s, (self.now_ns() - self._heard_ns) / _NS)
 
     async def end(
-        self, goal: Goal, end: asyncio.Future[Any], halted: asyncio.Future[Any], limit_s: float
+        self,
+        goal: Goal,
+        end: asyncio.Future[Any],
+        halted: asyncio.Future[Any],
+        limit_s: float,
+        served: Callable[[], bool],
     ) -> None:
         """Return once the goal has ended, a stop has done what it could, or it was broken off.
+
+        Args:
+            goal: Which.
+            end: Its end.
+            halted: A stop has done what it could.
+            limit_s: It may take so long.
+            served: Whether somebody offers the action now: a server that began anew knows nothing
+                of the goal, and would never say how it ended.
 
         Raises:
             RobotUnreachable: It fell silent, or took too long; it was called off.
@@ -82,6 +98,10 @@ class GoalWatch:
             if late_s > self._errand.side.watchdog_s:
                 self.broken = Break(Cause.LATE, late_s)
                 break
+            unserved_s = self._unserved_s(served)
+            if unserved_s >= LOOK_EVERY_S and not end.done():
+                self.broken = Break(Cause.GONE, unserved_s)
+                break
             if not end.done() and not halted.done():
                 await self._give_up(goal, limit_s if self.now_ns() > deadline_ns else 0.0)
         if self.broken is not None and not end.done():
@@ -90,6 +110,15 @@ class GoalWatch:
             await asyncio.wait({end, halted}, timeout=self._errand.side.rest_timeout_s)
         elif not end.done():
             await asyncio.wait({end}, timeout=LAST_WORD_S)
+
+    def _unserved_s(self, served: Callable[[], bool]) -> float:
+        """Return for how long nobody has offered the action; one look alone may be wrong."""
+        if served():
+            self._unserved_ns = None
+            return 0.0
+        if self._unserved_ns is None:
+            self._unserved_ns = self.now_ns()
+        return (self.now_ns() - self._unserved_ns) / _NS
 
     async def _give_up(self, goal: Goal, passed_s: float) -> None:
         """Call a goal off that takes too long, or whose robot is not heard; else do nothing.
