@@ -115,7 +115,7 @@ OF_KEEPING = (
         file="stores/record_mark.py",
         guard="if found.number < known.number:",
         without="if False:",
-        caught_by=(f"{LOST_RECORD}::test_a_record_of_another_run_is_older",),
+        caught_by=(f"{LOST_RECORD}::test_a_record_of_the_same_run_is_older",),
     ),
     Fault(
         name="I13 an older database is taken beneath a newer log",
@@ -151,7 +151,7 @@ OF_KEEPING = (
         guard="                if mark is not None:\n"
         "                    sqlite.write_mark(cursor_of(connection), mark)\n",
         without="",
-        caught_by=(f"{PARTS}::test_what_is_decided_beside_something_unfit_marks_the_record",),
+        caught_by=(f"{PARTS}::test_after_something_unfit_the_record_starts_again",),
     ),
     Fault(
         name="I9 an order is claimed in a file that was emptied in place",

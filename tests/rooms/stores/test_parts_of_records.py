@@ -186,6 +186,19 @@ async def test_what_is_decided_beside_something_unfit_marks_the_record(
     await refused(tmp_path / "data", r"older than record\.mark")
 
 
+async def test_after_something_unfit_the_record_starts_again(tmp_path: Path) -> None:
+    """Its file would say more than it does, if only one of them were marked."""
+    store = a_store(tmp_path)
+    await store.open()
+    await store.write(a_claim(1, n=1))
+    store.note(a_decision("revoked"))
+    with pytest.raises(Repeated):
+        await store.write(a_claim(1, n=1))
+    await store.close()
+    await store.open()
+    await store.close()
+
+
 async def test_the_mark_says_what_the_record_says(tmp_path: Path) -> None:
     clock = ManualClock()
     store = a_store(tmp_path, clock)
