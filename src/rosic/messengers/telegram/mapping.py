@@ -7,7 +7,6 @@ to a bot (``/stop@this_bot``), and only with the bot's own.
 from __future__ import annotations
 
 import re
-from hashlib import sha256
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.identity import Address
@@ -241,7 +240,6 @@ def _text(
         enclosed=enclosed,
         place=place,
         account=_account(message, received),
-        shared=_shared(message, written),
         network_away=received.away(sent_ns),
     )
 
@@ -255,17 +253,6 @@ def _account(message: wire.Message, received: Received) -> str:
     shared = message.chat.type in {"supergroup", "channel"}
     earlier = message.date * SECOND_NS < received.account_since_ns
     return "" if shared or earlier else received.account
-
-
-def _shared(message: wire.Message, written: str | None) -> str:
-    """Return what two bots of one gateway know a line of a small group by.
-
-    There each counts for itself, and the second and the text are all they have in common: the same
-    line of the same person counts once in a second.
-    """
-    if message.chat.type != "group" or not written or message.edit_date is not None:
-        return ""
-    return f"{message.date} {sha256(written.encode()).hexdigest()}"
 
 
 def _placed(message: wire.Message) -> Spot | None:
