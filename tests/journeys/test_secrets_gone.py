@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rosic.authoriser import totp
 from tests.journeys.lab import Lab, lab
+from tests.pace import pace
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -26,7 +27,7 @@ async def gone(place: Lab, chat: int, message: int) -> None:
     async def look() -> bool:
         return bool((await place.control.message(chat, message))["deleted"])
 
-    assert await place.until(look, 30.0), "a secret is still there"
+    assert await place.until(look, 30.0 * pace()), "a secret is still there"
 
 
 async def is_there(place: Lab, chat: int, message: int) -> bool:
@@ -76,7 +77,7 @@ async def test_an_invitation_that_was_taken_away_is_said_nowhere_again(
             changed = {str(call["parameters"].get("message_id")) for call in edits}
             return str(shown["message_id"]) in changed
 
-        assert await place.until(buttons_are_due, 30.0)
+        assert await place.until(buttons_are_due, 30.0 * pace())
         await place.drained()
         for message in await place.control.messages(place.ada):
             assert message["deleted"] or code not in message["text"], "a secret is there again"
