@@ -165,15 +165,21 @@ def account_of(messenger: Messenger) -> str:
     return str(getattr(messenger, "account", ""))
 
 
-def account_since(messenger: Messenger, since_ns: int) -> None:
+def account_since(messenger: Messenger, since_ns: int, *, several: bool) -> None:
     """Have a messenger name its account in what was sent since, by the platform's clock.
 
     A message's identity is for ever. One that was followed when identities did not hold the account
     may be brought once more: then it must be known again.
+
+    Args:
+        messenger: Which.
+        since_ns: Wall clock of the platform.
+        several: This gateway has other accounts on its platform: what two of them hear is one
+            message, whatever number each of them gives it.
     """
-    take: Callable[[int], None] | None = getattr(messenger, "account_since", None)
+    take: Callable[..., None] | None = getattr(messenger, "account_since", None)
     if take is not None:
-        take(since_ns)
+        take(since_ns, several=several)
 
 
 def keep_pace_with(messenger: Messenger, kept: Mapping[str, bytes], keep: Keep) -> None:

@@ -112,6 +112,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
             adapter has seen; where it cannot tell, it was not.
         account: Which of our own accounts there received it, where its number is that account's
             own count; empty where the whole chat shares the number, or there is one account only.
+        shared: What every account of ours that is in the chat knows it by, where its number is one
+            account's own; empty where nothing is, or there is one account only.
     """
 
     sender: Address
@@ -132,6 +134,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     enclosed: Enclosure | None = None
     place: Spot | None = None
     account: str = ""
+    shared: str = ""
     network_away: bool = False
 
     @property

@@ -90,10 +90,12 @@ def message_parts(inbound: Inbound) -> tuple[str, ...]:
     """Return what a message is known by, for ever: the same message gives the same parts.
 
     Two bots of one gateway count the messages of the same person alike, so the number of one of
-    these says nothing without the bot. Where all who are in a chat share its numbers, a message
-    that both bots hear is one.
+    these says nothing without the bot. Where all who are in a chat share its numbers, or something
+    else of the message, a message that both bots hear is one.
     """
     sender, chat = inbound.sender, inbound.chat
+    if inbound.shared:
+        return (sender.platform, "in", chat.id, sender.account, inbound.shared)
     if inbound.account:
         return (sender.platform, "to", inbound.account, chat.id, inbound.message)
     return (sender.platform, sender.account, chat.id, inbound.message)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any, ClassVar
+
+import pytest
 
 from rosic.app.gateway import Gateway, Settings
 from rosic.app.placing.intake import CLOCKS_APART_NS, KIND
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from rosic.core.order import Order, Outcome
     from rosic.core.record import Record
 
+BO = 77
 FIRST, SECOND = "4242:first", "2323:second"
 WITHIN_S = 60.0
 
@@ -56,7 +60,7 @@ class Bots:
 
     def __init__(self, gateway: Gateway, bots: list[Receiving]) -> None:
         self.gateway = gateway
-        self.first, self.second = bots
+        self.first, self.second = bots[0], bots[-1]
 
     async def settled(self) -> None:
         for bot in (self.first, self.second):
@@ -74,7 +78,10 @@ async def bots(store: MemoryStore, *tokens: str) -> AsyncIterator[Bots]:
         TelegramMessenger(f"bot{n}", read_settings("lab", {"token": token}), CLOCK, line=line)
         for n, (line, token) in enumerate(zip(lines, tokens or (FIRST, SECOND), strict=True))
     ]
-    people = (Seed("Ada", (Address("telegram", str(ADA)),), ("admin",)),)
+    people = (
+        Seed("Ada", (Address("telegram", str(ADA)),), ("admin",)),
+        Seed("Bo", (Address("telegram", str(BO)),), ("admin",)),
+    )
     omni = profile("omni", busy=Busy.QUEUE)
     gateway = Gateway(
         Settings(profiles=(omni,), people=people, lease_idle_s=0.0),
@@ -109,14 +116,50 @@ async def test_messages_of_the_same_number_to_two_bots_are_two_commands() -> Non
     assert sorted(Counted.told) == ["look", "look", "wave", "wave"]
 
 
-async def test_a_small_group_counts_for_each_bot_and_a_supergroup_for_both() -> None:
-    for kind, times in (("group", 2), ("supergroup", 1)):
-        Counted.told.clear()
-        async with bots(MemoryStore()) as place:
+@pytest.mark.parametrize("kind", ["group", "supergroup"])
+async def test_what_both_bots_hear_in_a_group_is_one_command(kind: str) -> None:
+    Counted.told.clear()
+    async with bots(MemoryStore()) as place:
+        if kind == "group":  # where each of them counts for itself
+            place.first.give(place.first.message(ADA, "hello"))
+        for bot in (place.first, place.second):
+            bot.give(bot.message(ADA, "omni wave", **in_group(kind)))
+        await place.settled()
+    assert Counted.told == ["wave"]
+
+
+async def test_in_a_small_group_every_other_line_second_or_person_is_another_command() -> None:
+    """What somebody says twice in a second, too: the second of one bot is that of the other."""
+    Counted.told.clear()
+    now_s = int(time.time())
+    lines = (
+        (ADA, "omni wave", now_s), (ADA, "omni wave", now_s - 1), (ADA, "omni look", now_s),
+        (ADA, "omni wave", now_s),
+    )  # fmt: skip
+    async with bots(MemoryStore()) as place:
+        for said in (lines, [(BO, "omni wave", now_s)]):  # who comes after Ada has done with it
             for bot in (place.first, place.second):
-                bot.give(bot.message(ADA, "omni wave", **in_group(kind)))
+                bot.give(
+                    *(
+                        bot.message(who, text, date=date_s, **in_group("group"))
+                        for who, text, date_s in said
+                    )
+                )
             await place.settled()
-        assert Counted.told == ["wave"] * times, kind
+    assert sorted(Counted.told) == ["look", *["wave"] * 4]
+
+
+async def test_a_small_group_with_one_bot_is_known_by_its_own_numbers() -> None:
+    """Nothing is taken for something else there, also where we begin anew between two lines."""
+    Counted.told.clear()
+    store, now_s = MemoryStore(), int(time.time())
+    for before in range(2):
+        async with bots(store, FIRST) as place:
+            earlier = [place.first.message(ADA, "hello") for _ in range(before)]
+            again = place.first.message(ADA, "omni wave", date=now_s, **in_group("group"))
+            place.first.give(*earlier, again)
+            await place.settled()
+    assert Counted.told == ["wave", "wave"]
 
 
 async def test_what_is_brought_once_more_over_a_restart_is_done_once() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 from rosic.contracts.messenger import (
@@ -49,12 +50,13 @@ async def take_in(
     """
     messengers = tuple(messengers)
     since_ns = 0
-    if any(map(account_of, messengers)):
+    accounts = Counter(one.platform for one in messengers if account_of(one))
+    if accounts:
         since_ns = await _account_since(memory, store, now_ns)
     for messenger in messengers:
         settle_with(messenger, settled)
         know_with(messenger, authoriser.knows)
-        account_since(messenger, since_ns)
+        account_since(messenger, since_ns, several=accounts[messenger.platform] > 1)
         _keep_pace(messenger, memory, store)
 
 

@@ -19,7 +19,7 @@ from rosic.messengers.telegram.batch import BATCH, Pause, limit_after
 from rosic.messengers.telegram.line import CALL_S, polled_within_s
 from rosic.messengers.telegram.listening import SECOND_NS, Listening, Moment, Outage
 from rosic.messengers.telegram.trouble import Kind, Trouble
-from rosic.messengers.telegram.window import News, Window
+from rosic.messengers.telegram.window import AlikeLines, News, Window
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -66,6 +66,7 @@ class Listener:
         reacted: Told, while it listens, what people put beside messages.
         settle: Asked before anything is confirmed.
         account_since_ns: What was sent earlier, by Telegram's clock, goes without the bot's id.
+        one_of_several: This gateway has other bots: what both hear in a small group is one message.
         known: Whether somebody at an address may be known here: what they sent is read first.
         counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
             ``clock-behind``: messages that came from the future.
@@ -85,6 +86,8 @@ class Listener:
         self.settle: Settle = _settled
         self.known: Callable[[Address], bool] = _anybody
         self.account_since_ns = 0
+        self.one_of_several = False
+        self._alike = AlikeLines()
         self._name = name
         self._line = line
         self._chats = chats
@@ -269,6 +272,8 @@ class Listener:
         inbound = mapping.read(update, self.own_name, received)
         if inbound is None:
             return News(number, None)
+        if self.one_of_several:
+            inbound = self._alike.named(inbound)
         self._chats.back(inbound.chat.id)
         self._check_clock(inbound, update)
         # Whom nobody knows stops nothing, whatever they say.

@@ -91,9 +91,10 @@ class TelegramMessenger:
         """The bot's id; see ``contracts.messenger``."""
         return self._line.account
 
-    def account_since(self, since_ns: int) -> None:
+    def account_since(self, since_ns: int, *, several: bool) -> None:
         """Name the account in what was sent since; see ``contracts.messenger``."""
         self._listener.account_since_ns = since_ns
+        self._listener.one_of_several = several
 
     def keep_pace(self, kept: Mapping[str, bytes], keep: Keep) -> None:
         """Go on with what an earlier run said in groups; see ``contracts.messenger``."""

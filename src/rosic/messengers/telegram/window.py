@@ -10,8 +10,13 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections import deque
+from hashlib import blake2b
 from operator import itemgetter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import msgspec
+
+from rosic.core.message import ChatKind, Standing
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -22,6 +27,10 @@ if TYPE_CHECKING:
 
 ATTEMPTS = 3
 FIRST_WAIT_S = 0.2
+SECONDS_KEPT: Final = 1_000
+"""For so many seconds in which somebody said something, the lines that were alike are counted."""
+MOST_ALIKE: Final = 100
+"""So many lines that are alike in a second are told apart; of more, each bot counts its own."""
 
 log = logging.getLogger("rosic.messengers.telegram")
 
@@ -168,3 +177,37 @@ class Window:
         self._done.add(update_id)
         if not self._open:
             self._idle.set()
+
+
+class AlikeLines:
+    """What a line of a small group is known by to every bot that hears it.
+
+    There each bot counts messages by itself. Who said a line, in which second, and its text are
+    what all of them know; and as all of them hear a chat in the same order, the second line of a
+    kind is the second for each. Nothing of it is kept over a restart: where somebody says the same
+    twice in one second and we begin anew between the two, the later one is taken for the earlier.
+    """
+
+    def __init__(self) -> None:
+        self._numbers: dict[bytes, list[str]] = {}
+
+    def named(self, inbound: Inbound) -> Inbound:
+        """Return a message with what is shared of it, if its number is one bot's own."""
+        if (
+            inbound.chat.kind is not ChatKind.GROUP
+            or not inbound.account
+            or inbound.standing is Standing.EDITED
+        ):
+            return inbound
+        of = (inbound.chat.id, inbound.sender.account, str(inbound.sent_ns), inbound.text)
+        kind = blake2b("\0".join(of).encode(), digest_size=16).digest()
+        numbers = self._numbers.setdefault(kind, [])
+        if inbound.message not in numbers:
+            if len(numbers) == MOST_ALIKE:
+                return inbound
+            numbers.append(inbound.message)
+            if len(self._numbers) > SECONDS_KEPT:
+                del self._numbers[next(iter(self._numbers))]
+        return msgspec.structs.replace(
+            inbound, shared=f"{kind.hex()} {numbers.index(inbound.message)}"
+        )

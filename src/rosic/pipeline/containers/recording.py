@@ -113,9 +113,9 @@ class Recorded:
         """Have it ask before it confirms; see ``contracts.messenger``."""
         self.settles = settle_with(self._messenger, settle)
 
-    def account_since(self, since_ns: int) -> None:
+    def account_since(self, since_ns: int, *, several: bool) -> None:
         """Name its account in what was sent since; see ``contracts.messenger``."""
-        account_since(self._messenger, since_ns)
+        account_since(self._messenger, since_ns, several=several)
 
     def keep_pace(self, kept: Mapping[str, bytes], keep: Keep) -> None:
         """Go on with what an earlier run has said; see ``contracts.messenger``."""
