@@ -15,6 +15,7 @@ import msgspec
 from rosic.core.authority import Scope
 from rosic.core.language.common_names import known_name
 from rosic.core.language.units import NONE
+from rosic.core.measures import shown_unit
 from rosic.core.saying import figure, joined, said
 
 if TYPE_CHECKING:
@@ -214,7 +215,9 @@ def limit_in_words(said_limit: str) -> str:
 
 
 def _word(word: str) -> str:
-    return figure(word) if word[:1].isdigit() else _JOINT if word == "and" else known_name(word)
+    if word.lstrip("+-.")[:1].isdigit():
+        return figure(word)
+    return _JOINT if word == "and" else known_name(shown_unit(word))
 
 
 def broken_limit(limits: tuple[Limit, ...], arguments: Mapping[str, Argument]) -> Limit | None:

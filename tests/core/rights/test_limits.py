@@ -6,9 +6,19 @@ from math import inf, nan
 
 import pytest
 
-from rosic.core.limits import Limit, Unfit, broken_limit, fit_limits, parse_limit
+from rosic.app.languages import catalogue
+from rosic.core.limits import (
+    Limit,
+    Unfit,
+    broken_limit,
+    fit_limits,
+    limit_in_words,
+    parse_limit,
+    unit_converter,
+)
+from rosic.core.saying import in_language
 from rosic.core.skill import Argument, Parameter, Skill
-from tests.core.rights.product import CONVERT
+from tests.core.rights.product import UNITS
 
 MOVE = Skill(
     id="move",
@@ -24,7 +34,7 @@ MOVE = Skill(
 
 
 def fitted(*texts: str) -> tuple[Limit, ...]:
-    return fit_limits(map(parse_limit, texts), "move", MOVE, CONVERT)
+    return fit_limits(map(parse_limit, texts), "move", MOVE, unit_converter(UNITS))
 
 
 @pytest.mark.parametrize(
@@ -129,3 +139,21 @@ def test_exactly_the_bound_is_allowed_whatever_the_unit() -> None:
     (limit,) = fitted("distance <= 0.35 m")
     assert 35 * 0.01 > 0.35, "the trap is still there"
     assert broken_limit((limit,), {"distance": 35 * 0.01}) is None
+
+
+@pytest.mark.parametrize(
+    ("limit", "german"),
+    [
+        ("speed <= 0.2 m/s", "Tempo <= 0,2 m/s"),
+        ("speed<=0.2m/s", "Tempo<=0,2m/s"),
+        ("speed ≤ .5 m/s", "Tempo ≤ ,5 m/s"),
+        ("speed >= -0.5 m/s and speed <= 0.2 m/s",
+         "Tempo >= -0,5 m/s und Tempo <= 0,2 m/s"),
+        ("angle = +22.5 deg", "Winkel = +22,5 Grad"),
+        ("grip2 <= 1.5e-3", "grip2 <= 1,5e-3"),
+        ("kuka1:grasp force <= 20 N", "kuka1:grasp Kraft <= 20 N"),
+    ],
+)  # fmt: skip
+def test_a_limit_reads_in_whatever_language_its_reader_has(limit: str, german: str) -> None:
+    assert limit_in_words(limit) == limit
+    assert in_language(limit_in_words(limit), catalogue("de")) == german
