@@ -84,7 +84,7 @@ class Agreements:
 
     def together(self, line: Errand, caller: Caller) -> str:
         """Return what a command to several robots comes to now; empty: to nothing."""
-        parts = self._all((line,), caller) if line.verb in TOGETHER else ()
+        parts = self._all((line,), caller)
         name = line.rest.strip().partition(" ")[0]
         return self._shown("" if JOINED in name else name, parts) if parts else ""
 

@@ -356,7 +356,9 @@ async def test_a_second_factor_is_asked_again_after_an_idle_hour_and_no_sooner()
             await place.clock.advance(HOUR_S - 10)
         await place.say("omni move 1 m")  # what wants no proof is no use of it
         await place.clock.advance(11)
-        assert "needs your second factor first" in await place.say("omni wave")
+        asked = await place.say("omni wave")
+        assert "needs your second factor first" in asked
+        assert "/authenticator" not in asked, "the phone is set up"
         assert place.acted() == 4
         assert "I ask again after" in await place.say(f"/code {phone_code(shown, place)}")
         await place.say("omni wave")

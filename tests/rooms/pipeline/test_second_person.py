@@ -60,6 +60,21 @@ async def test_an_agreement_is_good_for_five_minutes_since_it_was_asked_for() ->
         assert place.acted() == 0
 
 
+@pytest.mark.parametrize(
+    ("later_s", "told"),
+    [(-1e-7, "Bo is told that you agree."), (1e-7, "That question is settled already.")],
+)
+async def test_five_minutes_are_five_minutes_and_no_more(later_s: float, told: str) -> None:
+    async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
+        await place.say("omni wave", account=BO, chat=BO)
+        agree, _ = place.button("I agree")
+        command = place.gateway.rooms.authoriser.buttons._bound[agree.nonce].command
+        [request] = place.gateway.furnishing.consent._requests.values()
+        passed_s = (place.clock.monotonic_ns() - request.asked.monotonic_ns) / 1e9
+        await place.clock.advance(300.0 - 0.001 - passed_s + later_s)  # and 1 ms as it is said
+        assert told in await place.say(command)
+
+
 async def test_nobody_agrees_after_five_minutes_by_typing_it_either() -> None:
     async with lab(rules(Care(scopes=("omni:wave",), second_person=True))) as place:
         await place.say("omni wave", account=BO, chat=BO)
@@ -87,6 +102,18 @@ async def test_nobody_agrees_to_more_than_they_may_do_themselves() -> None:
         button, under = place.button("Do it")
         await place.tap(button, under)
         assert place.acted() == 1
+
+
+async def test_of_several_robots_a_second_person_needs_the_right_to_those_that_want_one() -> None:
+    pilot = Role(scopes=("cf1:*",), priority=5)
+    care = Care(scopes=("cf1:wave",), second_person=True)
+    async with lab(rules(care, pilot=pilot), {"Bo": "pilot"}) as place:
+        told = await place.say("swarm wave")
+        assert "Wave on cf1 needs a second person who agrees. I have asked Bo" in told
+        button, under = place.button("I agree")
+        await place.tap(button, under, account=BO)
+        await place.tap(*place.button("Do it"))
+        assert (place.acted("cf1"), place.acted("cf2")) == (1, 1)
 
 
 @pytest.mark.parametrize(
@@ -192,7 +219,10 @@ async def test_what_waits_for_a_second_person_is_bounded_and_the_oldest_goes_fir
         await place.say("omni wave", account=BO, chat=BO)
         requests = place.gateway.furnishing.consent._requests
         (first, request), *_ = requests.items()
-        requests.update({f"s{number}": request for number in range(ASKED_AT_MOST - 1)})
+        requests.update({f"s{number}": request for number in range(ASKED_AT_MOST - 2)})
+        await place.say("omni wave", account=BO, chat=BO)
+        assert len(requests) == ASKED_AT_MOST
+        assert first in requests, "there was room for one more"
         await place.say("omni wave", account=BO, chat=BO)
         assert len(requests) == ASKED_AT_MOST
         assert first not in requests
