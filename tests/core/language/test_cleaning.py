@@ -1,7 +1,9 @@
 # ruff: noqa: RUF001 - people type what is ambiguous
 from __future__ import annotations
 
-from rosic.core.language import clean, clean_name, inert_text
+import pytest
+
+from rosic.core.language import clean, clean_name, inert_text, without_codes
 from rosic.core.language.cleaning import fold_word, quote
 
 
@@ -53,3 +55,26 @@ def test_no_command_is_made_of_what_a_robot_says() -> None:
         assert inert_text(harmless) == harmless
     assert inert_text("\u202e/stop") == f"{slash}stop"
     assert inert_text("https://T.me/bot?start=c") == f"https://T.me{slash}bot?start=c"
+
+
+@pytest.mark.parametrize(
+    ("text", "kept"),
+    [
+        ("/code 123456", "/code -"),
+        ("Code\t123456", "Code -"),
+        ("/code@lab_bot 123456", "/code@lab_bot -"),
+        ("/authenticator 123456", "/authenticator -"),
+        ("join WAVE-LEFT", "join -"),
+        ("hello\n/start WAVE-LEFT\nstop", "hello\n/start -\nstop"),
+        ("/code\n123456\nhello", "/code\n-\nhello"),
+    ],
+)
+def test_no_code_is_left_of_a_line_that_brings_one(text: str, kept: str) -> None:
+    assert without_codes(text, "-") == kept
+
+
+@pytest.mark.parametrize(
+    "text", ["", "omni move 1 m", "two\r\nlines\n", "/authenticator reset Bo", "/code", "decode 1"]
+)
+def test_what_brings_none_stays_as_it_was(text: str) -> None:
+    assert without_codes(text, "-") == text

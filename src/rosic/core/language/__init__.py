@@ -26,6 +26,7 @@ from rosic.core.language.lines import (
     Status,
     Use,
     kept_of,
+    without_codes,
 )
 from rosic.core.language.reader import Reader
 from rosic.core.language.reading import MOST_WORDS
@@ -67,4 +68,5 @@ __all__ = [
     "show",
     "skills_of",
     "understand",
+    "without_codes",
 ]

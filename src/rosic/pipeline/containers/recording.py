@@ -27,6 +27,7 @@ from rosic.contracts.messenger import (
     watch_reactions,
 )
 from rosic.core.identity import Address
+from rosic.core.language import without_codes
 from rosic.core.message import ChatKind
 from rosic.errors import StoreFault
 
@@ -52,7 +53,6 @@ AuthorOf: TypeAlias = Callable[[Address], Author]
 P = TypeVar("P", "Inbound", "Outbound")
 
 NOT_KEPT: Final = "(not kept)"
-_SECRET_ERRANDS: Final = frozenset({"/code", "code", "/start", "start"})
 _AUTHENTICATOR: Final = "otpauth://"
 
 
@@ -210,9 +210,6 @@ class Recorded:
 
 
 def _without_secret(inbound: Inbound) -> Inbound:
-    """Return a message without a code that it brings, and a tap without what it carries."""
-    first, _, rest = inbound.text.strip().partition(" ")
-    verb = first.casefold().partition("@")[0]
-    if rest and verb in _SECRET_ERRANDS:
-        return msgspec.structs.replace(inbound, text=f"{first} {NOT_KEPT}")
-    return inbound
+    """Return a message without a code that it brings."""
+    kept = without_codes(inbound.text, NOT_KEPT)
+    return inbound if kept == inbound.text else msgspec.structs.replace(inbound, text=kept)

@@ -186,14 +186,23 @@ async def test_a_long_archive_shows_its_newest_lines_and_who_has_the_rest() -> N
 async def test_secrets_that_pass_are_not_kept() -> None:
     async with a_ward() as ward:
         await ward.said("archive", "on")
-        ward.chat.say("/code 123456", account=ADA, chat=ADA)
-        ward.chat.say("/authenticator", account=ADA, chat=ADA)
+        for secret in (
+            "/code 123456", "/code@lab_bot 123456", "/code\t123456", "hello\n/code 123456",
+            "/authenticator 123456", "/authenticator",
+        ):  # fmt: skip
+            ward.chat.say(secret, account=ADA, chat=ADA)
         await ward.quiet()
         assert any("otpauth://" in told.outbound.text for told in ward.chat.told)
         text = await ward.file("archive", "export")
         assert "123456" not in text
         assert "otpauth" not in text
-        assert "/code (not kept)" in text
+        for kept in (
+            "/code (not kept)",
+            "/code@lab_bot (not kept)",
+            "hello",
+            "/authenticator (not",
+        ):
+            assert kept in text
 
 
 async def test_no_code_of_an_invitation_is_kept() -> None:
