@@ -329,7 +329,7 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
         online: None when the link cannot tell.
         age_s: Since the robot was last heard; None if never.
         doing: Skill it is carrying out; empty when none.
-        at_rest: None when not measured.
+        at_rest: None when not measured within its deadline, or not since the last break.
         holds: It keeps its place, if not on the ground; None: that is not told from rest.
         values: Newest telemetry in the profile's units.
         pose: Where it is; None unless the profile names a ``pose`` and it is fresh.

@@ -24,12 +24,12 @@ DRIVE = {
 }
 
 
-def base_profile() -> Profile:
-    """Return it."""
+def base_profile(within_s: float = 1.0) -> Profile:
+    """Return it; what shows its rest may be so old."""
     return profile_of(
         id="base",
         title="Base",
-        link={"kind": "ros2", "namespace": "/base"},
+        link={"kind": "ros2", "namespace": "/base", "heartbeat_s": max(3.0, within_s)},
         stop={"service": "/base/stop", "zero": "/base/cmd_vel"},
         watchdog_s=WATCHDOG_S,
         at_rest={
@@ -37,6 +37,7 @@ def base_profile() -> Profile:
             "type": "nav_msgs/msg/Odometry",
             "field": "twist.twist.linear.x",
             "below": 0.005,
+            "within_s": within_s,
         },
         rest_timeout_s=2.0,
         skills={"drive": DRIVE},

@@ -1,5 +1,7 @@
 """A gateway's side in a process of its own, to be frozen: drives /base by velocities.
 
+Usage: stream_driver.py [WITHIN_S]: how old what shows rest may be.
+
 Lines on standard input: ``drive SECONDS``, ``stop``, ``resume``, ``presence``. Says ``there``,
 ``driving`` once the robot is measured to move, ``ended ENDING NOTE``, ``rest CONFIRMED``.
 """
@@ -52,7 +54,8 @@ async def stop(robot: TriedRobot) -> None:
 async def obey() -> None:
     loop, reader = asyncio.get_running_loop(), asyncio.StreamReader()
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
-    async with opened(base_profile(), SystemClock()) as robot, asyncio.TaskGroup() as tasks:
+    profile = base_profile(*map(float, sys.argv[1:]))
+    async with opened(profile, SystemClock()) as robot, asyncio.TaskGroup() as tasks:
         await until(lambda: robot.presence().at_rest is not None)
         say("ready")
         while line := (await reader.readline()).decode().split():

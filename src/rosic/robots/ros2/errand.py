@@ -167,6 +167,7 @@ class Errand:
     def interrupted(self, broken: Break) -> None:
         """It is broken off. That is said at once: coming to rest may take its time."""
         self.unsettled = True
+        self.side.measured.cut()
         _log.warning("%s: order %d is broken off: %s", self.order.robot, self.order.n, broken)
         self.running(None, over(broken))
 

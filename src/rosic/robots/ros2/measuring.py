@@ -34,6 +34,7 @@ _FACTORS: Mapping[str, float] = MappingProxyType(
     }
 )
 ODOMETRY = "nav_msgs/msg/Odometry"
+AWAKE_EVERY_S = 0.25
 _TEXT_BYTES = 200
 _NS = 1_000_000_000
 
@@ -60,6 +61,9 @@ class Measurements:
         self._values: list[_Value] = []
         self._rest: Latest | None = None
         self._speeds: dict[str, Reader] = {}
+        self._cut_ns = 0
+        self._awake_ns: int | None = None
+        self._awake: asyncio.Task[None] | None = None
 
     def types(self) -> set[str]:
         """Return the types of message that it takes."""
@@ -82,6 +86,7 @@ class Measurements:
         at_rest = self._profile.at_rest
         if at_rest is None:
             return
+        self._awake = asyncio.create_task(self._stay_awake())
         self._rest = await self._source(runtime, at_rest.topic, at_rest.type)
         cls = runtime.types.message(at_rest.type)
         for path in at_rest.fields:
@@ -92,6 +97,8 @@ class Measurements:
 
     async def close(self) -> None:
         """Subscribe no more."""
+        if self._awake is not None:
+            self._awake.cancel()
         for source in self.sources.values():
             await source.close()
         self.sources.clear()
@@ -127,7 +134,10 @@ class Measurements:
 
     def judged_age_s(self) -> float | None:
         """Return for how long that was not heard which `within_s` is about; None: it never was."""
-        return self.age_s() if self._rest is None else self._rest.age_s
+        if self._rest is None:
+            return self.age_s()
+        sent_ns = self._rest.sent_ns
+        return None if sent_ns is None else (self._clock.monotonic_ns() - sent_ns) / _NS
 
     def stale_ns(self) -> int:
         """Return when something was measured that is too old to speak of now."""
@@ -160,14 +170,34 @@ class Measurements:
         ages = [age for source in self.sources.values() if (age := source.age_s) is not None]
         return min(ages, default=None)
 
-    def at_rest(self, since_ns: int = 0) -> bool | None:
-        """Tell whether the newest message says rest; None when it is not newer than ``since_ns``.
+    # ---- whether it rests ----
 
-        A number that is missing, or not finite, is not rest.
+    def cut(self) -> None:
+        """Take nothing from before now for rest: what moved, or was to be measured, broke off."""
+        self._cut_ns = self._clock.monotonic_ns()
+
+    async def _stay_awake(self) -> None:
+        while True:
+            self._look_awake()
+            await self._clock.sleep(AWAKE_EVERY_S)
+
+    def _look_awake(self) -> None:
+        """Notice that ROSIC itself stood still: nobody knows what the robot did meanwhile."""
+        now_ns, before_ns = self._clock.monotonic_ns(), self._awake_ns
+        self._awake_ns = now_ns
+        watchdog_s = self._profile.watchdog_s or self._profile.link.heartbeat_s
+        if before_ns is not None and now_ns - before_ns > (AWAKE_EVERY_S + watchdog_s) * _NS:
+            self._cut_ns = now_ns
+
+    def at_rest(self, since_ns: int) -> bool | None:
+        """Tell whether the newest message says rest.
+
+        None: it was not sent after ``since_ns``, or not after the last break. A number that is
+        missing, or not finite, is not rest.
         """
         return self._still(since_ns, ())
 
-    def holds(self, since_ns: int = 0) -> bool | None:
+    def holds(self, since_ns: int) -> bool | None:
         """Tell likewise whether it keeps its place; None, too, where that is not told from rest."""
         at_rest = self._profile.at_rest
         apart = () if at_rest is None else at_rest.counting_for_stops
@@ -175,7 +205,10 @@ class Measurements:
 
     def _still(self, since_ns: int, left_out: tuple[str, ...]) -> bool | None:
         source, at_rest = self._rest, self._profile.at_rest
-        if source is None or at_rest is None or (source.received_ns or 0) <= since_ns:
+        if source is None or at_rest is None:
+            return None
+        self._look_awake()
+        if (source.sent_ns or 0) <= max(since_ns, self._cut_ns, source.senders.born_ns):
             return None
         readers = [read for path, read in self._speeds.items() if path not in left_out]
         try:

@@ -237,7 +237,8 @@ class Ros2Robot:
             resting = await carrier.fall_silent(errand)
         finally:
             # Called off early, its last word may be of before it began to move: that is no rest.
-            if errand.left and not (resting.confirmed and self._measured.at_rest()):
+            since_ns = self._measured.stale_ns()
+            if errand.left and not (resting.confirmed and self._measured.at_rest(since_ns)):
                 await _to_the_end(asyncio.create_task(self._to_rest()))
             self._errand = None
         return Rest(self.profile.id, resting.confirmed, resting.seconds)

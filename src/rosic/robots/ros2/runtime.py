@@ -10,6 +10,7 @@ from rosic.robots.ros2.faults import BadName, NotSent
 from rosic.robots.ros2.names import check_graph_name, check_node_name
 from rosic.robots.ros2.no_events import publisher_events, subscription_events
 from rosic.robots.ros2.paced import PacedWords
+from rosic.robots.ros2.senders import Informed
 from rosic.robots.ros2.services import ServiceLink
 from rosic.robots.ros2.thread import RosThread
 from rosic.robots.ros2.topics import Latest, Publisher, Quality, Stream
@@ -145,7 +146,7 @@ class RosRuntime:
         """
         cls, name = self.types.message(type_name), check_graph_name(topic)
         latest = Latest(self, name, cls, on_new)
-        latest.handle = await self._subscribe(cls, name, latest.arrived, quality)
+        latest.handle = await self._subscribe(cls, name, Informed(latest.arrived), quality)
         return latest
 
     async def stream(
@@ -201,7 +202,11 @@ class RosRuntime:
             self._endpoints -= 1
 
     async def _subscribe(
-        self, cls: RosObject, topic: str, arrived: Callable[[bytes], None], quality: Quality
+        self,
+        cls: RosObject,
+        topic: str,
+        arrived: Callable[[bytes], None] | Informed,
+        quality: Quality,
     ) -> RosObject:
         profile, node, events = quality.profile(self.ros), self.thread.node, subscription_events()
         return await self._open(

@@ -6,10 +6,11 @@ import asyncio
 from collections import deque
 from dataclasses import dataclass
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.robots.ros2.faults import BadValue, NotSent
 from rosic.robots.ros2.messages import to_message, type_of
+from rosic.robots.ros2.senders import Senders
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.messages import Values
     from rosic.robots.ros2.ros import Ros, RosObject
     from rosic.robots.ros2.runtime import RosRuntime
+    from rosic.robots.ros2.senders import About
 
 _NS = 1_000_000_000
 
@@ -161,11 +163,20 @@ class Subscription:
             ) from error
 
 
+class _Heard(NamedTuple):
+    """A message, when it came, and when it was sent, both on the runtime's clock."""
+
+    received_ns: int
+    sent_ns: int
+    content: bytes
+
+
 class Latest(Subscription):
     """The newest message of a topic; whatever came before is gone.
 
     Attributes:
         received: How many have come so far.
+        senders: Who has sent them.
     """
 
     def __init__(
@@ -177,8 +188,9 @@ class Latest(Subscription):
     ) -> None:
         super().__init__(runtime, topic, cls)
         self.received = 0
+        self.senders = Senders()
         self._on_new = on_new
-        self._newest: tuple[int, bytes] | None = None
+        self._newest: _Heard | None = None
         self._decoded: tuple[bytes, RosObject] | None = None
         self._waiting: set[asyncio.Future[None]] = set()
 
@@ -186,19 +198,25 @@ class Latest(Subscription):
     def age_s(self) -> float | None:
         """Seconds since the newest message came here; None when none ever has."""
         newest = self._newest
-        return None if newest is None else (self._runtime.now_ns() - newest[0]) / _NS
+        return None if newest is None else (self._runtime.now_ns() - newest.received_ns) / _NS
 
     @property
     def received_ns(self) -> int | None:
         """When the newest message came here, on the runtime's clock; None when none ever has."""
         newest = self._newest
-        return None if newest is None else newest[0]
+        return None if newest is None else newest.received_ns
+
+    @property
+    def sent_ns(self) -> int | None:
+        """When the newest message was sent, on the runtime's clock; None when none has come."""
+        newest = self._newest
+        return None if newest is None else newest.sent_ns
 
     @property
     def size_bytes(self) -> int:
         """How large the newest message is, before anybody decodes it; 0 without one."""
         newest = self._newest
-        return 0 if newest is None else len(newest[1])
+        return 0 if newest is None else len(newest.content)
 
     def message(self) -> RosObject | None:
         """Return the newest message; None when none has come. Decoded once, when first asked for.
@@ -209,7 +227,7 @@ class Latest(Subscription):
         newest = self._newest
         if newest is None:
             return None
-        content = newest[1]
+        content = newest.content
         if self._decoded is None or self._decoded[0] is not content:
             self._decoded = (content, self._decode(content))
         return self._decoded[1]
@@ -230,9 +248,10 @@ class Latest(Subscription):
                     self._waiting.discard(waiting)
         return self.received
 
-    def arrived(self, content: bytes) -> None:
+    def arrived(self, content: bytes, about: About) -> None:
         """Take a message; on the ROS thread."""
-        self._newest = (self._runtime.now_ns(), content)
+        now_ns = self._runtime.now_ns()
+        self._newest = _Heard(now_ns, self.senders.take(about, now_ns), content)
         self.received += 1
         self._knock()
 

@@ -1,0 +1,103 @@
+"""Who sent what is heard, and when: on our own clock, whatever theirs shows.
+
+When a message comes here says little about when it was sent: a process that was frozen, or a
+network that held words back, hands over what is from before a break.
+"""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rosic.robots.ros2.ros import RosObject
+
+    About: TypeAlias = Mapping[str, RosObject]
+    """What rclpy says of a message: who sent it, and when by the sender's wall clock."""
+
+REMEMBERED: Final = 8
+WINDOW_NS: Final = 30 * 10**9
+"""Clocks drift apart, and are set: how far they are apart counts for so long, and as long again."""
+
+
+class Informed:
+    """A callback that hears of each message what rclpy knows of it.
+
+    rclpy asks for the signature. The executor driven by events (9.1) then hands both over as one
+    tuple, the other one as two arguments.
+    """
+
+    __signature__ = inspect.signature(lambda content, about: (content, about))
+
+    def __init__(self, arrived: Callable[[bytes, About], None]) -> None:
+        self._arrived = arrived
+
+    def __call__(self, *given: RosObject) -> None:
+        """Take a message; on the ROS thread."""
+        content, about = given[0] if len(given) == 1 else given
+        self._arrived(content, about)
+
+
+class Senders:
+    """Those who send on one topic. One that is new in the place of another was born anew.
+
+    Attributes:
+        births: How often that has happened.
+        born_ns: When the last of them had not sent anything yet.
+    """
+
+    def __init__(self) -> None:
+        self.births = 0
+        self.born_ns = 0
+        self._known: dict[bytes, _Apart] = {}
+
+    def take(self, about: About, now_ns: int) -> int:
+        """Take in that a message has come; return when it was sent, on our clock.
+
+        Never later than now. Where rclpy does not say when it was sent, that is now.
+        """
+        gid = _gid(about)
+        apart = self._known.get(gid)
+        if apart is None:
+            if self._known:
+                self.births += 1
+                self.born_ns = now_ns - 1
+            while len(self._known) >= REMEMBERED:
+                del self._known[next(iter(self._known))]
+            apart = self._known[gid] = _Apart(now_ns)
+        sent_ns = about.get("source_timestamp")
+        return now_ns if not sent_ns else now_ns - apart.late_ns(now_ns - int(sent_ns), now_ns)
+
+
+class _Apart:
+    """How far a sender's clock and ours are apart: as the quickest of its messages shows."""
+
+    __slots__ = ("_before_ns", "_least_ns", "_since_ns")
+
+    def __init__(self, now_ns: int) -> None:
+        self._since_ns = now_ns
+        self._least_ns: int | None = None
+        self._before_ns: int | None = None
+
+    def late_ns(self, past_ns: int, now_ns: int) -> int:
+        """Return for how long a message was under way beyond the quickest.
+
+        Args:
+            past_ns: From its sending, by the sender's clock, to its coming, by ours.
+            now_ns: By ours.
+        """
+        if now_ns - self._since_ns > WINDOW_NS:
+            self._since_ns, self._before_ns, self._least_ns = now_ns, self._least_ns, None
+        self._least_ns = past_ns if self._least_ns is None else min(self._least_ns, past_ns)
+        least_ns = (
+            self._least_ns if self._before_ns is None else min(self._least_ns, self._before_ns)
+        )
+        return past_ns - least_ns
+
+
+def _gid(about: About) -> bytes:
+    """Return who sent a message; the same for everybody where rclpy does not say (before 9)."""
+    gid = about.get("publisher_gid")
+    return bytes(gid["data"]) if gid else b""

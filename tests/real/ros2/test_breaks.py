@@ -1,0 +1,36 @@
+"""What was measured before a break is no rest after it, also between two orders (I6, I7)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.testing.ros2.graph import RosGraph
+from tests.real.ros2.stream_site import Site
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+WITHIN_S = 20.0
+"""What was measured stays fresh: only a break can make it worth nothing."""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    folder = tmp_path_factory.mktemp("breaks")
+    with RosGraph(folder) as graph:
+        yield Site(graph, folder, WITHIN_S)
+
+
+def test_a_rest_from_before_the_gateway_was_frozen_is_none(site: Site) -> None:
+    site.base.say("odometry off")
+    site.base.expect("ok odometry off")
+    try:
+        site.tell("presence")
+        assert site.told("online") == "True at_rest True"
+        site.frozen(site.gateway, 2.0)
+        site.tell("presence")
+        assert site.told("online") == "True at_rest None", "nobody saw what it did meanwhile"
+    finally:
+        site.measure_again()
