@@ -1,8 +1,9 @@
 """A wheeled base for tests: plain rclpy, driven by velocities, with a watchdog of half a second.
 
-Usage: base_node.py FILE. Every velocity that is not zero is appended to FILE as two times of the
-wall clock in ns: when it was sent, and when it was taken here; a stop service is there, too. Lines
-on standard input: ``odometry off`` and ``odometry on``, ``stuck`` (zero does not stop it any more).
+Usage: base_node.py FILE [standby]. Every velocity that is not zero is appended to FILE as two times
+of the wall clock in ns: when it was sent, and when it was taken here; a stop service is there, too.
+Lines on standard input: ``odometry off`` and ``odometry on``, ``stuck`` (zero does not stop it any
+more), ``jump`` (it says that it is somewhere else). On standby it is a node alone until ``begin``.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ Trigger: Any = import_module("std_srvs.srv").Trigger
 
 STEP_S = 0.05
 WATCHDOG_S = 0.5
+JUMP_M = 5.0
 
 
 class Base:
@@ -41,6 +43,15 @@ class Base:
         node.create_subscription(Twist, "cmd_vel", self._take, 10)
         node.create_service(Trigger, "stop", self._stop)
         node.create_timer(STEP_S, self._step)
+
+    def obey(self, line: str) -> None:
+        """Do what stands on a line."""
+        if line == "stuck":
+            self.stuck = True
+        elif line == "jump":
+            self._x_m += JUMP_M
+        else:
+            self.tells = line != "odometry off"
 
     def _take(self, twist: RosObject, about: RosObject) -> None:
         self._told_s = time.monotonic()
@@ -66,10 +77,18 @@ class Base:
         self._battery.publish(BatteryState(percentage=0.8))
 
 
+def tell(line: str) -> None:
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
 def main() -> None:
     signals: Any = import_module("rclpy.signals")
     rclpy.init(signal_handler_options=signals.SignalHandlerOptions.NO)
     node = rclpy.create_node("base", namespace="/base")
+    if sys.argv[2:]:
+        tell("ready")
+        sys.stdin.readline()
     base = Base(node, Path(sys.argv[1]))
 
     def spin() -> None:
@@ -82,13 +101,10 @@ def main() -> None:
     over = threading.Event()
     spinning = threading.Thread(target=spin)
     spinning.start()
-    sys.stdout.write("ready\n")
-    sys.stdout.flush()
+    tell("begun" if sys.argv[2:] else "ready")
     for line in sys.stdin:
-        base.tells = base.tells if line.strip() == "stuck" else line.strip() != "odometry off"
-        base.stuck = base.stuck or line.strip() == "stuck"
-        sys.stdout.write(f"ok {line}")
-        sys.stdout.flush()
+        base.obey(line.strip())
+        tell(f"ok {line.strip()}")
     over.set()
     spinning.join()
     node.destroy_node()

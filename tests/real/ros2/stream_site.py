@@ -43,6 +43,10 @@ class Site:
         self.base = self._graph.start(HERE / "base_node.py", self._file)
         return self.base
 
+    def heir(self) -> RosProcess:
+        """Return one that is ready to take the robot's side's place, once told to begin."""
+        return self._graph.start(HERE / "base_node.py", self._file, "standby")
+
     def velocities(self, since_ns: int = 0) -> list[Velocity]:
         """Return those that the robot has taken since a time."""
         lines = self._file.read_text().splitlines() if self._file.exists() else []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING
 
 import pytest
@@ -12,6 +13,8 @@ from tests.real.ros2.stream_site import Site
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+JUMPED = "its odometry jumped, so how far could not be measured; then "
+SETTLED_S = 1.0
 WITHIN_S = 20.0
 """What was measured stays fresh: only a break can make it worth nothing."""
 
@@ -34,3 +37,14 @@ def test_a_rest_from_before_the_gateway_was_frozen_is_none(site: Site) -> None:
         assert site.told("online") == "True at_rest None", "nobody saw what it did meanwhile"
     finally:
         site.measure_again()
+
+
+def test_a_jump_of_its_odometry_is_no_way_that_it_drove(site: Site) -> None:
+    site.drive(20.0, 0.5)
+    site.base.say("jump")
+    site.base.expect("ok jump")
+    time.sleep(0.5)
+    site.frozen(site.gateway, 2.0)
+    told = site.ended()
+    assert told.startswith("failed drove for 1."), told
+    assert JUMPED + "ROSIC itself stood still for" in told

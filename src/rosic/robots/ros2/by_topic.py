@@ -83,9 +83,9 @@ class ByTopic:
 
     async def _stream(self, errand: Errand) -> VelocityStream:
         publisher = await self._listened_to(errand)
-        message = publisher.made(filled(self._binding.message, errand.order))
+        values = filled(self._binding.message, errand.order)
         pace = Pace(1.0 / self._binding.stream_hz, _duration_s(errand))
-        return VelocityStream(errand, publisher, message, pace)
+        return VelocityStream(errand, publisher, values, pace)
 
     async def _drive(self, errand: Errand, stream: VelocityStream) -> Outcome:
         broken = await stream.run()
@@ -135,6 +135,11 @@ class ByTopic:
 def _driven(stream: VelocityStream) -> str:
     """Return for how long, and how far, as far as anybody knows."""
     seconds, metres = stream.seconds, stream.way.metres
+    if stream.moved and stream.way.jumped:
+        return said(
+            "drove for {seconds:.1f} s; its odometry jumped, so how far could not be measured",
+            seconds=seconds,
+        )
     if metres is None or not stream.moved:
         return said("sent velocities for {seconds:.1f} s", seconds=seconds)
     return said(

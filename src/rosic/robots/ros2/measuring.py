@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from math import isfinite, pi
+from math import hypot, isfinite, pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -34,6 +34,12 @@ _FACTORS: Mapping[str, float] = MappingProxyType(
     }
 )
 ODOMETRY = "nav_msgs/msg/Odometry"
+_PLACE = (
+    "pose.pose.position.x",
+    "pose.pose.position.y",
+    "twist.twist.linear.x",
+    "twist.twist.linear.y",
+)
 AWAKE_EVERY_S = 0.25
 _TEXT_BYTES = 200
 _NS = 1_000_000_000
@@ -46,6 +52,20 @@ class _Value(NamedTuple):
     factor: float
 
 
+class Placed(NamedTuple):
+    """Where a robot was by its odometry, and how fast, and when it said so on our clock.
+
+    Attributes:
+        births: How often its odometry had begun anew.
+    """
+
+    x_m: float
+    y_m: float
+    speed_m_s: float
+    at_ns: int
+    births: int
+
+
 class Measurements:
     """Everything that is heard of one robot. Each topic is subscribed to once.
 
@@ -56,7 +76,7 @@ class Measurements:
     def __init__(self, profile: Profile, clock: Clock) -> None:
         self._profile = profile
         self._clock = clock
-        self._places: list[tuple[Latest, Reader, Reader]] = []
+        self._places: list[tuple[Latest, tuple[Reader, ...]]] = []
         self.sources: dict[tuple[str, str], Latest] = {}
         self._values: list[_Value] = []
         self._rest: Latest | None = None
@@ -110,8 +130,7 @@ class Measurements:
             self.sources[key] = source = await runtime.latest(topic, type_name)
             if type_name == ODOMETRY:
                 cls = runtime.types.message(type_name)
-                x_m, y_m = (compile_path(cls, f"pose.pose.position.{axis}") for axis in "xy")
-                self._places.append((source, x_m, y_m))
+                self._places.append((source, tuple(compile_path(cls, path) for path in _PLACE)))
         return self.sources[key]
 
     # ---- what is known ----
@@ -153,16 +172,18 @@ class Measurements:
         age_s = self.age_s()
         return not self.sources or (age_s is not None and age_s <= self.within_s)
 
-    def place(self) -> tuple[float, float] | None:
+    def place(self) -> Placed | None:
         """Return where the robot last was by its odometry; None where it has none."""
-        for source, x_m, y_m in self._places:
+        for source, readers in self._places:
+            at_ns, births = source.sent_ns or 0, source.senders.births
             try:
                 message = source.message()
             except BadValue:
                 continue
             if message is not None:
-                [x], [y] = _numbers(x_m(message)), _numbers(y_m(message))
-                return (x, y) if isfinite(x) and isfinite(y) else None
+                x_m, y_m, *speeds = (_numbers(read(message))[0] for read in readers)
+                known = all(map(isfinite, (x_m, y_m, *speeds)))
+                return Placed(x_m, y_m, hypot(*speeds), at_ns, births) if known else None
         return None
 
     def age_s(self) -> float | None:

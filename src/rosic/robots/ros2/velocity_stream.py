@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from math import hypot
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.deadman import Break, Cause, DeadMan
 from rosic.robots.ros2.faults import NotSent
+from rosic.robots.ros2.way import Way, told_m_s
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.errand import Errand
-    from rosic.robots.ros2.measuring import Measurements
+    from rosic.robots.ros2.messages import Values
     from rosic.robots.ros2.topics import Publisher
 
 _NS = 1_000_000_000
@@ -23,28 +23,6 @@ class Pace(NamedTuple):
     duration_s: float
 
 
-class Way:
-    """How far a robot has gone by its own odometry, added up from look to look.
-
-    Attributes:
-        metres: None while the robot has not said where it is.
-    """
-
-    def __init__(self, measured: Measurements) -> None:
-        self._measured = measured
-        self._at = measured.place()
-        self.metres = None if self._at is None else 0.0
-
-    def look(self) -> None:
-        """Take in where it is now."""
-        now, before = self._measured.place(), self._at
-        if now is None:
-            return
-        past_m = 0.0 if before is None else hypot(now[0] - before[0], now[1] - before[1])
-        self.metres = (self.metres or 0.0) + past_m
-        self._at = now
-
-
 class VelocityStream:
     """One drive.
 
@@ -55,13 +33,13 @@ class VelocityStream:
         way: How far it went.
     """
 
-    def __init__(self, errand: Errand, publisher: Publisher, message: bytes, pace: Pace) -> None:
+    def __init__(self, errand: Errand, publisher: Publisher, values: Values, pace: Pace) -> None:
         self.moved = False
         self.seconds = 0.0
-        self.way = Way(errand.side.measured)
+        self.way = Way(errand.side.measured, told_m_s(values))
         self._errand = errand
         self._publisher = publisher
-        self._message = message
+        self._message = publisher.made(values)
         self._pace = pace
         self._begun_ns = 0
 

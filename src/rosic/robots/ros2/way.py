@@ -1,0 +1,64 @@
+"""How far a robot has gone by its own odometry, as far as that can be told."""
+
+from __future__ import annotations
+
+from math import hypot
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.robots.ros2.measuring import Measurements, Placed
+
+_NS: Final = 1_000_000_000
+AT_MOST: Final = 2.0
+"""So many times faster than it is told to be, and than it says that it is, nothing drives."""
+SLACK_S: Final = 0.1
+SLACK_M: Final = 0.05
+
+
+class Way:
+    """Added up from look to look.
+
+    Attributes:
+        metres: None while the robot has not said where it is, and once its odometry has jumped.
+        jumped: Its odometry began anew, or went from one place to another faster than it drives: no
+            way that was driven.
+    """
+
+    def __init__(self, measured: Measurements, told_m_s: float) -> None:
+        """Begin where it is now.
+
+        Args:
+            measured: Of the robot.
+            told_m_s: How fast it is told to be.
+        """
+        self.jumped = False
+        self._measured = measured
+        self._told_m_s = told_m_s
+        self._at = measured.place()
+        self.metres = None if self._at is None else 0.0
+
+    def look(self) -> None:
+        """Take in where it is now."""
+        now, before = self._measured.place(), self._at
+        if now is None or self.jumped:
+            return
+        past_m = 0.0 if before is None else hypot(now.x_m - before.x_m, now.y_m - before.y_m)
+        self.jumped = before is not None and self._jumps(past_m, before, now)
+        self.metres = None if self.jumped else (self.metres or 0.0) + past_m
+        self._at = now
+
+    def _jumps(self, past_m: float, before: Placed, now: Placed) -> bool:
+        speed_m_s = max(self._told_m_s, before.speed_m_s, now.speed_m_s)
+        past_s = (now.at_ns - before.at_ns) / _NS + SLACK_S
+        return now.births != before.births or past_m > AT_MOST * speed_m_s * past_s + SLACK_M
+
+
+def told_m_s(values: Mapping[str, object]) -> float:
+    """Return how fast a message tells a robot to be, at most; of what kind it may ever be."""
+    numbers = {
+        field: abs(value) for field, value in values.items() if isinstance(value, (int, float))
+    }
+    linear = [number for field, number in numbers.items() if "linear" in field.split(".")]
+    return float(sum(linear or numbers.values()))
