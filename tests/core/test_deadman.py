@@ -48,6 +48,14 @@ def test_what_came_to_rest_by_itself_goes_on_no_more() -> None:
     assert rests[-1].seconds == pytest.approx(1.05, abs=0.06)
 
 
+def test_a_robot_that_began_anew_knows_nothing_of_what_it_was_told() -> None:
+    looks = dead_man()
+    broken = looks.look(S // 10, 0.0, reborn=True)
+    assert broken is not None
+    assert broken.cause is Cause.REBORN
+    assert looks.look(S // 5, 0.0) is broken
+
+
 def test_a_look_that_is_too_long_ago_lets_nothing_be_sent() -> None:
     looks = dead_man()
     looks.look(S // 10, 0.0)

@@ -70,6 +70,13 @@ OF_BREAKS = (
         caught_by=(f"{DEAD_MAN}::test_a_break_is_final",),
     ),
     Fault(
+        name="I6 a robot whose software began anew is driven on",
+        file="core/deadman.py",
+        guard="if self._broken is None and reborn:",
+        without="if False:",
+        caught_by=(f"{DEAD_MAN}::test_a_robot_that_began_anew_knows_nothing_of_what_it_was_told",),
+    ),
+    Fault(
         name="I6 simulated machines go on while this process stands still",
         file="robots/simulated/theatre.py",
         guard="            self._lose_links(now_s)\n",

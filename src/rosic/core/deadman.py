@@ -28,6 +28,8 @@ class Cause(enum.Enum):
     """It was heard, but not what shows whether it rests."""
     GONE = "gone"
     """Nobody takes our messages any more."""
+    REBORN = "reborn"
+    """Who took our messages, or showed whether it rests, has begun anew and knows of nothing."""
     RESTED = "rested"
     """The robot came to rest by itself, though it was to move."""
 
@@ -79,6 +81,7 @@ class DeadMan:
         *,
         heard: bool = False,
         there: bool = True,
+        reborn: bool = False,
         rests: bool = False,
     ) -> Break | None:
         """Return why the next message must not be sent; None: it may, now.
@@ -89,10 +92,13 @@ class DeadMan:
                 heard at all.
             heard: It was heard of otherwise meanwhile.
             there: Whether anybody takes our messages.
+            reborn: The robot's side has begun anew since the motion began.
             rests: It has moved, and is measured at rest.
         """
         if self._broken is None:
             self._broken = self._look(now_ns, age_s, there=there, rests=rests)
+            if self._broken is None and reborn:
+                self._broken = Break(Cause.REBORN, (now_ns - self.last_ns) / _NS)
             if self._broken is not None and heard and self._broken.cause is Cause.SILENT:
                 self._broken = self._broken._replace(cause=Cause.UNMEASURED)
         if self._broken is None:

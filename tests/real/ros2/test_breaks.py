@@ -48,3 +48,20 @@ def test_a_jump_of_its_odometry_is_no_way_that_it_drove(site: Site) -> None:
     told = site.ended()
     assert told.startswith("failed drove for 1."), told
     assert JUMPED + "ROSIC itself stood still for" in told
+
+
+def test_a_robot_that_was_reborn_before_it_was_missed_is_driven_no_further(site: Site) -> None:
+    heir = site.heir()
+    site.drive(20.0, 0.5)
+    site.base.kill()
+    born_ns = time.time_ns()
+    site.base = heir
+    heir.say("begin")
+    heir.expect("begun")
+    told = site.ended()
+    time.sleep(SETTLED_S)
+    assert site.velocities(born_ns) == []
+    assert told.startswith("failed drove for "), told
+    assert told.endswith(JUMPED + "its software began anew: ended")
+    site.drive(0.5, 0.0)
+    assert site.ended().startswith("done"), "a new order moves it again"

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from rosic.robots.ros2.faults import BadValue, NoAnswer, NotSent
 from rosic.robots.ros2.messages import to_message
+from rosic.robots.ros2.rebirths import ends_of
 from rosic.robots.ros2.services import wait_until
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.robots.ros2.messages import Values
+    from rosic.robots.ros2.rebirths import Ends
     from rosic.robots.ros2.ros import RosObject
     from rosic.robots.ros2.runtime import RosRuntime
 
@@ -70,13 +72,12 @@ class ActionLink:
         """Tell whether somebody offers the action now."""
         return self._runtime.alive and bool(self._handle.server_is_ready())
 
-    def servers(self) -> frozenset[bytes]:
+    def servers(self) -> Ends:
         """Return who offers the action now: one that begins anew is another."""
         if not self._runtime.alive:
-            return frozenset()
+            return {}
         node = self._runtime.thread.node
-        found = node.get_publishers_info_by_topic(f"{self.name}/_action/feedback")
-        return frozenset(bytes(each.endpoint_gid) for each in found)
+        return ends_of(node.get_publishers_info_by_topic(f"{self.name}/_action/feedback"))
 
     async def send(
         self,

@@ -6,7 +6,7 @@ import asyncio
 from typing import TYPE_CHECKING
 
 from rosic.core.common_start import begins_ns
-from rosic.core.deadman import INTERRUPTED
+from rosic.core.deadman import INTERRUPTED, Cause
 from rosic.core.order import Ending, Outcome
 from rosic.core.saying import joined, said
 from rosic.errors import RobotUnreachable
@@ -18,6 +18,7 @@ from rosic.robots.ros2.interrupting import in_doubt, over
 from rosic.robots.ros2.messages import to_message
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.reasons import Reasons
+from rosic.robots.ros2.rebirths import born_anew
 from rosic.robots.ros2.two_clocks import ahead_ns
 
 if TYPE_CHECKING:
@@ -189,10 +190,16 @@ class ByAction:
         return Outcome(Ending.FAILED, words, facts)
 
 
-def _served_by(link: ActionLink) -> Callable[[], bool]:
-    """Return what says whether one of those who offer the action now still does."""
+def _served_by(link: ActionLink) -> Callable[[], Cause | None]:
+    """Return what says why those who offer the action now do so no more; None: they do."""
     first = link.servers()
-    return lambda: link.ready() and (not first or not first.isdisjoint(link.servers()))
+
+    def missed() -> Cause | None:
+        if born_anew(first, link.servers()):
+            return Cause.REBORN
+        return None if link.ready() else Cause.GONE
+
+    return missed
 
 
 def _confirmed(errand: Errand) -> None:

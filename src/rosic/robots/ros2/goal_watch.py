@@ -45,6 +45,7 @@ class GoalWatch:
         self._errand = errand
         self._heard_ns = self.now_ns()
         self._unserved_ns: int | None = None
+        self._births = errand.side.measured.births
         self._fraction = fraction
         binding = errand.order.skill.action
         self._stage = binding.stage if binding is not None else ""
@@ -73,7 +74,7 @@ class GoalWatch:
         end: asyncio.Future[Any],
         halted: asyncio.Future[Any],
         limit_s: float,
-        served: Callable[[], bool],
+        missed: Callable[[], Cause | None],
     ) -> None:
         """Return once the goal has ended, a stop has done what it could, or it was broken off.
 
@@ -82,8 +83,8 @@ class GoalWatch:
             end: Its end.
             halted: A stop has done what it could.
             limit_s: It may take so long.
-            served: Whether somebody offers the action now: a server that began anew knows nothing
-                of the goal, and would never say how it ended.
+            missed: Why those who took the goal do not offer the action now; None: they do. A server
+                that began anew knows nothing of the goal, and would never say how it ended.
 
         Raises:
             RobotUnreachable: It fell silent, or took too long; it was called off.
@@ -98,9 +99,8 @@ class GoalWatch:
             if late_s > self._errand.side.watchdog_s:
                 self.broken = Break(Cause.LATE, late_s)
                 break
-            unserved_s = self._unserved_s(served)
-            if unserved_s >= LOOK_EVERY_S and not end.done():
-                self.broken = Break(Cause.GONE, unserved_s)
+            self.broken = None if end.done() else self._left(missed())
+            if self.broken is not None:
                 break
             if not end.done() and not halted.done():
                 await self._give_up(goal, limit_s if self.now_ns() > deadline_ns else 0.0)
@@ -111,14 +111,17 @@ class GoalWatch:
         elif not end.done():
             await asyncio.wait({end}, timeout=LAST_WORD_S)
 
-    def _unserved_s(self, served: Callable[[], bool]) -> float:
-        """Return for how long nobody has offered the action; one look alone may be wrong."""
-        if served():
+    def _left(self, why: Cause | None) -> Break | None:
+        """Return that nobody carries out the goal any more; one look alone may be wrong."""
+        if why is Cause.REBORN or self._errand.side.measured.births != self._births:
+            return Break(Cause.REBORN, 0.0)
+        if why is None:
             self._unserved_ns = None
-            return 0.0
+            return None
         if self._unserved_ns is None:
             self._unserved_ns = self.now_ns()
-        return (self.now_ns() - self._unserved_ns) / _NS
+        unserved_s = (self.now_ns() - self._unserved_ns) / _NS
+        return Break(why, unserved_s) if unserved_s >= LOOK_EVERY_S else None
 
     async def _give_up(self, goal: Goal, passed_s: float) -> None:
         """Call a goal off that takes too long, or whose robot is not heard; else do nothing.

@@ -23,6 +23,8 @@ def over(broken: Break) -> str:
         return said("then its motion was not measured for {seconds:.1f} s: ended", seconds=seconds)
     if broken.cause is Cause.GONE:
         return said("then it was not there any more: ended")
+    if broken.cause is Cause.REBORN:
+        return said("then its software began anew: ended")
     return said("then it came to rest by itself: ended")
 
 

@@ -172,6 +172,12 @@ class Measurements:
         age_s = self.age_s()
         return not self.sources or (age_s is not None and age_s <= self.within_s)
 
+    @property
+    def births(self) -> int:
+        """How often what shows rest, or else anything that is heard, has begun anew."""
+        heard = self.sources.values() if self._rest is None else (self._rest,)
+        return sum(source.senders.births for source in heard)
+
     def place(self) -> Placed | None:
         """Return where the robot last was by its odometry; None where it has none."""
         for source, readers in self._places:

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.robots.ros2.faults import BadValue, NotSent
 from rosic.robots.ros2.messages import to_message, type_of
+from rosic.robots.ros2.rebirths import ends_of
 from rosic.robots.ros2.senders import Senders
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.robots.ros2.messages import Values
+    from rosic.robots.ros2.rebirths import Ends
     from rosic.robots.ros2.ros import Ros, RosObject
     from rosic.robots.ros2.runtime import RosRuntime
     from rosic.robots.ros2.senders import About
@@ -74,6 +76,12 @@ class Publisher:
     def listeners(self) -> int:
         """How many subscribers are matched now. A topic says no more about who received it."""
         return int(self._handle.get_subscription_count()) if self._runtime.alive else 0
+
+    def takers(self) -> Ends:
+        """Return who takes what is sent: one that begins anew is another."""
+        if not self._runtime.alive:
+            return {}
+        return ends_of(self._runtime.thread.node.get_subscriptions_info_by_topic(self.topic))
 
     def publish(self, values: Values) -> None:
         """Check, convert and send, at once and on the calling thread.

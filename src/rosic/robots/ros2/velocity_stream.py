@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.deadman import Break, Cause, DeadMan
 from rosic.robots.ros2.faults import NotSent
+from rosic.robots.ros2.rebirths import born_anew, unnamed
 from rosic.robots.ros2.way import Way, told_m_s
 
 if TYPE_CHECKING:
@@ -42,6 +43,9 @@ class VelocityStream:
         self._message = publisher.made(values)
         self._pace = pace
         self._begun_ns = 0
+        self._first = self._takers = publisher.takers()
+        self._held_ns: int | None = None
+        self._births = errand.side.measured.births
 
     async def run(self) -> Break | None:
         """Pass the gate and send, until the time is over, a stop comes, or it is broken off.
@@ -71,15 +75,27 @@ class VelocityStream:
             if dead_man.late(clock.monotonic_ns()):
                 continue
             try:
-                self._publisher.send(self._message)
+                sent = self._send(now_ns) or sent
             except NotSent as fault:
                 if not sent:
                     raise errand.offline() from fault
                 self._ended(None, now_ns)
                 return Break(Cause.GONE, 0.0)
-            sent = True
             await clock.sleep(min(self._pace.period_s, self._pace.duration_s - past_s))
             self._tell(past_s / self._pace.duration_s)
+
+    def _send(self, now_ns: int) -> bool:
+        """Send, unless somebody has joined whose name is on its way: it may be the robot, reborn.
+
+        What never has a name, as it is no node of ROS, is waited for no longer than the robot
+        drives on by itself.
+        """
+        if unnamed(self._first, self._takers):
+            self._held_ns = self._held_ns or now_ns
+            if now_ns - self._held_ns < self._errand.side.watchdog_s * _NS / 2:
+                return False
+        self._publisher.send(self._message)
+        return True
 
     def _look(self, dead_man: DeadMan, now_ns: int) -> Break | None:
         measured = self._errand.side.measured
@@ -89,8 +105,15 @@ class VelocityStream:
             measured.judged_age_s(),
             heard=age_s is not None and age_s <= measured.within_s,
             there=self._publisher.listeners > 0,
+            reborn=self._reborn(),
             rests=self.moved and measured.at_rest(self._begun_ns) is True,
         )
+
+    def _reborn(self) -> bool:
+        """Tell whether who takes the velocities, or shows whether it rests, is another now."""
+        self._takers = self._publisher.takers()
+        anew = self._errand.side.measured.births != self._births
+        return anew or born_anew(self._first, self._takers)
 
     def _tell(self, share: float) -> None:
         """Say that it moves, once that is measured, and how much of its time is over."""
