@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -119,6 +120,50 @@ def test_what_neither_moves_nor_tells_is_no_robot() -> None:
     assert [robot.namespace for robot in robots] == ["/kuka1", "/omni"]
     assert robots[1].heard == {"/omni/cmd_vel": "geometry_msgs/msg/Twist"}
     assert robots[1].said == {"/omni/odom": "nav_msgs/msg/Odometry"}
+
+
+TWIST, ODOMETRY = "geometry_msgs/msg/Twist", "nav_msgs/msg/Odometry"
+
+
+def graph_of(*bases: str, publishers: int = 1) -> Snapshot:
+    """Return a graph of bases: what stands before ``odom``, ``cmd_vel`` and ``stop``."""
+    heard = [Topic(f"{base}cmd_vel", (TWIST,), 0, 1) for base in bases]
+    said = [Topic(f"{base}odom", (ODOMETRY,), publishers, 0) for base in bases]
+    stops = tuple(Offer(f"{base}stop", ("std_srvs/srv/Trigger",)) for base in bases)
+    return Snapshot((), (*heard, *said), stops, (), complete=True)
+
+
+def test_robots_that_live_below_one_name_are_drafted_apart(tmp_path: Path) -> None:
+    robots = robots_in(graph_of("/lab/omni/", "/lab/rover/"))
+
+    assert [robot.namespace for robot in robots] == ["/lab/omni", "/lab/rover"]
+    profile = profile_of(drafted(robots[1], fields), tmp_path)
+    assert (profile.id, profile.link.namespace) == ("lab_rover", "/lab/rover")
+    assert profile.stop is not None
+    assert (profile.stop.service, profile.stop.zero) == ("/lab/rover/stop", "/lab/rover/cmd_vel")
+    assert not any(robot.mixed for robot in robots)
+
+
+def test_a_base_and_the_arm_on_it_are_one_robot() -> None:
+    found = graph_of("/lab/base/")
+    arm = Topic("/lab/arm/joint_states", (JOINTS,), 1, 0)
+    [robot] = robots_in(replace(found, topics=(*found.topics, arm)))
+    assert (robot.namespace, robot.mixed) == ("/lab", "")
+
+
+@pytest.mark.parametrize(
+    ("found", "why"),
+    [
+        (graph_of("/lab/", publishers=2), "/lab/odom is published by more than one node"),
+        (graph_of("/lab/", "/lab/b_"), "/lab/cmd_vel and /lab/b_cmd_vel move one each"),
+    ],
+)
+def test_robots_that_cannot_be_told_apart_are_said_to_be_mixed(found: Snapshot, why: str) -> None:
+    [robot] = robots_in(found)
+    assert drafted(robot, fields).startswith(
+        f"# More than one robot seems to live in /lab, as {why}: this draft mixes them. "
+        "Give each a namespace of its own and draft again.\n"
+    )
 
 
 def test_a_robot_alone_on_its_graph_keeps_its_controllers(tmp_path: Path) -> None:

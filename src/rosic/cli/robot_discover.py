@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from rosic.app.documents.profiles import check_profile
 from rosic.app.finding.discovering import LOOK_S, discover
+from rosic.app.finding.neighbours import MIXED
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
@@ -53,6 +54,7 @@ def _write(path: Path, text: str) -> int:
         print(f"{path} cannot be written ({error.strerror}).", file=sys.stderr)
         return 1
     print(f"Written: {path}")
-    for wrong in check_profile(path):
+    mixed = (line.removeprefix("# ") for line in text.splitlines() if line.startswith(MIXED))
+    for wrong in (*mixed, *check_profile(path)):
         print(f"  look at: {wrong}")
     return 0

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.app.finding.drafting import Seen, drafted, robot_id
 from rosic.app.finding.looking_at import TYPES, looked_at
+from rosic.app.finding.neighbours import homes, mixed
 from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.graph import Snapshot, snapshot
 from rosic.robots.ros2.registry import TypeRegistry
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.robots.ros2.graph import Topic
 
 NODE = "rosic_discover"
 ANNOUNCED_S = 3.0
@@ -56,19 +58,28 @@ async def discover(clock: Clock, *, seconds: float) -> dict[str, str]:
 
 
 def robots_in(found: Snapshot) -> list[Seen]:
-    """Sort what is on the graph by its first name; what can neither move nor tell is left out."""
+    """Sort what is on the graph by its first name; what can neither move nor tell is left out.
+
+    Where several of a kind live below one name, it is sorted by the second, too.
+    """
+    apart = homes(found.topics)
+    topics: defaultdict[str, list[Topic]] = defaultdict(list)
     spaces: defaultdict[str, Space] = defaultdict(lambda: ({}, {}, {}, {}))
     for topic in found.topics:
-        space = spaces[_space(topic.name)]
+        name = _space(topic.name, apart)
+        topics[name].append(topic)
+        space = spaces[name]
         if topic.subscribers:
             space[0][topic.name] = topic.types[0]
         if topic.publishers:
             space[1][topic.name] = topic.types[0]
     for offers, at in ((found.services, 2), (found.actions, 3)):
         for offer in offers:
-            spaces[_space(offer.name)][at][offer.name] = offer.types[0]
+            spaces[_space(offer.name, apart)][at][offer.name] = offer.types[0]
     _gather(spaces)
-    seen = [Seen(name, *spaces[name]) for name in sorted(spaces)]
+    seen = [
+        Seen(name, *spaces[name], mixed=mixed(name or "/", topics[name])) for name in sorted(spaces)
+    ]
     return [robot for robot in seen if robot.actions or _tells(robot.heard) or _tells(robot.said)]
 
 
@@ -99,8 +110,11 @@ def goal_fields(kind: str) -> Mapping[str, str] | None:
     return fields
 
 
-def _space(name: str) -> str:
+def _space(name: str, apart: frozenset[str]) -> str:
     parts = name.split("/")
+    below = "/".join(parts[:3])
+    if below in apart and below != name:
+        return below
     return f"/{parts[1]}" if len(parts) > 2 else ""  # noqa: PLR2004 - "", space, name
 
 

@@ -65,6 +65,7 @@ class Seen(NamedTuple):
         said: Topics that somebody publishes.
         stand: Where it was on its map; None if it did not say.
         limbs: Joints of its trajectory controllers, by the name of the action.
+        mixed: The line that says that it is more than one robot; empty if it does not seem so.
     """
 
     namespace: str
@@ -74,6 +75,7 @@ class Seen(NamedTuple):
     actions: Mapping[str, str]
     stand: Stand | None = None
     limbs: Mapping[str, Limbs] = {}
+    mixed: str = ""
 
 
 def robot_id(namespace: str) -> str:
@@ -108,7 +110,7 @@ def drafted(seen: Seen, fields: Fields) -> str:
     kept = {key: value for key, value in profile.items() if value not in (None, {})}
     body = yaml.safe_dump(kept, sort_keys=False, allow_unicode=True, width=110)
     notes = (HEADER + (STREAMING if streams else "")).format(robot=robot)
-    return notes + "".join(_notes(seen)) + body
+    return seen.mixed + notes + "".join(_notes(seen)) + body
 
 
 def _notes(seen: Seen) -> Iterable[str]:

@@ -1,0 +1,58 @@
+"""Telling robots apart that live in one namespace, as far as their names show it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Final
+
+from rosic.app.finding.drafting import ODOMETRY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.robots.ros2.graph import Topic
+
+MIXED: Final = "# More than one robot seems to live in"
+RESTING: Final = ("odom", "joint_states")
+VELOCITIES: Final = "cmd_vel"
+_BELOW: Final = 3
+"""``/lab/omni/odom`` has as many slashes."""
+
+
+def homes(topics: Iterable[Topic]) -> frozenset[str]:
+    """Return namespaces like ``/lab/omni`` whose robots have neighbours of their kind beside them.
+
+    An arm and the base that carries it are of two kinds, and one robot.
+    """
+    found: defaultdict[tuple[str, str], set[str]] = defaultdict(set)
+    for topic in topics:
+        _, *spaces, name = topic.name.split("/")
+        if topic.publishers and name in RESTING and topic.name.count("/") >= _BELOW:
+            found[spaces[0], name].add(f"/{spaces[0]}/{spaces[1]}")
+    return frozenset().union(*(several for several in found.values() if len(several) > 1))
+
+
+def mixed(namespace: str, topics: Iterable[Topic]) -> str:
+    """Return the line that says that one namespace holds more than one robot; empty if it does not.
+
+    Args:
+        namespace: As people write it.
+        topics: Those of that namespace.
+    """
+    topics = tuple(topics)
+    twice = [t.name for t in topics if ODOMETRY in t.types and t.publishers > 1]
+    odometries = {
+        t.name.removesuffix("odom") for t in topics if t.publishers and ODOMETRY in t.types
+    }
+    driven = {t.name.removesuffix(VELOCITIES) for t in topics if t.subscribers}
+    bases = sorted(odometries & driven)
+    if twice:
+        why = f"{twice[0]} is published by more than one node"
+    elif len(bases) > 1:
+        why = " and ".join(f"{base}{VELOCITIES}" for base in bases) + " move one each"
+    else:
+        return ""
+    return (
+        f"{MIXED} {namespace}, as {why}: this draft mixes them. "
+        "Give each a namespace of its own and draft again.\n"
+    )
