@@ -22,6 +22,7 @@ RosicError
 |   `-- OrderVoid          robot: too late, out of order, or given under an old lease or stop
 |-- Fault                  the operator: something broke. Logged with its cause
 |   |-- RobotUnreachable   robot adapter: no answer in time; it may or may not have moved
+|   |   `-- StillMoves     robot adapter: told to stop, and measured to move all the same
 |   |-- MessengerFault     messenger adapter: the platform did not take the message
 |   |   |-- MessageGone    messenger adapter: there is no such message to change any more
 |   |   `-- ChatGone       messenger adapter: nobody can be spoken to there any more
@@ -256,6 +257,12 @@ class RobotUnreachable(Fault):
     """No answer in time. The robot may or may not have moved."""
 
     code = "robot-unreachable"
+
+
+class StillMoves(RobotUnreachable):
+    """It was told to stop, and was measured to move all the same. It may come to rest yet."""
+
+    code = "still-moves"
 
 
 class MessengerFault(Fault):

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+import pytest
 from msgspec.structs import replace
 
+from rosic.core.order import Ending, Outcome
 from rosic.core.robot import AtRest, Presence
 from rosic.core.words import robot_line
-from rosic.pipeline.alerts.absences import back
+from rosic.errors import StillMoves
+from rosic.pipeline.alerts.absences import LOOKED_AFTER_NS, back
 from tests.rooms.pipeline.place import profile
-from tests.rooms.pipeline.test_tasks import heard, warehouse, worker
+from tests.rooms.pipeline.test_tasks import Worker, heard, warehouse, worker
+
+if TYPE_CHECKING:
+    from tests.rooms.pipeline.place import Place
 
 
 async def test_a_robot_that_vanishes_at_work_is_said_to_be_away_and_to_be_back() -> None:
@@ -41,6 +49,60 @@ async def test_nobody_is_told_of_a_robot_that_did_nothing() -> None:
         worker(here, "w9").online = False
         await here.say("w9 move 1 m")
         assert "not there any more" not in await heard(here, 10.0)
+
+
+def ends_moving(here: Place) -> Worker:
+    robot = worker(here, "w9")
+    robot.ends = Outcome(Ending.UNKNOWN, "w9 still moves. Please look.", code=StillMoves.code)
+    robot.moving = True
+    robot.finish()
+    return robot
+
+
+REST = "w9 is at rest now."
+
+
+async def test_an_end_that_said_it_moves_is_followed_by_its_rest_once() -> None:
+    async with warehouse(fleet=(profile("w9"),)).open() as here:
+        await here.say("w9 move 1 m")
+        robot = ends_moving(here)
+        assert REST not in await heard(here, 5.0)
+        robot.moving = False
+        told = await heard(here, 5.0)
+        assert told.count(REST) == 1
+        assert REST not in await heard(here, 20.0)
+
+
+async def test_a_robot_that_is_back_and_moves_is_followed_until_it_rests() -> None:
+    async with warehouse(fleet=(profile("w9"),)).open() as here:
+        await here.say("w9 move 1 m")
+        await heard(here, 1.0)
+        robot = worker(here, "w9")
+        robot.online = False
+        await heard(here, 2.0)
+        robot.finish()
+        robot.moving = robot.online = True
+        assert "w9 is there again, and moves. Please look." in await heard(here, 2.0)
+        robot.moving = False
+        assert REST in await heard(here, 2.0)
+
+
+@pytest.mark.parametrize("then", ["stop w9", "w9 move 1 m", ""])
+async def test_what_has_an_answer_of_its_own_and_what_never_rests_is_followed_no_more(
+    then: str,
+) -> None:
+    async with warehouse(fleet=(profile("w9"),)).open() as here:
+        await here.say("w9 move 1 m")
+        robot = ends_moving(here)
+        await heard(here, 1.0)
+        if then:
+            await here.say(then)
+        else:
+            here.clock.suspend(LOOKED_AFTER_NS / 1e9)
+            await heard(here, 1.0)
+        robot.finish()
+        robot.moving = False
+        assert REST not in await heard(here, 5.0)
 
 
 def test_nothing_is_said_of_rest_that_was_not_measured() -> None:

@@ -18,6 +18,7 @@ from rosic.pipeline.alerts.clerks import AlarmClerk
 from rosic.pipeline.alerts.placed import TOLD
 from rosic.pipeline.alerts.reacting import Reacting
 from rosic.pipeline.alerts.running import Running
+from rosic.pipeline.benchmarks.judging import follow
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -75,6 +76,7 @@ class Alarms:
         }
         told = memory.facts.get(TOLD, ())
         self.alerting.write(self.alerting.telling.placed.restore(told, open_now))
+        follow(pipeline.lives, self.absences)
         AlarmClerk(self.alerting, rooms, changes).employ(pipeline.reception.office)
 
     async def run(self) -> None:

@@ -1,15 +1,18 @@
-"""Says that a robot at work is not there any more, and when it is back."""
+"""Says that a robot at work is not there any more, when it is back, and when it rests at last."""
 
 from __future__ import annotations
 
 import asyncio
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+from rosic.core import words
 from rosic.core.saying import said
+from rosic.errors import StillMoves
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.identity import PrincipalId
+    from rosic.core.order import Order, Outcome
     from rosic.core.robot import Presence, RobotId
     from rosic.pipeline.reach import Reach
     from rosic.pipeline.rooms import Rooms
@@ -20,6 +23,8 @@ AT_ONCE: Final = 500
 CONCERNED_NS: Final = 15_000_000_000
 """Whoever's order has ended so long ago is not concerned any more: its link's deadline, and more,
 is over."""
+LOOKED_AFTER_NS: Final = 600_000_000_000
+"""A robot that was said to move is followed for so long, or until it is measured at rest."""
 
 
 class _Worked(NamedTuple):
@@ -29,8 +34,19 @@ class _Worked(NamedTuple):
     seen_ns: int
 
 
+class _Moving(NamedTuple):
+    """Who was told that a robot moves, and until when it is followed."""
+
+    principal: PrincipalId
+    until_ns: int
+
+
 class Absences:
-    """Follows robots that carry something out, and tells whoever asked for it."""
+    """Follows robots that carry something out, and tells whoever asked for it.
+
+    Whoever was told that a robot moves is told once that it is at rest, when that is measured. A
+    new order, or a stop, has an answer of its own.
+    """
 
     def __init__(self, rooms: Rooms, reach: Reach, clock: Clock) -> None:
         self._rooms = rooms
@@ -38,12 +54,23 @@ class Absences:
         self._clock = clock
         self._worked: dict[RobotId, _Worked] = {}
         self._away: dict[RobotId, PrincipalId] = {}
+        self._moving: dict[RobotId, _Moving] = {}
 
     async def run(self) -> None:
         """Look until cancelled."""
         while True:
             await self.look()
             await self._clock.sleep(EVERY_S)
+
+    def began(self, order: Order) -> None:
+        """A robot moves anew, as it was told to."""
+        if order.skill.actuates:
+            self._moving.pop(order.robot, None)
+
+    def ended(self, order: Order, outcome: Outcome) -> None:
+        """Follow a robot that its order's end says to move."""
+        if outcome.code == StillMoves.code:
+            self._said_to_move(order.robot, order.permit.principal)
 
     async def look(self) -> None:
         """Look once."""
@@ -52,6 +79,8 @@ class Absences:
             if number % AT_ONCE == AT_ONCE - 1:
                 await asyncio.sleep(0)
             order = linker.current(robot)
+            if robot in self._moving:
+                self._see_rest(robot, linker.presence(robot))
             if order is not None or robot in self._worked or robot in self._away:
                 works = order is not None and order.skill.actuates
                 who = order.permit.principal if order is not None and works else ""
@@ -60,7 +89,10 @@ class Absences:
     def _see(self, robot: RobotId, presence: Presence, works: _Worked | None) -> None:
         if robot in self._away:
             if presence.online:
-                self._reach.tell((self._away.pop(robot),), back(self._shown(robot), presence))
+                who = self._away.pop(robot)
+                self._reach.tell((who,), back(self._shown(robot), presence))
+                if presence.moves:
+                    self._said_to_move(robot, who)
             return
         if presence.online is not False:
             self._note(robot, works)
@@ -69,6 +101,17 @@ class Absences:
         if worked is not None:
             self._away[robot] = worked.principal
             self._reach.tell((worked.principal,), away(self._shown(robot), presence), urgent=True)
+
+    def _said_to_move(self, robot: RobotId, who: PrincipalId) -> None:
+        self._moving[robot] = _Moving(who, self._clock.monotonic_ns() + LOOKED_AFTER_NS)
+
+    def _see_rest(self, robot: RobotId, presence: Presence) -> None:
+        if presence.at_rest:
+            who = self._moving.pop(robot).principal
+            if not self._rooms.board[robot].latched:
+                self._reach.tell((who,), words.at_rest_now(self._shown(robot)))
+        elif self._clock.monotonic_ns() >= self._moving[robot].until_ns:
+            del self._moving[robot]
 
     def _note(self, robot: RobotId, works: _Worked | None) -> None:
         known = self._worked.get(robot)

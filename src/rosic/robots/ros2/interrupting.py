@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.deadman import Break, Cause
 from rosic.core.saying import joined, said
-from rosic.errors import RobotUnreachable
+from rosic.errors import RobotUnreachable, StillMoves
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.rest import Resting
@@ -44,4 +44,4 @@ def in_doubt(shown: str, what: str, resting: Resting) -> RobotUnreachable:
             shown=shown,
         )
     said_of_it = joined(". ", (joined(": ", (shown, what)), doubt)) if what else doubt
-    return RobotUnreachable(said_of_it)
+    return StillMoves(said_of_it) if resting.moves else RobotUnreachable(said_of_it)
