@@ -147,6 +147,20 @@ async def test_a_later_stop_takes_over(place: Place) -> None:
     assert place.robot.told == [1, 2, 2, 2]
 
 
+async def test_whoever_waits_for_an_earlier_stop_hears_at_once_that_a_later_took_its_place(
+    place: Place,
+) -> None:
+    place.robot.times = None
+    await stopped(place)
+    waiting = asyncio.create_task(place.linker.pursuit.rested("omni"))
+    await settle()
+    await stopped(place)
+    await settle()
+    assert waiting.done()
+    assert await waiting is None
+    place.linker.pursuit.close()
+
+
 async def test_a_stop_that_stands_no_more_is_not_applied_again(place: Place) -> None:
     await stopped(place)
     place.board.resume("omni", 1)  # whoever keeps the board need not tell the pursuit

@@ -6,14 +6,12 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.order import Rest
-
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot
-    from rosic.core.order import Stop
+    from rosic.core.order import Rest, Stop
     from rosic.core.robot import RobotId
     from rosic.core.stopboard import StopBoard
 
@@ -105,10 +103,10 @@ class Pursuit:
         return rest
 
 
-async def _come_of(stop: Stop, tried: Awaitable[Rest]) -> Rest:
-    """Wait for what comes of a try; a fault of an adapter confirms nothing, and is not the end."""
+async def _come_of(stop: Stop, tried: Awaitable[Rest]) -> Rest | None:
+    """Wait for what comes of a try; None: a fault of an adapter, which is not the end of it."""
     try:
         return await tried
     except Exception:
         log.exception("the stop of %s failed", stop.robot)
-        return Rest(stop.robot, confirmed=False, seconds=0.0)
+        return None

@@ -86,6 +86,16 @@ def test_whoever_can_give_rights_is_named_up_to_three_and_never_oneself() -> Non
     assert snapshot.givers("unknown", NOW) == ()
 
 
+def test_whoever_has_every_right_sees_the_robots_and_nothing_else() -> None:
+    assert rights({"a": (Grant(role="admin"),)}).visible("a", NOW) == {"kuka1", "omni"}
+
+
+def test_a_grant_whose_limit_cannot_be_read_gives_nothing() -> None:
+    snapshot = rights({"p": (Grant(role="operator", limits=("fast",)),)})
+    assert snapshot.visible("p", NOW) == frozenset()
+    assert not snapshot.holds("p", "kuka1", "home", NOW)
+
+
 def test_who_can_give_rights_follows_every_change_of_grants() -> None:
     here = Grant(scopes=("kuka1:grant",))
     snapshot = rights({"a": (Grant(role="admin"),), "b": (here,)})

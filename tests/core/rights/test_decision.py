@@ -94,6 +94,24 @@ def test_a_broken_limit_is_named_with_what_made_it() -> None:
     assert [limit.said for limit in allowed("jun", "kuka1", "grasp").unchecked] == ["force <= 20 N"]
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_of_several_broken_limits_that_of_the_highest_priority_is_named(first: int) -> None:
+    roles = {
+        **ROLES,
+        "soft": Role(includes=("operator",), limits=("force <= 10 N",), priority=1),
+        "hard": Role(includes=("operator",), limits=("force <= 20 N",), priority=5),
+    }
+    grants = (Grant(role="soft"), Grant(role="hard"))
+    people = {"two": (grants[first], grants[1 - first])}
+    rights = Rights.draw_up(1, Rulebook(roles=roles), FLEET_HERE, people, CONVERT)
+    no = denied("two", "kuka1", "grasp", FORCE, rights=rights)
+    assert no.code is Code.OVER_LIMIT
+    assert no.limit is not None
+    assert no.limit.said == "force <= 20 N"
+    assert no.way is not None
+    assert no.way.priority == 5
+
+
 def test_a_weak_channel_says_what_it_would_take() -> None:
     no = denied("qui", "omni", "move")
     assert (no.code, no.channel) == (Code.CHANNEL_TOO_WEAK, Assurance.E2EE_VERIFIED)

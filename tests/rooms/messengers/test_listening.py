@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rosic.messengers.telegram.listening import (
+    BETWEEN_NS,
     CALM_NS,
     GRACE_NS,
     SECOND_NS,
@@ -201,6 +202,16 @@ def test_of_a_time_in_which_we_did_not_run_nothing_is_said() -> None:
     outage.answered(after(7210))
     assert not outage.covers(after(3600).wall_ns)
     assert outage.covers(after(7202).wall_ns)
+
+
+@pytest.mark.parametrize(("more_ns", "one"), [(0, True), (1, False)])
+def test_polls_that_far_apart_are_of_one_outage_and_no_further(more_ns: int, *, one: bool) -> None:
+    outage = Outage()
+    outage.failed(at(0), at(1), AWAY, WITHIN_S)
+    again = at(1, more_ns=BETWEEN_NS + more_ns)
+    outage.failed(again, again, AWAY, WITHIN_S)
+    outage.answered(at(80))
+    assert outage.covers(at(30).wall_ns) is one
 
 
 def test_of_one_outage_nothing_is_left_for_the_next() -> None:
