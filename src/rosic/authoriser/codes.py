@@ -25,7 +25,9 @@ PEPPER_BYTES: Final = 32
 DIGEST_BYTES: Final = 16
 HALF: Final = 4
 READ_AT_MOST: Final = 512
-CODES_AT_MOST: Final = 8
+"""So much is read of what hands a code in."""
+SEARCHED_AT_MOST: Final = 4_096
+"""So much is searched for codes that do not belong there: as much as a message may hold."""
 
 _LOOKALIKES = str.maketrans("ILO", "110")
 _SYMBOL = r"[0-9A-Za-z]"
@@ -87,10 +89,10 @@ def code_said(text: str) -> str | None:
 
 def codes_in(text: str) -> tuple[str, ...]:
     """Return whatever looks like a code anywhere in a message: for groups, where none belongs."""
-    text = text[:READ_AT_MOST]
+    text = text[:SEARCHED_AT_MOST]
     said = code_said(text)
-    found = ([] if said is None else [said]) + _BARE.findall(text)
-    return tuple(dict.fromkeys(found))[:CODES_AT_MOST]
+    found = ([] if said is None else [said]) + _SAID.findall(text) + _BARE.findall(text)
+    return tuple(dict.fromkeys(found))
 
 
 def telegram_link(bot: str, code: Secret) -> str:

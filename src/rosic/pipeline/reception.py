@@ -5,6 +5,7 @@ Made empty; the composition root says who does what.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from rosic.pipeline.consent import Consent
     from rosic.pipeline.desk import Reply
     from rosic.pipeline.said import Said
+
+_dashed = re.compile("[-\u2013\u2014\u2212]").search  # phones turn a hyphen into a longer line
 
 SteppedUp: TypeAlias = Callable[[PrincipalId, Chat], bool]
 ProofUsed: TypeAlias = Callable[[PrincipalId, Chat], None]
@@ -93,7 +96,7 @@ def may_bring_a_code(inbound: Inbound) -> bool:
     A code without its dash is found when nothing else can be made of the line.
     """
     text = inbound.text
-    return inbound.nonce is not None or "-" in text or text.startswith("/start ")
+    return inbound.nonce is not None or _dashed(text) is not None or text.startswith("/start ")
 
 
 def _never(_principal: PrincipalId, _chat: Chat) -> bool:

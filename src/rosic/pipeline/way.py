@@ -30,7 +30,6 @@ from rosic.pipeline.cancel import CancelLane
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.choosing import Choosing
 from rosic.pipeline.desk import Desk
-from rosic.pipeline.edited_messages import EditedMessages
 from rosic.pipeline.end_buttons import EndButtons
 from rosic.pipeline.expiring import Expiring
 from rosic.pipeline.lives import Lives
@@ -42,6 +41,7 @@ from rosic.pipeline.requesting import Requesting, line_id
 from rosic.pipeline.said import Said
 from rosic.pipeline.subjects import meant
 from rosic.pipeline.turns import Turns
+from rosic.pipeline.unfollowed_messages import UnfollowedMessages
 from rosic.pipeline.urgent import UrgentLane
 
 if TYPE_CHECKING:
@@ -103,7 +103,9 @@ class Pipeline:
         self.agreements = Agreements(rooms, self._reader, self._lowering)
         self._replies = Replies(rooms, teller, clock, self.agreements.bind)
         self._expiring = Expiring(teller, clock)
-        self._edited = EditedMessages(rooms, self._reader, self._replies, self._addressed)
+        self._unfollowed = UnfollowedMessages(
+            rooms, self._reader, self._replies, self._addressed, self._brought_a_code
+        )
         self.resuming = resuming = stop_lane.resuming
         self.habits = Habits()
         self._choosing = Choosing(self._reader, self.habits, self.agreements, self._lowering)
@@ -128,10 +130,10 @@ class Pipeline:
         heard = inbound.text if inbound.nonce is None else inbound.nonce
         urgent = self._reader.urgent(heard) if self._stop_lane.hears(inbound) else None
         if urgent is not None and await self._urgent.take(messenger, inbound, urgent):
-            self._edited.answer(messenger, inbound)
+            self._unfollowed.answer(messenger, inbound)
             return
         if inbound.standing is not FRESH:
-            self._edited.answer(messenger, inbound)
+            await self._unfollowed.take(messenger, inbound)
             return
         try:
             if not self._turns.try_take(inbound.chat):
@@ -169,12 +171,10 @@ class Pipeline:
             log.exception("a message could not be handled")
             self._replies.say(messenger, inbound, FAULT)
 
-    async def _stranger(
-        self, messenger: Messenger, inbound: Inbound, stranger: Unrecognised
-    ) -> None:
+    async def _stranger(self, messenger: Messenger, inbound: Inbound, who: Unrecognised) -> None:
         """Answer somebody unknown: whoever brings a good code is let in."""
         if not await self._brought_a_code(messenger, inbound):
-            self._replies.turn_away(messenger, inbound, stranger.sentence)
+            self._replies.turn_away(messenger, inbound, who.sentence)
 
     async def _tapped(self, said: Said) -> None:
         messenger, inbound, caller = said.messenger, said.inbound, said.caller

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from rosic.core.message import Chat, ChatKind, Standing
 from rosic.core.rate import RateLimit
 from rosic.core.record import Concluded
-from rosic.pipeline.edited_messages import NOT_FOLLOWED
+from rosic.pipeline.unfollowed_messages import NOT_FOLLOWED
 from tests.rooms.pipeline.place import ADA, BO, STRANGER, VI, Place, SlowStore, line_by_line
 
 MINUTE_NS = 60_000_000_000

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from rosic.authoriser import words_entry
 from rosic.authoriser.admission import Redeemed, TurnedAway, Waiting
-from rosic.authoriser.codes import READ_AT_MOST, code_said, codes_in
-from rosic.core.message import ChatKind
+from rosic.authoriser.codes import code_said, codes_in
+from rosic.core.message import ChatKind, Standing
 from rosic.core.rate import Bucket, RateLimit
 from rosic.core.saying import joined
 from rosic.core.secret import Secret
@@ -76,7 +76,7 @@ class Joining:
         self._greetings = Bucket(ANSWERS, registry.clock.monotonic_ns())
 
     async def take(self, messenger: Messenger, inbound: Inbound, text: str) -> Reply | None:
-        """Take a fresh message or tap before anybody is recognised.
+        """Take a message or tap before anybody is recognised; of one that is not fresh, what leaks.
 
         Returns:
             None: it is nothing of the doorstep's. Otherwise what to say, with buttons that are
@@ -89,7 +89,9 @@ class Joining:
             known = self._doorstep.knows(inbound.nonce)
             return await self._tapped(messenger, inbound) if known else None
         private = inbound.chat.kind is ChatKind.PRIVATE
-        if _may_hold_a_code(text, 0, READ_AT_MOST) is not None:
+        if private and inbound.standing is not Standing.FRESH:
+            return None
+        if _may_hold_a_code(text) is not None:
             if not private:
                 return await self._in_group(messenger, inbound, text)
             code = code_said(text)
@@ -121,17 +123,24 @@ class Joining:
         return Reply(shown, self._doorstep.offer(inbound, offered))
 
     async def _in_group(self, messenger: Messenger, inbound: Inbound, text: str) -> Reply | None:
-        """Burn every good code that a group was shown, and say the same about one that is none."""
+        """Burn every good code that a group was shown, and say the same about one that is none.
+
+        However it came to be shown: forwarded, edited in, posted by nobody in particular.
+        """
         if not codes_in(text):
             return None
         async with self._registry.changes.turn() as turn:
             said = await self._burnt(turn, inbound, text)
         if said is not None:
             self._registry.retracting.now(messenger, inbound.chat, inbound.message)
-        code = code_said(text) if text.lstrip().startswith("/") else None
+        asks = inbound.standing is Standing.FRESH and text.lstrip().startswith("/")
+        code = code_said(text) if asks else None
         if said is None and code is not None:
             said = self._enrolment.look(code, inbound.sender, private=False)  # type: ignore[assignment]  # never an invitation
-        return None if said is None else self._turned_away(said)
+        if said is None:
+            return None
+        reply = self._turned_away(said)
+        return SILENT if inbound.chat.kind is ChatKind.CHANNEL else reply  # nothing is said there
 
     async def _burnt(self, turn: Turn, inbound: Inbound, text: str) -> TurnedAway | None:
         burnt = None

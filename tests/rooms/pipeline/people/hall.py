@@ -20,7 +20,7 @@ from rosic.authoriser.highwater import HighWater
 from rosic.container.container import Containers
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
 from rosic.core.language import Do, Errand, Reader, Vocabulary
-from rosic.core.message import Button, ChatKind, Outbound
+from rosic.core.message import Button, ChatKind, Outbound, Standing
 from rosic.core.rate import RateLimit
 from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
 from rosic.core.roles import DEFAULT_ROLES, Grant, Role, Rulebook
@@ -307,16 +307,24 @@ class Hall:
         return principal
 
     async def say(
-        self, account: str, text: str, *, chat: str = "", kind: ChatKind = ChatKind.PRIVATE
+        self,
+        account: str,
+        text: str,
+        *,
+        chat: str = "",
+        kind: ChatKind = ChatKind.PRIVATE,
+        standing: Standing = Standing.FRESH,
     ) -> str:
         """Say something; return what was told in that chat because of it."""
         before = len(self.chat.told)
-        self.chat.say(text, account=account, chat=chat or account, kind=kind)
+        self.chat.say(text, account=account, chat=chat or account, kind=kind, standing=standing)
         await self.quiet()
         return self.told(chat or account, before)
 
-    async def in_group(self, account: str, text: str) -> str:
-        return await self.say(account, text, chat="g", kind=ChatKind.GROUP)
+    async def in_group(
+        self, account: str, text: str, *, standing: Standing = Standing.FRESH
+    ) -> str:
+        return await self.say(account, text, chat="g", kind=ChatKind.GROUP, standing=standing)
 
     def told(self, chat: str, before: int = 0) -> str:
         """Return what a chat was told, without the oldest ``before`` things told anywhere."""

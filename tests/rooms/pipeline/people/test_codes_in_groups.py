@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import asyncio
+import re
+
+import pytest
 from msgspec.structs import replace
 
 from rosic.authoriser import words_entry
 from rosic.authoriser.invitation import State
 from rosic.core.identity import Address
-from rosic.core.message import Chat, ChatKind
+from rosic.core.message import Chat, ChatKind, Standing
+from tests.pace import pace
 from tests.rooms.pipeline.people.hall import ADA, BO, CY, DI, BrokenStore, a_hall
+from tests.rooms.pipeline.place import Place
+
+CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
 
 
 async def test_a_code_in_a_group_is_burnt_and_the_admins_are_told() -> None:
@@ -34,6 +42,39 @@ async def test_every_code_of_a_message_in_a_group_is_burnt() -> None:
         found = [hall.enrolment.invitations.find(code) for code in codes]
         assert [made.state for made in found if made] == [State.BURNT] * 3
         assert hall.told(ADA).count("was shown in a group") == 3
+
+
+@pytest.mark.parametrize("standing", [s for s in Standing if s is not Standing.FRESH])
+async def test_a_code_is_burnt_however_a_group_came_to_read_it(standing: Standing) -> None:
+    async with a_hall() as hall:
+        code = await hall.invited("viewer")
+        assert await hall.in_group(CY, f"for Di: {code}", standing=standing) == words_entry.IN_GROUP
+        assert "was shown in a group" in hall.told(ADA)
+        assert await hall.say(DI, code) == words_entry.NOT_GOOD
+
+
+async def test_what_is_no_code_and_not_followed_gets_no_answer_and_counts_as_no_guess() -> None:
+    async with a_hall() as hall:
+        said = await hall.in_group(CY, "/start ABCD-0000", standing=Standing.FORWARDED)
+        assert said == "(Start)", "nobody is told anything about codes"
+        assert not hall.tally.by_kind()
+
+
+async def test_a_code_in_a_private_message_that_is_forwarded_stays_good() -> None:
+    async with a_hall() as hall:
+        code = await hall.invited("viewer")
+        await hall.say(DI, code, standing=Standing.FORWARDED)
+        assert hall.labels(DI) == []
+        await hall.say(DI, code)
+        assert "Join" in hall.labels(DI)
+
+
+async def test_a_code_is_found_behind_much_text_and_among_much_that_looks_like_one() -> None:
+    async with a_hall() as hall:
+        for before in ("The plan for today. " * 50, "2026-2027 2027-2028 " * 50, "\u2014 "):
+            code = (await hall.invited("viewer")).replace("-", "\u2013")
+            await hall.in_group(CY, before + code)
+            assert not hall.enrolment.invitations.open(), before[:20]
 
 
 async def test_a_group_does_not_learn_which_codes_are_good() -> None:
@@ -71,3 +112,24 @@ async def test_a_button_of_a_private_chat_is_dead_in_a_group() -> None:
         await hall.quiet()
         assert hall.chat.answers[-1] == ("t1", "This question was asked of somebody else.")
         assert hall.directory.at(Address("telegram", DI)) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "standing"),
+    [*((ChatKind.GROUP, s) for s in Standing), (ChatKind.CHANNEL, Standing.CHANNEL)],
+)
+async def test_a_whole_gateway_burns_a_code_that_many_read(
+    kind: ChatKind, standing: Standing
+) -> None:
+    async with Place().open() as place:
+        await place.say("/invite viewer for 2h", chat="1")
+        found = None
+        async with asyncio.timeout(60 * pace()):
+            while found is None:  # a thread draws the picture of its link
+                await asyncio.sleep(0.001)
+                found = CODE.search("\n".join(told.outbound.text for told in place.chat.told))
+        place.chat.say(f"for Di: {found[0]}", account="2", chat="g", kind=kind, standing=standing)
+        await place.quiet()
+        there = [told.outbound.text for told in place.chat.told if told.outbound.chat.id == "g"]
+        assert there == ([] if kind is ChatKind.CHANNEL else [words_entry.IN_GROUP])
+        assert any("was shown in a group" in told.outbound.text for told in place.chat.told)

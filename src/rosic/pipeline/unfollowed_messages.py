@@ -1,17 +1,22 @@
-"""A command that was typed anew over an old message: it changes nothing (I17), and says so once."""
+"""Messages that are not followed (I17): edited, forwarded, or posted by a channel.
+
+Whoever edits a command into an old message is told once that it does nothing. A code that a group
+reads in any of them is burnt all the same: that gives nobody anything.
+"""
 
 from __future__ import annotations
 
+import logging
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.language import Misunderstood
-from rosic.core.message import Button, Standing
+from rosic.core.message import Button, ChatKind, Standing
 from rosic.core.saying import said
 from rosic.errors import Refusal
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Awaitable, Callable
 
     from rosic.contracts.messenger import Messenger
     from rosic.core.language import Reader
@@ -27,8 +32,10 @@ KEPT: Final = 1_000
 """Messages about which something was said: each once, however often it is changed."""
 OFFERED_LETTERS: Final = 60
 
+log = logging.getLogger("rosic.pipeline")
 
-class EditedMessages:
+
+class UnfollowedMessages:
     """Answers whoever changes a message into a command, once for each message.
 
     Args:
@@ -36,16 +43,36 @@ class EditedMessages:
         reader: What a text says.
         replies: Says it.
         addressed: Whether a message is meant for ROSIC at all.
+        showed_a_code: Burns a code that a group has read, and says so; whether there was one.
     """
 
     def __init__(
-        self, rooms: Rooms, reader: Reader, replies: Replies, addressed: Callable[[Inbound], bool]
+        self,
+        rooms: Rooms,
+        reader: Reader,
+        replies: Replies,
+        addressed: Callable[[Inbound], bool],
+        showed_a_code: Callable[[Messenger, Inbound], Awaitable[bool]],
     ) -> None:
         self._rooms = rooms
         self._reader = reader
         self._replies = replies
         self._addressed = addressed
+        self._showed_a_code = showed_a_code
         self._answered: OrderedDict[tuple[str, str, str], None] = OrderedDict()
+
+    async def take(self, messenger: Messenger, inbound: Inbound) -> None:
+        """Take a message that is not followed. Never raises."""
+        private = inbound.chat.kind is ChatKind.PRIVATE
+        try:
+            burnt = not private and await self._showed_a_code(messenger, inbound)
+        except Refusal as refusal:
+            log.warning("a code that a group has read could not be burnt: %s", refusal)
+        except Exception:
+            log.exception("a message that is not followed could not be looked at")
+        else:
+            if not burnt:
+                self.answer(messenger, inbound)
 
     def answer(self, messenger: Messenger, inbound: Inbound) -> None:
         """Say, to somebody known, that a changed message does nothing. Never raises a refusal."""
