@@ -250,6 +250,17 @@ async def test_a_cancel_does_not_wait_for_its_chat() -> None:
         assert place.acted("cf2") == 0
 
 
+async def test_an_order_that_came_with_the_cancel_is_void() -> None:
+    """A poll brings both at one moment, and the cancel is obeyed before the order is read."""
+    async with Place().open() as place:
+        await _at_work(place)
+        place.chat.say("cancel")
+        place.chat.say("cf2 wave")
+        await place.quiet()
+        assert place.acted("cf2") == 0
+        assert _works(place) == ["cf1"]
+
+
 async def test_pause_holds_tasks_and_says_what_cannot_be_held() -> None:
     async with Place().open() as place:
         await _at_work(place)

@@ -307,6 +307,20 @@ async def test_a_claim_without_an_outcome_is_unknown_held_and_never_repeated() -
             assert "omni is stopped" in told
 
 
+async def test_a_robot_in_doubt_is_held_by_the_run_after_the_next_too() -> None:
+    """The order counts as settled then: only what holds the robot says that it is in doubt (I5)."""
+    store, latch = MemoryStore(), MemoryLatch()
+    async with Place(store, latch).open() as dies:
+        dies.robot("omni").work_s = 60.0
+        await dies.say("omni move 1 m")
+        async with Place(store, latch).open() as dies_too:
+            await dies_too.quiet()
+            assert not (await store.open()).unfinished
+            async with Place(store, latch).open() as place:
+                assert place.robot("omni").gate.latched
+                assert "omni is stopped" in await place.say("omni move 1 m", message="later")
+
+
 async def test_numbers_and_fences_go_on_after_a_restart() -> None:
     store = MemoryStore()
     async with Place(store).open() as place:
