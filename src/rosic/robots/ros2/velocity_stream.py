@@ -99,11 +99,12 @@ class VelocityStream:
 
     def _look(self, dead_man: DeadMan, now_ns: int) -> Break | None:
         measured = self._errand.side.measured
-        age_s = measured.age_s()
+        age_s, judged_s = measured.age_s() or 0.0, measured.judged_age_s()
         return dead_man.look(
             now_ns,
-            measured.judged_age_s(),
-            heard=age_s is not None and age_s <= measured.within_s,
+            judged_s,
+            # What was said together with the last word of what shows rest is no later word.
+            heard=age_s < (judged_s or 0.0) - measured.within_s / 4,
             there=self._publisher.listeners > 0,
             reborn=self._reborn(),
             rests=self.moved and measured.at_rest(self._begun_ns) is True,
