@@ -1,9 +1,10 @@
 """A wheeled base for tests: plain rclpy, driven by velocities, with a watchdog of half a second.
 
-Usage: base_node.py FILE [standby]. Every velocity that is not zero is appended to FILE as two times
-of the wall clock in ns: when it was sent, and when it was taken here; a stop service is there, too.
-Lines on standard input: ``odometry off`` and ``odometry on``, ``stuck`` (zero does not stop it any
-more), ``jump`` (it says that it is somewhere else). On standby it is a node alone until ``begin``.
+Usage: base_node.py FILE NAME [standby]. Every velocity that is not zero is appended to FILE as two
+times of the wall clock in ns: when it was sent, and when it was taken here; a stop service is
+there, too. Lines on standard input: ``odometry off`` and ``odometry on``, ``stuck`` (zero does not
+stop it any more), ``jump`` (it says that it is somewhere else). On standby it is a node alone until
+``begin``.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ JUMP_M = 5.0
 
 
 class Base:
-    """Under /base: cmd_vel, odom, battery, stop."""
+    """Under /NAME: cmd_vel, odom, battery, stop."""
 
     def __init__(self, node: RosObject, velocities: Path) -> None:
         self.tells = True
@@ -85,8 +86,8 @@ def tell(line: str) -> None:
 def main() -> None:
     signals: Any = import_module("rclpy.signals")
     rclpy.init(signal_handler_options=signals.SignalHandlerOptions.NO)
-    node = rclpy.create_node("base", namespace="/base")
-    if sys.argv[2:]:
+    node = rclpy.create_node("base", namespace=f"/{sys.argv[2]}")
+    if sys.argv[3:]:
         tell("ready")
         sys.stdin.readline()
     base = Base(node, Path(sys.argv[1]))
@@ -101,7 +102,7 @@ def main() -> None:
     over = threading.Event()
     spinning = threading.Thread(target=spin)
     spinning.start()
-    tell("begun" if sys.argv[2:] else "ready")
+    tell("begun" if sys.argv[3:] else "ready")
     for line in sys.stdin:
         base.obey(line.strip())
         tell(f"ok {line.strip()}")

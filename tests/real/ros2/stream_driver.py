@@ -1,6 +1,6 @@
 """A gateway's side in a process of its own, to be frozen: drives /base by velocities.
 
-Usage: stream_driver.py [WITHIN_S]: how old what shows rest may be.
+Usage: stream_driver.py WITHIN_S: how old what shows rest may be.
 
 Lines on standard input: ``drive SECONDS``, ``stop``, ``resume``, ``presence``. Says ``there``,
 ``driving`` once the robot is measured to move, ``ended ENDING NOTE``, ``rest CONFIRMED``.
@@ -54,7 +54,7 @@ async def stop(robot: TriedRobot) -> None:
 async def obey() -> None:
     loop, reader = asyncio.get_running_loop(), asyncio.StreamReader()
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
-    profile = base_profile(*map(float, sys.argv[1:]))
+    profile = base_profile(float(sys.argv[1]))
     async with opened(profile, SystemClock()) as robot, asyncio.TaskGroup() as tasks:
         await until(lambda: robot.presence().at_rest is not None)
         say("ready")

@@ -22,6 +22,12 @@ class Velocity(NamedTuple):
     taken_ns: int
 
 
+def velocities_in(file: Path) -> list[Velocity]:
+    """Return what a base has written down."""
+    lines = file.read_text().splitlines() if file.exists() else []
+    return [Velocity(*map(int, line.split())) for line in lines if len(line.split()) == 2]
+
+
 class Site:
     """A base and the gateway's side.
 
@@ -40,18 +46,16 @@ class Site:
 
     def begin_base(self) -> RosProcess:
         """Start the robot's side, anew."""
-        self.base = self._graph.start(HERE / "base_node.py", self._file)
+        self.base = self._graph.start(HERE / "base_node.py", self._file, "base")
         return self.base
 
     def heir(self) -> RosProcess:
         """Return one that is ready to take the robot's side's place, once told to begin."""
-        return self._graph.start(HERE / "base_node.py", self._file, "standby")
+        return self._graph.start(HERE / "base_node.py", self._file, "base", "standby")
 
     def velocities(self, since_ns: int = 0) -> list[Velocity]:
         """Return those that the robot has taken since a time."""
-        lines = self._file.read_text().splitlines() if self._file.exists() else []
-        found = [Velocity(*map(int, line.split())) for line in lines if len(line.split()) == 2]
-        return [velocity for velocity in found if velocity.taken_ns >= since_ns]
+        return [velocity for velocity in velocities_in(self._file) if velocity.taken_ns >= since_ns]
 
     def drive(self, seconds: float, before_s: float) -> None:
         """Drive, and return so many seconds after it was measured to move."""
