@@ -7,8 +7,9 @@ from math import hypot, isfinite, pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.robots.ros2.faults import BadName, BadValue
+from rosic.robots.ros2.faults import BadValue
 from rosic.robots.ros2.reading import Plain, Reader, compile_path
+from rosic.robots.ros2.rest_reading import RestReading, numbers
 from rosic.robots.ros2.text import clean_text
 
 if TYPE_CHECKING:
@@ -79,8 +80,7 @@ class Measurements:
         self._places: list[tuple[Latest, tuple[Reader, ...]]] = []
         self.sources: dict[tuple[str, str], Latest] = {}
         self._values: list[_Value] = []
-        self._rest: Latest | None = None
-        self._speeds: dict[str, Reader] = {}
+        self._rest: RestReading | None = None
         self._cut_ns = 0
         self._awake_ns: int | None = None
         self._awake: asyncio.Task[None] | None = None
@@ -107,13 +107,8 @@ class Measurements:
         if at_rest is None:
             return
         self._awake = asyncio.create_task(self._stay_awake())
-        self._rest = await self._source(runtime, at_rest.topic, at_rest.type)
-        cls = runtime.types.message(at_rest.type)
-        for path in at_rest.fields:
-            read = compile_path(cls, path)
-            if read.shape not in {"number", "list"}:
-                raise BadName(f"{path} of {at_rest.type} holds no number.")
-            self._speeds[path] = read
+        source = await self._source(runtime, at_rest.topic, at_rest.type)
+        self._rest = RestReading(at_rest, source, runtime.types.message(at_rest.type))
 
     async def close(self) -> None:
         """Subscribe no more."""
@@ -152,11 +147,8 @@ class Measurements:
         return self._profile.link.heartbeat_s
 
     def judged_age_s(self) -> float | None:
-        """Return for how long that was not heard which `within_s` is about; None: it never was."""
-        if self._rest is None:
-            return self.age_s()
-        sent_ns = self._rest.sent_ns
-        return None if sent_ns is None else (self._clock.monotonic_ns() - sent_ns) / _NS
+        """Return for how long that was not measured which `within_s` is about; None: never yet."""
+        return self.age_s() if self._rest is None else self._rest.age_s(self._clock.monotonic_ns())
 
     def stale_ns(self) -> int:
         """Return when something was measured that is too old to speak of now."""
@@ -175,7 +167,7 @@ class Measurements:
     @property
     def births(self) -> int:
         """How often what shows rest, or else anything that is heard, has begun anew."""
-        heard = self.sources.values() if self._rest is None else (self._rest,)
+        heard = self.sources.values() if self._rest is None else (self._rest.source,)
         return sum(source.senders.births for source in heard)
 
     def place(self) -> Placed | None:
@@ -187,7 +179,7 @@ class Measurements:
             except BadValue:
                 continue
             if message is not None:
-                x_m, y_m, *speeds = (_numbers(read(message))[0] for read in readers)
+                x_m, y_m, *speeds = (numbers(read(message))[0] for read in readers)
                 known = all(map(isfinite, (x_m, y_m, *speeds)))
                 return Placed(x_m, y_m, hypot(*speeds), at_ns, births) if known else None
         return None
@@ -220,7 +212,7 @@ class Measurements:
         """Tell whether the newest message says rest.
 
         None: it was not sent after ``since_ns``, or not after the last break. A number that is
-        missing, or not finite, is not rest.
+        missing, or not finite, is not measured: neither rest nor motion.
         """
         return self._still(since_ns, ())
 
@@ -231,19 +223,10 @@ class Measurements:
         return self._still(since_ns, apart) if apart else None
 
     def _still(self, since_ns: int, left_out: tuple[str, ...]) -> bool | None:
-        source, at_rest = self._rest, self._profile.at_rest
-        if source is None or at_rest is None:
-            return None
         self._look_awake()
-        if (source.sent_ns or 0) <= max(since_ns, self._cut_ns, source.senders.born_ns):
+        if self._rest is None:
             return None
-        readers = [read for path, read in self._speeds.items() if path not in left_out]
-        try:
-            message = source.message()
-            speeds = [speed for read in readers for speed in _numbers(read(message))]
-        except BadValue:
-            return None
-        return bool(speeds) and all(abs(speed) <= at_rest.below for speed in speeds)
+        return self._rest.still(max(since_ns, self._cut_ns), left_out)
 
     async def next_word(self, timeout_s: float) -> None:
         """Wait until the topic that shows rest says something, at most so long."""
@@ -251,7 +234,7 @@ class Measurements:
             await asyncio.sleep(timeout_s)
             return
         try:
-            await self._rest.newer(self._rest.received, timeout_s=timeout_s)
+            await self._rest.source.newer(self._rest.source.received, timeout_s=timeout_s)
         except TimeoutError:
             return
 
@@ -277,12 +260,3 @@ def _shown(value: Plain | None, factor: float) -> float | str | None:
     if isinstance(value, (bool, int, float)) and isfinite(value):
         return float(value) * factor
     return None
-
-
-def _numbers(value: Plain) -> list[float]:
-    """Return a number, or a list of numbers, as numbers; NaN is larger than any bound."""
-    entries = value if isinstance(value, list) else [value]
-    return [
-        float(entry) if isinstance(entry, (int, float)) and isfinite(entry) else float("inf")
-        for entry in entries
-    ]

@@ -1,0 +1,84 @@
+"""What the newest message of a topic says of rest, and what keeps it from saying it (I7)."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from rosic.robots.ros2.faults import BadName, BadValue
+from rosic.robots.ros2.reading import Plain, compile_path
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.core.robot import AtRest
+    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.ros2.topics import Latest
+
+_NS = 1_000_000_000
+
+
+class RestReading:
+    """One robot's.
+
+    Attributes:
+        source: The topic.
+    """
+
+    def __init__(self, at_rest: AtRest, source: Latest, cls: RosObject) -> None:
+        """Check the fields.
+
+        Raises:
+            BadName: One of them does not exist, or holds no number.
+        """
+        self.source = source
+        self._below = at_rest.below
+        self._speeds = {path: compile_path(cls, path) for path in at_rest.fields}
+        self._read_ns: int | None = None
+        for path, read in self._speeds.items():
+            if read.shape not in {"number", "list"}:
+                raise BadName(f"{path} of {at_rest.type} holds no number.")
+
+    def still(self, since_ns: int = 0, left_out: Iterable[str] = ()) -> bool | None:
+        """Tell whether the newest message says rest.
+
+        Args:
+            since_ns: What was not sent after it says nothing.
+            left_out: Fields that do not count.
+
+        Returns:
+            None where that is not measured: a number that is missing, or is not finite, is neither
+            rest nor motion.
+        """
+        sent_ns, born_ns = self.source.sent_ns or 0, self.source.senders.born_ns
+        speeds = self._read() if sent_ns > max(since_ns, born_ns) else None
+        if speeds is None:
+            return None
+        counted = [numbers for path, numbers in speeds.items() if path not in left_out]
+        return all(abs(speed) <= self._below for numbers in counted for speed in numbers)
+
+    def age_s(self, now_ns: int) -> float | None:
+        """Return for how long rest, or the lack of it, was not measured; None: it never was."""
+        self._read()
+        return None if self._read_ns is None else (now_ns - self._read_ns) / _NS
+
+    def _read(self) -> dict[str, list[float]] | None:
+        """Return every number of the newest message, by field; None unless all can be read."""
+        sent_ns = self.source.sent_ns
+        try:
+            message = self.source.message()
+            if message is None:
+                return None
+            found = {path: numbers(read(message)) for path, read in self._speeds.items()}
+        except BadValue:
+            return None
+        if not all(entries and all(map(isfinite, entries)) for entries in found.values()):
+            return None
+        self._read_ns = sent_ns
+        return found
+
+
+def numbers(value: Plain) -> list[float]:
+    """Return a number, or a list of numbers, as numbers; what is none is NaN."""
+    entries = value if isinstance(value, list) else [value]
+    return [float(entry) if isinstance(entry, (int, float)) else float("nan") for entry in entries]

@@ -1,0 +1,88 @@
+"""Nothing is said of rest or motion that was not measured (I7), whatever a robot's side sends."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+from msgspec.structs import replace
+
+from rosic.core.order import Ending, Stop
+from rosic.core.robot import AtRest
+from rosic.errors import RobotOffline, RobotUnreachable
+from rosic.system import SystemClock
+from tests.real.ros2.base_profile import base_profile
+from tests.real.ros2.simulated import opened, until
+
+if TYPE_CHECKING:
+    from rosic.core.robot import Profile
+    from rosic.core.skill import Argument
+    from rosic.testing.ros2.graph import RosGraph, RosProcess
+
+NODE = Path(__file__).with_name("doubtful_node.py")
+SLOWLY: dict[str, Argument] = {"linear": 0.2, "duration": 1.0}
+LONG: dict[str, Argument] = {"linear": 0.2, "duration": 20.0}
+
+
+@pytest.fixture
+def base(graph: RosGraph) -> RosProcess:
+    return graph.start(NODE)
+
+
+def profile() -> Profile:
+    return replace(base_profile(), rest_timeout_s=2.0)
+
+
+async def told(base: RosProcess, line: str) -> int:
+    """Tell the base something; return how many velocities it has had so far."""
+    base.say(line)
+    return int(await asyncio.to_thread(base.expect, "ok"))
+
+
+# ---- numbers that are missing, or are none ----
+
+
+def by_joints() -> Profile:
+    rest = AtRest(
+        topic="/base/joints", type="sensor_msgs/msg/JointState", field="velocity", below=0.005
+    )
+    return replace(profile(), at_rest=rest)
+
+
+async def test_joints_without_velocities_are_neither_rest_nor_motion(base: RosProcess) -> None:
+    await told(base, "joints=empty")
+    async with opened(by_joints(), SystemClock()) as robot:
+        await until(lambda: robot.presence().online is True)
+        assert robot.presence().at_rest is None
+        assert not robot.presence().moves
+        with pytest.raises(RobotOffline, match="whether it rests cannot be measured now"):
+            await robot.do("drive", SLOWLY)
+        assert await told(base, "velocities") == 0, "nothing was sent"
+        await told(base, "joints=full")
+        await until(lambda: robot.presence().at_rest is True)
+        assert (await robot.do("drive", SLOWLY)).ending is Ending.DONE
+
+
+async def test_a_velocity_that_is_no_number_is_neither_rest_nor_motion(base: RosProcess) -> None:
+    async with opened(profile(), SystemClock()) as robot:
+        await told(base, "twist=nan")
+        await until(lambda: robot.presence().at_rest is None)
+        with pytest.raises(RobotOffline, match="whether it rests cannot be measured now"):
+            await robot.do("drive", SLOWLY)
+        assert await told(base, "velocities") == 0, "nothing was sent"
+        rest = await robot.stop(Stop("base", 1))
+        assert not rest.confirmed
+        assert not robot.presence().moves
+
+
+async def test_a_drive_is_broken_off_once_its_motion_is_not_measured(base: RosProcess) -> None:
+    async with opened(profile(), SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is True)
+        running = asyncio.create_task(robot.do("drive", LONG))
+        await until(lambda: robot.presence().at_rest is False or running.done())
+        await told(base, "twist=nan")
+        with pytest.raises(RobotUnreachable, match="whether it rests could not be measured") as why:
+            await running
+        assert "then its motion was not measured for 1." in str(why.value)
