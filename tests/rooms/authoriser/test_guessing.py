@@ -11,6 +11,7 @@ import pytest
 from rosic.authoriser import words_entry as words
 from rosic.authoriser.admission import Answer, Redeemed, TurnedAway
 from rosic.authoriser.codes import new_code
+from rosic.authoriser import words_entry
 from rosic.authoriser.guessing import ADDRESSES_AT_MOST, Guessing, GuessLimits
 from rosic.testing.clock import SeededEntropy
 from tests.rooms.authoriser.office import DI, Office, account
@@ -87,7 +88,7 @@ async def test_guesses_of_many_accounts_leave_each_fewer_tries_and_shut_nobody_o
     assert found == {"code-unknown": 4_000, "code-paused": 6_000}
     # The admins hear of it once.
     alarms = [answer.alarm for answer in answers if answer.alarm is not None]
-    assert len(alarms) == 1
+    assert len(alarms) == office.tally["code-breaker"] == 1
     assert alarms[0].sentence.startswith("50 wrong codes came in within 60 minutes: somebody may")
     # Whoever has a code gets in, with a slip of a finger, too.
     assert away(await office.redeem("0000-0000")).kind == "code-unknown"
@@ -148,6 +149,14 @@ async def test_wrong_codes_in_groups_count(office: Office) -> None:
     for number, guess in enumerate(guesses(49)):
         await office.redeem(guess, account(number), private=False)
     assert away(await office.redeem("0000-0000", private=False)).alarm is not None
+
+
+async def test_whoever_guesses_in_a_group_is_told_the_same_before_a_pause_and_in_it(
+    office: Office,
+) -> None:
+    told = [away(await office.redeem(guess, private=False)) for guess in guesses(7)]
+    assert [each.kind for each in told] == ["code-unknown"] * 5 + ["code-paused"] * 2
+    assert {each.sentence for each in told} == {words_entry.IN_GROUP}
 
 
 async def test_limits_are_settings() -> None:

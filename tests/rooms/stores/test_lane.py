@@ -215,3 +215,42 @@ async def test_a_call_comes_after_what_was_urgent_before_it() -> None:
     lane.drop("!")
     assert await lane.call(lambda: list(desk.groups)) == [["!"]]
     await lane.stop()
+
+
+class Later(Slow):
+    """What is urgent it can only do when it is asked once more."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked_again = threading.Event()
+
+    def settle(self, jobs: list[Job[str]]) -> bool:
+        super().settle(jobs)
+        if not jobs:
+            self.asked_again.set()
+        return any(job.content.startswith("!") for job in jobs)
+
+
+async def test_what_is_urgent_is_tried_again_soon_though_a_call_came_right_behind_it() -> None:
+    desk = Later()
+    lane = desk.urgent_lane(queue_max=5)
+    first = asyncio.ensure_future(lane.put("first"))
+    await asyncio.to_thread(desk.begun.wait, 10)
+    assert lane.drop("!urgent")
+    called = asyncio.ensure_future(lane.call(lambda: None))
+    await asyncio.sleep(0)
+    desk.go.set()
+    await asyncio.gather(first, called)
+    assert await asyncio.to_thread(desk.asked_again.wait, 60 * pace()), "nothing else comes"
+    assert desk.groups[:2] == [["first"], ["!urgent"]]
+    await lane.stop()
+
+
+async def test_a_lane_that_was_not_begun_takes_nothing_and_ends_at_once() -> None:
+    desk = Desk()
+    lane: Lane[str] = Lane("desk", desk.settle, finish=desk.finish, group_max=10, queue_max=5)
+    with pytest.raises(StoreFault, match="closed"):
+        await lane.put("early")
+    assert not lane.drop("early")
+    await lane.stop()
+    assert desk.groups == []
