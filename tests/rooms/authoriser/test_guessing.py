@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from rosic.authoriser import words_entry
 from rosic.authoriser import words_entry as words
 from rosic.authoriser.admission import Answer, Redeemed, TurnedAway
 from rosic.authoriser.codes import new_code
-from rosic.authoriser import words_entry
 from rosic.authoriser.guessing import ADDRESSES_AT_MOST, Guessing, GuessLimits
 from rosic.testing.clock import SeededEntropy
 from tests.rooms.authoriser.office import DI, Office, account
