@@ -13,7 +13,7 @@ halt HALT! stopp stop-stop freeze st0p
 """
 
 LANGUAGES = {
-    "German": "halt stopp anhalten",
+    "German": "halt stopp anhalten notaus nothalt Notstopp aufhören",
     "French": "arrête arrete ARRÊTEZ arrêtes arrêt arret ARRÊT! halte",
     "Spanish": "alto para pare parar detente ¡ALTO!",
     "Portuguese": "para pare parar pará",
@@ -60,6 +60,12 @@ SAID_KINDLY = [
     "could you please stop", "everybody stop", "please, all robots stop now", "stop them all",
     "stop immediately", "stop stop stop", "halt sofort", "стоп пожалуйста", "stop " * 200,
     "somebody stop", "watch out, STOP", "oh no! stop!!!", "stop_it", "STOPIT", "stopall",
+    "not-aus", "NOT-HALT!", "Not aus", "not-stopp", "hör auf", "Hört auf!", "hoer auf jetzt",
+    "bitte hör sofort auf", "hören Sie auf", "bleib stehen", "emergency off", "acil duruş",
+    "parada de emergencia", "arresto di emergenza", "hou op", "hold op", "noodstop", "nødstop",
+    "hätäseis", "аварийная остановка", "хватит", "nouzové zastavení", "急停",
+    "紧急停止", "緊急停止", "非常停止", "やめて", "비상정지", "그만", "बंद करो",
+    "Notaus, alle Roboter", "vorsicht: not-aus",
     "stop omni and everything", "@lab_robots_bot stop", "stop @lab_robots_bot", "stop omni, all!",
 ]  # fmt: skip
 SLIPS = """
@@ -116,6 +122,11 @@ def test_a_stop_is_understood_in(language: str, words: str) -> None:
         ("/stop_omni", ("omni",)),
         ("somebody stop omni", ("omni",)),
         ("omni move 1 m, stop omni", ("omni",)),
+        ("notaus omni", ("omni",)),
+        ("omni not-aus", ("omni",)),
+        ("not-halt omni!", ("omni",)),
+        ("omni, hör bitte auf", ("omni",)),
+        ("hör auf omni", ("omni",)),
         ("omni stop it is going to fall", ("omni", "going", "fall")),
     ],
 )
@@ -132,7 +143,9 @@ def test_names_beside_a_stop_are_kept(
         "never stop", "dont stop omni", "non stop", "omni move 1 m then stop", "omni move 1 m",
         "we should not stop", "let us talk about the next stop on the way", "status", "start",
         "omni move forward 0.5", "unstoppable", "halting problem", "nonstop", "stopwatch", "salty",
-        "不要停止", "nicht stoppen", "omni turn left", "hold", "help", "home", "shops", "50",
+        "不要停止", "nicht stoppen", "do not halt omni", "hör nicht auf",
+        "nicht aufhören", "seis", "not", "hör", "der Notausgang ist links", "should it not aus",
+        "omni turn left", "hold", "help", "home", "shops", "50",
         "half a m", "a long day, a full stop", "wait there, don't stop",
         "It was a long day and in the evening we came to a stop and had a rest, all of us together",
         "stop" * 30, "?", "👋", "👍", "قفز", "停车场",

@@ -35,7 +35,21 @@ _STRONG = """
     dừng ngừng ngưng หยุด berhenti hentikan simama tigil itigil hinto
     sustok apstājies peatu ndal ndalo dayan застани запри тоқта зогс կանգնիր გაჩერდი
     थांबा थांब ਰੁਕੋ રોકો થોભો ನಿಲ್ಲಿಸಿ ನಿಲ್ಲು നിർത്തുക നിർത്തൂ ရပ် ឈប់ ຢຸດ ቁም አቁም
+    notaus nothalt notstopp notstop aufhören aufhoeren noodstop nødstopp nødstop nödstopp hätäseis
+    sluta przestań přestaň prestaň хватит перестань припини vészleállás
+    急停 紧急停止 緊急停止 非常停止 紧急停机 紧急停车 住手 やめて やめろ
+    비상정지 긴급정지 그만 그만해
     🛑 ✋ ⛔ ⏹ 🤚 🖐 🚫
+"""
+
+# What does so in several words, with what goes along between them.
+_PHRASES = """
+    not aus, not halt, not stopp, emergency off
+    hör auf, hoer auf, hört auf, hoert auf, hören sie auf,
+    bleib stehen, bleibt stehen, stehen bleiben,
+    parada de emergencia, paro de emergencia, paragem de emergencia
+    arresto di emergenza, arresto d emergenza, hou op, houd op, hold op
+    nouzové zastavení, аварийная остановка, аварійна зупинка, acil duruş, बंद करो
 """
 
 # Ordinary words besides: they stop alone, or together with names and with what goes along.
@@ -98,7 +112,16 @@ def _misspelt(word: str) -> set[str]:
     return out - {word}
 
 
-STRONG = _folded(_STRONG)
+PHRASES = tuple(
+    tuple(fold_stop(word) for word in phrase.split())
+    for phrase in _PHRASES.replace("\n", ",").split(",")
+    if phrase.strip()
+)
+BEGINNING = frozenset(phrase[0] for phrase in PHRASES)
+"""What each of those begins with."""
+# In English it is the opposite of what follows, so it only counts where a line or a name begins it.
+DOUBTFUL = "not"
+STRONG = _folded(_STRONG) | {"".join(phrase) for phrase in PHRASES}
 WEAK = _folded(_WEAK)
 STOPPING = STRONG | WEAK
 SHORTENED = frozenset(map(shorten, STRONG))

@@ -15,9 +15,12 @@ from typing import TYPE_CHECKING
 from rosic.core.language.cleaning import is_plain, normalised
 from rosic.core.language.stop_words import (
     ALONG,
+    BEGINNING,
+    DOUBTFUL,
     EVERYTHING,
     MISSPELT,
     MISSPELT_OF,
+    PHRASES,
     SHORTENED,
     STOPPING,
     STRONG,
@@ -96,6 +99,7 @@ def _heard_ascii(line: str, known: Container[str]) -> tuple[str, ...] | None:
         if (
             STOPPING.isdisjoint(words)
             and MISSPELT.isdisjoint(words)
+            and BEGINNING.isdisjoint(words)
             and not _TRIPLE.search(line)
             and (len(words) > len("stop") or "".join(words) not in STRONG)
         ):
@@ -127,6 +131,8 @@ def _heard_whole(line: str, known: Container[str]) -> tuple[str, ...] | None:
         words = [word for part in parted for word in part if word]
     folded = [fold_stop(word) for word in words]
     folded = [w if w in STOPPING or not _TRIPLE.search(w) else _unstretched(w) for w in folded]
+    if not BEGINNING.isdisjoint(folded):
+        words, folded = _phrased(words, folded, known)
     if "".join(folded) in STRONG:  # s t o p
         return ()
     stops = [at for at, word in enumerate(folded) if word in STOPPING]
@@ -135,6 +141,37 @@ def _heard_whole(line: str, known: Container[str]) -> tuple[str, ...] | None:
     if not stops:
         return _heard_misspelt(words, folded, known)
     return _heard_exact(words, folded, stops, known)
+
+
+def _phrased(
+    words: list[str], folded: list[str], known: Container[str]
+) -> tuple[list[str], list[str]]:
+    """Return the words with what means stop in several of them made one: ``not aus``."""
+    raw: list[str] = []
+    one: list[str] = []
+    at = 0
+    while at < len(folded):
+        doubted = folded[at] == DOUBTFUL and at > 0 and words[at - 1] not in known
+        phrase, end = (folded[at], at + 1) if doubted else _phrase_at(folded, at)
+        raw.append(words[at])
+        one.append(phrase)
+        at = end
+    return raw, one
+
+
+def _phrase_at(folded: list[str], at: int) -> tuple[str, int]:
+    """Return the phrase that begins here as one word, and its end; else the word that is here."""
+    for phrase in PHRASES:
+        end = at
+        for word in phrase:
+            while at < end < len(folded) and folded[end] != word and folded[end] in ALONG:
+                end += 1
+            if end == len(folded) or folded[end] != word:
+                break
+            end += 1
+        else:
+            return "".join(phrase), end
+    return folded[at], at + 1
 
 
 def _beginning(line: str) -> str:
