@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.authoriser.buttons import OPEN
 from rosic.container.letters import Answer
-from rosic.core.language import clean
+from rosic.core.language import clean, hears_stop
 from rosic.core.message import Button, ChatKind, Outbound, Weight
 from rosic.core.rate import Bucket, RateLimit
-from rosic.core.saying import in_language, said
+from rosic.core.saying import in_language, joined, said
 from rosic.errors import Refusal, Repeated
 from rosic.pipeline.arrears import Arrears
 from rosic.pipeline.command_words import offered
@@ -53,6 +53,15 @@ AGAIN_NS = 600_000_000_000
 """Whoever is unknown and goes on writing is told so again after so long, and no sooner."""
 
 
+STOP_AT_MOST = 64
+"""Letters of a stranger's message in which a stop is sought: nothing is paid for longer ones."""
+NOTHING_STOPPED = said(
+    "I do not know you, so I stopped nothing. Use the stop button of the robot itself, or ask the "
+    "admin here."
+)
+ENDED_STOPPED_NOTHING = said("I stopped nothing. Use the stop button of the robot itself.")
+
+
 Bind: TypeAlias = "Callable[[Button, Caller, Chat], Button]"
 
 
@@ -78,7 +87,7 @@ class Replies:
         self._clock = clock
         self.arrears = Arrears(teller, clock)
         self._strangers = Bucket(STRANGERS, clock.monotonic_ns())
-        self._turned_away: OrderedDict[Address, int] = OrderedDict()
+        self._turned_away: OrderedDict[tuple[Address, bool], int] = OrderedDict()
 
     def say(self, messenger: Messenger, inbound: Inbound, text: str) -> None:
         """Answer without buttons."""
@@ -195,16 +204,25 @@ class Replies:
             self._teller.say(note)
 
     def turn_away(self, messenger: Messenger, inbound: Inbound, sentence: str) -> None:
-        """Answer a stranger in private, once and not again soon; all strangers share one bucket."""
+        """Answer a stranger in private, once and not again soon; all strangers share one bucket.
+
+        That their stop stopped nothing is said to them whatever they were told before, likewise.
+        """
         who, now_ns = inbound.sender, self._clock.monotonic_ns()
-        silent = now_ns < self._turned_away.get(who, 0)
+        stops = _is_short_stop(inbound)
+        told = who, stops
+        silent = now_ns < self._turned_away.get(told, 0)
         if inbound.chat.kind is not ChatKind.PRIVATE or silent or self._strangers.take(now_ns):
             return
-        if self._authoriser.directory.at(who) is None:  # and not somebody whose access has ended
-            self._turned_away[who] = now_ns + AGAIN_NS
-            self._turned_away.move_to_end(who)
+        unknown = self._authoriser.directory.at(who) is None
+        if unknown:  # and not somebody whose access has ended
+            self._turned_away[told] = now_ns + AGAIN_NS
+            self._turned_away.move_to_end(told)
             if len(self._turned_away) > STRANGERS_KEPT:
                 self._turned_away.popitem(last=False)
+        if stops:
+            ended = joined(" ", (ENDED_STOPPED_NOTHING, sentence))
+            sentence = NOTHING_STOPPED if unknown else ended
         self.say(messenger, inbound, sentence)
 
     async def redeem(self, messenger: Messenger, inbound: Inbound, caller: Caller) -> Redeemed:
@@ -222,6 +240,11 @@ class Replies:
             raise Repeated(refusal.sentence) from refusal
         await messenger.answer_tap(inbound, "")
         return redeemed
+
+
+def _is_short_stop(inbound: Inbound) -> bool:
+    heard = inbound.text if inbound.nonce is None else inbound.nonce
+    return len(heard) <= STOP_AT_MOST and hears_stop(heard) is not None
 
 
 def ask_for_it() -> str:

@@ -84,7 +84,7 @@ class StopLane:
 
     async def stop(
         self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...], own_of: OwnOf
-    ) -> None:
+    ) -> bool:
         """Stop now; tell when rest was measured. On return every adapter has been told to stop.
 
         And the latch is on disk, or cannot be written: a messenger confirms a message when this
@@ -99,6 +99,10 @@ class StopLane:
             names: As `hears_stop` returns them.
             own_of: Returns the robots whose order, under way or waiting, is somebody's own and was
                 meant by this stop: whoever stops their own order may let that robot go on again.
+
+        Returns:
+            Whether that is all there is to say: not to a stranger, who has to hear that nothing was
+            stopped.
         """
         if inbound.tap:
             self._spawn(messenger.answer_tap(inbound, ""))
@@ -106,7 +110,7 @@ class StopLane:
         visible = visible or await self._company.ask(messenger, inbound)
         robots, _ = self._vocabulary.to_stop(names, visible)
         if not robots:
-            return
+            return bool(by) or is_unnamed(inbound)
         halting = self.stop_robots(robots, by, own_of(by) if by else ())
         where = (messenger.name, inbound.chat.id)
         if self._answering[where] < ANSWERS_AT_MOST:
@@ -115,6 +119,7 @@ class StopLane:
         patience = asyncio.create_task(self._clock.sleep(LATCH_WITHIN_S))
         await asyncio.wait((halting.latched, patience), return_when=asyncio.FIRST_COMPLETED)
         patience.cancel()
+        return True
 
     def stop_robots(
         self, robots: tuple[RobotId, ...], by: PrincipalId, own: Collection[RobotId] = ()

@@ -35,9 +35,10 @@ class UrgentLane:
         if isinstance(urgent, Cancel):
             return await self._cancels.cancel(messenger, inbound, names)
         own_of = partial(self._lives.shown_in, where, under)
-        await self._stop_lane.stop(messenger, inbound, names, own_of if under else _nobodys)
+        own = own_of if under else _nobodys
+        answered = await self._stop_lane.stop(messenger, inbound, names, own)
         heard = inbound.text if inbound.nonce is None else inbound.nonce
-        return "\n" not in heard.strip()
+        return answered and "\n" not in heard.strip()
 
 
 def _nobodys(_principal: str) -> tuple[str, ...]:

@@ -299,3 +299,32 @@ async def test_a_stranger_is_told_once_and_not_again_soon() -> None:
         await place.clock.advance(600.0)
         assert "I do not know you yet" in await stranger_says(place, "hello")
         assert place.acted() == 0
+
+
+async def test_a_stranger_hears_that_nothing_was_stopped_whatever_was_said_before() -> None:
+    nothing = (
+        "I do not know you, so I stopped nothing. Use the stop button of the robot itself, or ask "
+        "the admin here."
+    )
+    async with Place().open() as place:
+        assert "I do not know you yet" in await stranger_says(place, "hello")
+        assert await stranger_says(place, "STOP!") == nothing
+        for text in ("stop", "stop omni", "notaus", "hello"):
+            await place.clock.advance(60.0)
+            assert await stranger_says(place, text) == "", "once, and not again soon"
+        await place.clock.advance(600.0)
+        assert await stranger_says(place, "hör auf") == nothing
+        assert not any(robot.gate.latched for robot in place.gateway.robots.values())
+
+
+async def test_whose_access_has_ended_hears_that_nothing_was_stopped() -> None:
+    async with Place().open() as place:
+        await place.gateway.revoke(place.gateway.rooms.authoriser.directory.named("Bo")[0].id, "op")
+        await place.say("resume all")
+        told = await place.say("stop", account=BO, chat=BO)
+        assert told == (
+            "I stopped nothing. Use the stop button of the robot itself. Your access here has "
+            "ended. The admin of this place can renew it."
+        )
+        assert await place.say("stop", account=BO, chat="g", kind=ChatKind.GROUP) == ""
+        assert not any(robot.gate.latched for robot in place.gateway.robots.values())
