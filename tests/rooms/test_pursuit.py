@@ -131,11 +131,12 @@ async def test_where_rest_is_not_measured_it_is_told_again_only_when_it_comes_ba
     await stopped(place)
     await place.pass_s(60)
     assert place.told == 1
-    place.robot.online = False
-    await place.pass_s(EVERY_S)
-    place.robot.online = True
-    await place.pass_s(60)
-    assert place.told == 2
+    for times in (2, 3):
+        place.robot.online = False
+        await place.pass_s(EVERY_S)
+        place.robot.online = True
+        await place.pass_s(60)
+        assert place.told == times
 
 
 async def test_a_later_stop_takes_over(place: Place) -> None:

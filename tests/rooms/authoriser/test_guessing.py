@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from rosic.authoriser import words_entry
 from rosic.authoriser import words_entry as words
 from rosic.authoriser.admission import Answer, Redeemed, TurnedAway
 from rosic.authoriser.codes import new_code
@@ -156,7 +155,7 @@ async def test_whoever_guesses_in_a_group_is_told_the_same_before_a_pause_and_in
 ) -> None:
     told = [away(await office.redeem(guess, private=False)) for guess in guesses(7)]
     assert [each.kind for each in told] == ["code-unknown"] * 5 + ["code-paused"] * 2
-    assert {each.sentence for each in told} == {words_entry.IN_GROUP}
+    assert {each.sentence for each in told} == {words.IN_GROUP}
 
 
 async def test_limits_are_settings() -> None:
