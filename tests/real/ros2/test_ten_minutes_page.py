@@ -79,8 +79,10 @@ async def speak(folder: Path, page: list[Block], server: FakeTelegram) -> None:
         await asyncio.to_thread(running.wait_for, "?start=")
         found = CODE.search(running.shown)
         assert found, running.shown
-        for what, then in pairs(taps):
-            if what == "CODE":
+        head, *steps = pairs(taps)
+        assert head == ("you", "then you see")
+        for what, then in steps:
+            if what == "START":
                 server.say(ada, ada, f"/start {found[0]}")
             elif what.startswith('"'):
                 server.say(ada, ada, what.strip('"'))
