@@ -43,12 +43,17 @@ STEP_S: Final = 0.020
 SIGNS: Final = (
     "\ufdfa\n", "\ufdfa", "\u3316\n", "stop \ufdfa", "@x a\n", "\U0001f6d1x\n", "/start A-B\n",
 )  # fmt: skip
-"""What each message of a flood is made of, over and over, in turns."""
+"""What a message of a flood is made of, over and over, in turns."""
+NAMED: Final = "\n".join(f"@b{number}bot " + "\u3316 " * 12 + str(number) for number in range(300))
+"""Each line is to another bot and unlike all others, and of signs that are six letters each."""
+TEXTS: Final = (*((sign * LONGEST)[:LONGEST] for sign in SIGNS), NAMED[:LONGEST])
+CHANNELS: Final = 10
 METHOD: Final = (
     "A gateway with its record and its latch on disk receives from a stand-in for the Bot API in a "
     "process of its own, through the real listener. {samples} stops of an admin, and in turns as "
-    "many right behind a flood: {flood} private messages of {longest} characters from accounts "
-    "that nobody knows ({worst}). Times run from the moment the admin's message is given to the "
+    "many right behind a flood of {flood} messages of {longest} characters ({worst}, or each line "
+    "to another bot): of one account that nobody knows, of many, or in channels of theirs. Times "
+    "run from the moment the admin's message is given to the "
     "stand-in until the robot's adapter is told to stop. The floods are sent by the same process. "
     "Event loop: {loop}. A step is what the event loop does without a pause, in time on the "
     "processor; {metered} stops of each kind on a loop of asyncio that meters each step."
@@ -134,8 +139,12 @@ async def _run(load: Load) -> Found:
             await control.call("set_limits", limits=None)
             admin = await control.create_user("Ada")
             crowd = [await control.create_user(f"S{number}") for number in range(CROWD)]
+            channels = [
+                await control.create_chat("channel", "C", members=[who], bot="administrator")
+                for who in crowd[:CHANNELS]
+            ]
             async with _gateway(Path(folder), control, admin):
-                bench = _Bench(control, admin, crowd)
+                bench = _Bench(control, admin, crowd, channels)
                 await bench.stop()  # what is made once is made
                 return await _samples(bench, load)
 
@@ -157,10 +166,11 @@ async def _samples(bench: _Bench, load: Load) -> Found:
 class _Bench:
     """Says stop as an admin, and whatever strangers say."""
 
-    def __init__(self, control: Control, admin: int, crowd: list[int]) -> None:
+    def __init__(self, control: Control, admin: int, crowd: list[int], channels: list[int]) -> None:
         self._control = control
         self._admin = admin
         self._crowd = crowd
+        self._channels = channels
 
     async def stop(self) -> int:
         """Return how long a stop took to reach the adapter, in nanoseconds; then wait for quiet."""
@@ -174,12 +184,12 @@ class _Bench:
         return handed_ns - began_ns
 
     async def flood(self, number: int, messages: int) -> None:
-        """Send what takes longest to read, from one stranger or from many."""
-        sign = SIGNS[number % len(SIGNS)]
-        text = (sign * LONGEST)[:LONGEST]
-        some = self._crowd[: 1 if number % 2 else messages]
-        for who in some:
-            await self._control.backlog(who, who, text, messages // len(some))
+        """Send what takes longest to read: from one stranger, many, or nobody in channels."""
+        kind, text = number % 3, TEXTS[number % len(TEXTS)]
+        some = (self._crowd[:1], self._crowd[:messages], self._channels)[kind]
+        for chat in some:
+            who = None if some is self._channels else chat
+            await self._control.backlog(chat, who, text, max(1, messages // len(some)))
 
 
 @asynccontextmanager

@@ -49,7 +49,7 @@ class TelegramPlace(Place):
 
 def _adapter(clock: Clock) -> TelegramMessenger:
     adapter = telegram_messenger("lab", {"token": TOKEN}, clock)
-    adapter._listener.own_name = OWN
+    adapter._listener.reading.own_name = OWN
     return adapter
 
 
@@ -92,8 +92,8 @@ class Run:
         if number is None:  # it can be neither handed over nor confirmed
             return
         received = mapping.Received(clock.wall_ns(), listener._listening.stamp(clock.wall_ns()))
-        update = listener._parsed(raw)
-        news = listener._news(number, update, received, of_stranger=False)
+        update = listener.reading.parsed(raw)
+        news = listener.reading.news(number, update, received, of_stranger=False)
         if news.inbound is not None:
             await self._place.gateway.pipeline.receive(self._place.chat, news.inbound)
         await self._quiet()

@@ -117,8 +117,8 @@ class Ear:
         self.listener = Listener(
             "lab", self.line, self.chats, self.clock, POLL_S, self.alarms.append
         )
-        self.listener.passed = self.passed.append
-        self.listener.reacted = self.reacted.append
+        self.listener.reading.passed = self.passed.append
+        self.listener.reading.reacted = self.reacted.append
 
     async def receive(self, inbound: Inbound) -> None:
         """Note what is handed over; wait with what a test holds up."""

@@ -44,10 +44,10 @@ async def test_it_finds_out_who_it_is_and_what_it_hears_in_groups(
 ) -> None:
     me = SimpleNamespace(username="lab_bot", can_read_all_group_messages=all_heard)
     ear = Ear(who=[me])
-    assert ear.listener.own_name == ""
+    assert ear.listener.reading.own_name == ""
     assert ear.listener.catching_up
     async with ear.listening():
-        assert ear.listener.own_name == "lab_bot"
+        assert ear.listener.reading.own_name == "lab_bot"
         assert bool([each for each in caplog.messages if "/setprivacy" in each]) is not all_heard
         assert [(each.what, each.chat.id) for each in ear.passed] == [
             (Passage.HEARING if all_heard else Passage.DEAF, "")
@@ -86,7 +86,7 @@ async def test_it_asks_who_it_is_until_telegram_says_so() -> None:
         assert ear.bot.asked == []
         await ear.clock.advance(0.1)
         assert ear.asked_at_s == [7.5]
-        assert ear.listener.own_name == ""
+        assert ear.listener.reading.own_name == ""
 
 
 # ---- what is asked for ----
@@ -194,7 +194,7 @@ async def test_a_stop_goes_first_then_those_who_are_known_and_strangers_last() -
         text(1, "hello", EVE), text(2, "stop", EVE), text(3, "status", chat=LAB),
         text(4, "battery", chat=LAB), text(5, "stop", chat=LAB), text(6, "where"),
     ])  # fmt: skip
-    ear.listener.known = lambda address: address.account == str(ADA)
+    ear.listener.reading.known = lambda address: address.account == str(ADA)
     async with ear.listening():
         assert ear.texts[0] == "stop"
         assert ear.heard[0].sender.account == str(ADA)
@@ -224,7 +224,7 @@ async def test_everybody_is_read_before_strangers_are() -> None:
     ear.chats = Watched()
     ear.bot.answers = [[text(1, "x", EVE), text(2, "y", EVE), text(3, "stop"), text(4, "z", EVE)]]
     listener = Listener("lab", ear.line, ear.chats, ear.clock, POLL_S, ear.alarms.append)
-    listener.known, ear.listener = known, listener
+    listener.reading.known, ear.listener = known, listener
     async with ear.listening():
         assert offered == [str(who) for who in (ADA, EVE, EVE, EVE)]
         assert asked == [str(who) for who in (EVE, EVE, ADA, EVE)]
@@ -303,7 +303,7 @@ async def test_what_happens_to_chats_is_passed_on_and_followed() -> None:
         ear.passed.append(what)
         gone.append(ear.chats.gone(str(LAB)))
 
-    ear.listener.passed = passed
+    ear.listener.reading.passed = passed
     async with ear.listening():
         assert [each.what for each in ear.passed] == [
             Passage.HEARING, Passage.REMOVED, Passage.ADDED, Passage.MOVED,
@@ -325,7 +325,7 @@ async def test_whatever_goes_wrong_with_what_is_passed_on_nobody_is_kept_waiting
         raise RuntimeError("somebody's mistake")
 
     ear = Ear([member(1, "left", "member"), text(2, "stop")], [])
-    ear.listener.passed = breaks
+    ear.listener.reading.passed = breaks
     async with ear.listening():
         assert ear.texts == ["stop"]
         assert not ear.listener.catching_up

@@ -16,6 +16,7 @@ from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.receiving import Handed
 from rosic.bench.stand_in import TOKEN
 from rosic.bench.steps import MeteredLoop, Step
+from rosic.bench.strangers import NAMED
 from rosic.core.identity import Address
 from rosic.core.language.words import ERRANDS
 from rosic.core.rate import RateLimit
@@ -110,6 +111,20 @@ class Receiving:
         } | unusual
         return self.update(message=message)
 
+    def edited(self, who: int, text: str) -> dict[str, Any]:
+        """Return an update: a message of somebody that was changed."""
+        update = self.message(who, text)
+        message = update.pop("message")
+        return {**update, "edited_message": {**message, "edit_date": message["date"]}}
+
+    def post(self, channel: int, text: str) -> dict[str, Any]:
+        """Return an update: a post in somebody's channel, which names nobody."""
+        update = self.message(channel, text)
+        message = update.pop("message")
+        del message["from"]
+        chat = {"id": channel, "type": "channel", "title": "C"}
+        return {**update, "channel_post": {**message, "chat": chat, "sender_chat": chat}}
+
     def update(self, **parts: Any) -> dict[str, Any]:  # noqa: ANN401
         """Return an update with a number of its own."""
         self._number += 1
@@ -171,6 +186,7 @@ def texts() -> Iterator[str]:
     for head in HEADS:
         for piece in PIECES:
             yield filled(head, piece)
+        yield head + NAMED[: LONGEST - len(head)]
 
 
 def filled(head: str, piece: str, tail: str = "") -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from rosic.bench.steps import MeteredLoop, Step, pace_of_machine, undisturbed
+from rosic.bench.strangers import NAMED
 from rosic.core.language import Cancel, Halt, Reader
 from tests.rooms.pipeline.received import (
     ADA,
@@ -33,7 +34,7 @@ EVERY = 23
 """Of the grid the suite takes each so manieth; a campaign takes all of it."""
 SEED = int(os.environ.get("ROSIC_SEED", "12"))
 ROUNDS = int(os.environ.get("ROSIC_STEPS_ROUNDS", "3000"))
-GROUP = -100_500
+GROUP, CHANNEL = -100_500, -100_777
 
 
 def run(act: Callable[[Receiving], Awaitable[None]]) -> None:
@@ -91,6 +92,7 @@ KNOWN = [
     filled("", LIGATURE + "\n"),
     filled("", "\u3316\n"),
     "\n".join(f"@{n}bot stop" for n in range(300)),
+    NAMED[:LONGEST],
     "\n".join(["/authenticator", "/slots", "/status", "help"] * 5),
 ]
 
@@ -116,6 +118,10 @@ def test_no_batch_makes_a_step_long() -> None:
             lambda: [place.message(BO, "\u3316 " * 490) for _ in range(100)],
             lambda: [place.message(BO, filled("", "not stop\n")) for _ in range(100)],
             lambda: [place.message(BO, filled("@abot ", "@abot stop\n")) for _ in range(100)],
+            lambda: [place.message(STRANGER, NAMED[:LONGEST]) for _ in range(100)],
+            lambda: [place.edited(STRANGER + n, NAMED[:LONGEST]) for n in range(100)],
+            lambda: [place.edited(BO, NAMED[:LONGEST]) for _ in range(100)],
+            lambda: [place.post(CHANNEL - n, NAMED[:LONGEST]) for n in range(100)],
         ):
             step = await too_long(place, updates)
             assert step is None, step
@@ -150,17 +156,58 @@ def test_what_strangers_sent_is_read_last() -> None:
 
     async def act(place: Receiving) -> None:
         read: list[str] = []
-        listener = place.listener
-        news = listener._news
+        reading = place.listener.reading
+        news = reading.news
 
-        def noted(number: int, update: Any, received: Any, *, of_stranger: bool) -> Any:  # noqa: ANN401
+        def noted(number: int, update: Any, received: Any, **of: bool) -> Any:  # noqa: ANN401
             read.append(update.message.text)
-            return news(number, update, received, of_stranger=of_stranger)
+            return news(number, update, received, **of)
 
-        listener._news = noted  # type: ignore[method-assign]
+        reading.news = noted  # type: ignore[method-assign]
         strangers = [place.message(STRANGER, f"stop {n}") for n in range(5)]
         await place.longest(*strangers, place.message(BO, "help"), place.message(ADA, "stop"))
         assert read == ["help", "stop", *(f"stop {n}" for n in range(5))]
+
+    run(act)
+
+
+def test_what_takes_longest_to_read_is_not_waited_for() -> None:
+    """A stop is obeyed that came while posts in strangers' channels, which may stop, are read."""
+
+    async def act(place: Receiving) -> None:
+        board, reading, left = place.gateway.rooms.board, place.listener.reading, []
+        place.give(*(place.post(CHANNEL - n, NAMED[:LONGEST]) for n in range(90)))
+        while not reading.behind:  # noqa: ASYNC110 - nobody is told when the first are read
+            await asyncio.sleep(0)
+        place.give(place.message(ADA, "stop"))
+        while not board["omni"].latched:  # noqa: ASYNC110 - nor when a robot is stopped
+            await asyncio.sleep(0)
+        left.append(len(reading._unread))
+        await place.drained()
+        assert left[0] > 30
+        assert not reading.behind
+
+    run(act)
+
+
+def test_a_stop_of_nobody_is_found_before_anything_that_came_with_it_is_followed() -> None:
+    """An anonymous admin's, read after people known here and before any of them is followed."""
+
+    async def act(place: Receiving) -> None:
+        pipeline, heard = place.gateway.pipeline, []
+        follow = pipeline._take
+        group = {"id": GROUP, "type": "supergroup", "title": "Lab"}
+        await place.longest(place.message(ADA, "status", chat=group))
+
+        async def take(messenger: Any, inbound: Any, arrived_ns: int) -> None:  # noqa: ANN401
+            heard.append(place.gateway.rooms.board["omni"].latched)
+            await follow(messenger, inbound, arrived_ns)
+
+        pipeline._take = take  # type: ignore[method-assign]
+        unnamed = place.message(1087968824, "stop", chat=group, sender_chat=group)
+        posts = [place.post(CHANNEL - n, NAMED[:LONGEST]) for n in range(20)]
+        await place.longest(*(place.message(BO, "help") for _ in range(5)), *posts, unnamed)
+        assert heard == [True] * 5
 
     run(act)
 
@@ -178,6 +225,9 @@ def test_of_strangers_words_no_stop_is_looked_for() -> None:
         await place.longest(place.message(STRANGER, "stop"), place.message(BO, "help"))
         assert asked == ["help"]
         assert not place.gateway.rooms.board["omni"].latched
+        passed_over = place.listener.counts["passed-over"]
+        await place.longest(place.message(STRANGER, "@other_bot stop\n/stop@other_bot"))
+        assert place.listener.counts["passed-over"] == passed_over + 1
 
     run(act)
 

@@ -32,12 +32,24 @@ class Pause:
     def __init__(self) -> None:
         self._since = 0
 
-    async def after(self, what: object) -> None:
-        """Count what was just done, by its size; pause when it was enough for a step."""
+    async def after(self, what: object) -> bool:
+        """Count what was just done, by its size; pause when it was enough for a step.
+
+        Returns:
+            Whether it was.
+        """
         self._since += len(what) if isinstance(what, msgspec.Raw) else _weight(what)
-        if self._since >= STEP_BYTES:
-            self._since = 0
-            await asyncio.sleep(0)
+        if self._since < STEP_BYTES:
+            return False
+        self._since = 0
+        await asyncio.sleep(0)
+        return True
+
+
+async def turns(number: int) -> None:
+    """Let others have the event loop so many times."""
+    for _ in range(number):
+        await asyncio.sleep(0)
 
 
 def limit_after(raws: Sequence[object], limit: int) -> int:
@@ -52,6 +64,6 @@ def limit_after(raws: Sequence[object], limit: int) -> int:
 
 def _weight(update: object) -> int:
     """Return how much an update gives to do, about as its length in bytes."""
-    message = update.message if isinstance(update, wire.Update) else None
+    message = wire.written(update) if isinstance(update, wire.Update) else None
     text = (message.text or message.caption or "") if message is not None else ""
     return LEAST_BYTES + 4 * len(text)

@@ -64,13 +64,17 @@ class Received(NamedTuple):
     away: Callable[[int], bool] = _never
 
 
-def read(update: wire.Update, own_name: str, received: Received) -> Inbound | None:
+def read(
+    update: wire.Update, own_name: str, received: Received, *, may_stop: bool = True
+) -> Inbound | None:
     """Return what a person wrote or tapped; None for what is not for us.
 
     Args:
         update: Just received.
         own_name: The bot's user name, without the @.
         received: When, and since when we listened.
+        may_stop: Whoever sent it may stop something: a stop counts whomever it names. In words of
+            strangers none is looked for, which costs more than all the rest.
     """
     if update.callback_query is not None:
         return _tap(update.callback_query, received)
@@ -80,7 +84,7 @@ def read(update: wire.Update, own_name: str, received: Received) -> Inbound | No
         (update.channel_post, _channel),
     ):
         if message is not None:
-            return _text(message, standing, own_name, received)
+            return _text(message, standing(message), own_name, received, may_stop=may_stop)
     return None
 
 
@@ -170,7 +174,7 @@ def _left(chat: wire.Chat, who: int) -> Passing:
     return Passing(chat=_chat(chat), what=Passage.LEFT, who=Address(PLATFORM, str(who)))
 
 
-def addressed_here(text: str, own_name: str) -> str | None:
+def addressed_here(text: str, own_name: str, *, may_stop: bool = True) -> str | None:
     """Return the text without this bot's name where it addresses it; None if it means another bot.
 
     A stop counts whomever it names: with two bots in a group, a hurried tap in the menu picks
@@ -184,42 +188,45 @@ def addressed_here(text: str, own_name: str) -> str | None:
     # Of more lines than anybody follows only those are looked at that a stop is looked for in.
     for at in {*range(len(said))[:FIRST_LINES], *range(len(said))[-LAST_LINES:]}:
         if "@" in said[at]:
-            lines[at] = _line(said[at], own)
+            lines[at] = _line(said[at], own, may_stop=may_stop)
     if all(line is None for line in lines):
         return None
     return "\n".join(line or "" for line in lines)
 
 
-def _line(line: str, own_name: str) -> str | None:
+def _line(line: str, own_name: str, *, may_stop: bool) -> str | None:
     if mention := _MENTIONED.match(line):
         named, rest = mention["name"].casefold(), line[mention.end() :]
         if named == own_name:
             line = rest
         elif named.endswith("bot"):  # as the name of every bot does, and of no person
-            return line if hears_stop(rest) is not None else None
+            return line if may_stop and hears_stop(rest) is not None else None
     if not (command := _ADDRESSED.match(line)):
         return line
     bare = command["command"] + line[command.end() :]
-    if command["name"].casefold() == own_name or hears_stop(bare) is not None:
+    if command["name"].casefold() == own_name or (may_stop and hears_stop(bare) is not None):
         return bare
     return None
 
 
 def _text(
     message: wire.Message,
-    standing: Callable[[wire.Message], Standing],
+    standing: Standing,
     own_name: str,
     received: Received,
+    *,
+    may_stop: bool,
 ) -> Inbound | None:
     written = message.text or message.caption
     enclosed = _enclosed(message)
     place = _placed(message)
     bare = None if enclosed is None and place is None else ""
-    text = addressed_here(written, own_name) if written else bare
+    text = addressed_here(written, own_name, may_stop=may_stop) if written else bare
     if text is None:
         return None
     named, replied = _names(written or "", own_name), _replied_bot(message)
-    if replied not in {"", own_name.casefold()} and not named and hears_stop(text) is None:
+    to_another = replied not in {"", own_name.casefold()} and not named
+    if to_another and not (may_stop and hears_stop(text) is not None):
         return None  # an answer to another bot, of another gateway perhaps
     date = message.date if message.edit_date is None else message.edit_date
     # The beginning of the second in which it was sent: a lifetime is never lengthened.
@@ -232,7 +239,7 @@ def _text(
         sent_ns=sent_ns,
         received_ns=received.received_ns,
         listening_since_ns=received.listening_since_ns,
-        standing=standing(message),
+        standing=standing,
         answers=_answered(message),
         shown_as="" if message.sender is None else message.sender.first_name,
         locale="" if message.sender is None else message.sender.language_code or "",

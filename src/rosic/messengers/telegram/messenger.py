@@ -84,7 +84,7 @@ class TelegramMessenger:
     @property
     def bot_name(self) -> str:
         """The bot's username, for links that open its chat; empty until Telegram has told."""
-        return self._listener.own_name
+        return self._listener.reading.own_name
 
     @property
     def account(self) -> str:
@@ -94,7 +94,7 @@ class TelegramMessenger:
     def account_since(self, since_ns: int, *, several: bool) -> None:
         """Name the account in what was sent since; see ``contracts.messenger``."""
         self._listener.account_since_ns = since_ns
-        self._listener.one_of_several = several
+        self._listener.reading.one_of_several = several
 
     def keep_pace(self, kept: Mapping[str, bytes], keep: Keep) -> None:
         """Go on with what an earlier run said in groups; see ``contracts.messenger``."""
@@ -156,7 +156,7 @@ class TelegramMessenger:
 
     def know_with(self, known: Knows) -> None:
         """Read first what people known here sent; see ``contracts.messenger``."""
-        self._listener.known = known
+        self._listener.reading.known = known
 
     def catching_up(self) -> bool:
         """Return whether backlog may still come; see ``contracts.messenger``."""
@@ -164,11 +164,11 @@ class TelegramMessenger:
 
     def watch_chats(self, passed: Passed) -> None:
         """Have somebody told what happens to chats; see ``contracts.messenger``."""
-        self._listener.passed = passed
+        self._listener.reading.passed = passed
 
     def watch_reactions(self, reacted: Reacted) -> None:
         """Have somebody told what people put beside messages; see ``contracts.messenger``."""
-        self._listener.reacted = reacted
+        self._listener.reading.reacted = reacted
 
     @staticmethod
     def is_account(account: str) -> bool:

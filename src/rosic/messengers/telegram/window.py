@@ -65,6 +65,7 @@ class Window:
         self._receive = receive
         self._clock = clock
         self._open: set[int] = set()
+        self._expected: set[int] = set()
         self._done: set[int] = set()
         self._admitted: list[tuple[int, Inbound]] = []
         self._lanes: dict[str, deque[tuple[int, Inbound]]] = {}
@@ -100,17 +101,25 @@ class Window:
         """Whether an update was given out before, so that nothing of it need be read again."""
         return update_id in self._open or update_id in self._done
 
+    def expect(self, update_id: int) -> None:
+        """Keep unconfirmed what came and is still to be read; `admit` follows."""
+        self._expected.add(update_id)
+        self._open.add(update_id)
+        self._idle.clear()
+
     def admit(self, one: News) -> bool:
         """Take what a poll brought: a stop is handed over now, anything else by `release`.
 
         Returns:
             Whether it had not been given out before; else nothing is done.
         """
-        if self.knows(one.update_id):
+        if one.update_id in self._expected:
+            self._expected.discard(one.update_id)
+        elif self.knows(one.update_id):
             return False
         if one.inbound is None:
-            self._done.add(one.update_id)
             self._counts["passed-over"] += 1
+            self._ended(one.update_id)
             return True
         self._open.add(one.update_id)
         self._idle.clear()
@@ -173,6 +182,9 @@ class Window:
         else:
             log.error("a message was given up after %d attempts; nothing was done", ATTEMPTS)
             self._counts["given-up"] += 1
+        self._ended(update_id)
+
+    def _ended(self, update_id: int) -> None:
         self._open.discard(update_id)
         self._done.add(update_id)
         if not self._open:

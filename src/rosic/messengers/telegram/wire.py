@@ -178,6 +178,11 @@ class Update(msgspec.Struct, kw_only=True):
     message_reaction: ReactionUpdate | None = None
 
 
+def written(update: Update) -> Message | None:
+    """Return the message in an update, in whatever guise it came."""
+    return update.message or update.edited_message or update.channel_post
+
+
 class Answer(msgspec.Struct, kw_only=True):
     """What the Bot API says to a request for updates, each of them as it came over the wire."""
 

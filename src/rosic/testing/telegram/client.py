@@ -94,7 +94,7 @@ class Control:
         return str(await self.call("tap", **press, **how))
 
     async def backlog(
-        self, chat: int, user: int, text: str, count: int, **unusual: Unpack[Saying]
+        self, chat: int, user: int | None, text: str, count: int, **unusual: Unpack[Saying]
     ) -> list[int]:
         """See `FakeTelegram.backlog`."""
         numbers: list[int] = await self.call(

@@ -228,7 +228,7 @@ class People:
         self.world.journal.add("deleted", chat_id=chat, message_id=message)
 
     def backlog(
-        self, chat: int, user: int, text: str, count: int, **unusual: Unpack[Saying]
+        self, chat: int, user: int | None, text: str, count: int, **unusual: Unpack[Saying]
     ) -> list[int]:
         """Write `count` messages at once; `{n}` in the text becomes 1, 2, 3 and so on."""
         return [
