@@ -30,6 +30,10 @@ class Cause(enum.Enum):
     """Nobody takes our messages any more."""
     REBORN = "reborn"
     """Who took our messages, or showed whether it rests, has begun anew and knows of nothing."""
+    UNSERVED = "unserved"
+    """Nobody offers any more what was to carry it out."""
+    UNREPORTED = "unreported"
+    """Who carries it out had told of it again and again, and tells no more."""
     RESTED = "rested"
     """The robot came to rest by itself, though it was to move."""
 

@@ -186,6 +186,11 @@ class Goal:
         self._result.add_done_callback(_look)
 
     @property
+    def over(self) -> bool:
+        """Whether it is known how it ended."""
+        return self._result.done() and not self._result.cancelled()
+
+    @property
     def stage(self) -> Stage:
         """Where the server says the goal is; it lags a little behind `end` and the feedback."""
         return _STAGES.get(int(self._handle.status), "unknown")

@@ -14,7 +14,8 @@ from rosic.robots.ros2.errand import DECLINED, Answer
 from rosic.robots.ros2.faults import NoAnswer, NotSent
 from rosic.robots.ros2.goal_fields import Fields
 from rosic.robots.ros2.goal_watch import GoalWatch, call_off, until_start_s
-from rosic.robots.ros2.interrupting import in_doubt, over
+from rosic.robots.ros2.interrupting import in_doubt, moved, over
+from rosic.robots.ros2.loose_goals import Loose
 from rosic.robots.ros2.messages import to_message
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.reasons import Reasons
@@ -22,13 +23,12 @@ from rosic.robots.ros2.rebirths import born_anew
 from rosic.robots.ros2.two_clocks import ahead_ns
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rosic.core.deadman import Break
     from rosic.core.skill import ActionBinding
     from rosic.robots.ros2.actions import ActionLink, Goal, GoalEnd
     from rosic.robots.ros2.errand import Errand
     from rosic.robots.ros2.goal_fields import Maker
+    from rosic.robots.ros2.goal_watch import Missed
     from rosic.robots.ros2.ros import RosObject
     from rosic.robots.ros2.runtime import RosRuntime
 
@@ -112,7 +112,7 @@ class ByAction:
         end = await self._end(goal, errand, watch, link)
         done = end is not None and end.status == "succeeded"
         if watch.broken is not None and errand.allowed() and not done:
-            return await self._broken_off(errand, watch.broken, end)
+            return await self._broken_off(errand, watch, watch.broken, end)
         return self._outcome(errand, end)
 
     def _started(self, values: dict[str, object], errand: Errand) -> dict[str, object]:
@@ -147,29 +147,26 @@ class ByAction:
             ) from fault
         finally:
             if not end.done():
-                goal.forget()
+                errand.loose = Loose(goal, link.ready)
             end.cancel()
             halted.cancel()
         if errand.halted.is_set():
             _confirmed(errand)
         return None
 
-    async def _broken_off(self, errand: Errand, broken: Break, end: GoalEnd | None) -> Outcome:
+    async def _broken_off(
+        self, errand: Errand, watch: GoalWatch, broken: Break, end: GoalEnd | None
+    ) -> Outcome:
         """Say what is known of a goal that did not get to its end; nobody begins it again."""
-        side, result = errand.side, None if end is None else end.result
+        side, result, metres = errand.side, None if end is None else end.result, watch.way.metres
         words = "" if result is None else self._answer.words(result)
-        what = joined("; ", filter(None, (words, over(broken))))
-        if side.measured.measures_rest:
-            since_ns = side.clock.monotonic_ns()
-            resting = await side.brakes.measure(since_ns, side.rest_timeout_s)
-            if not resting.confirmed:
-                resting = await side.brakes.apply()
-            if not resting.confirmed:
-                errand.unsettled = True
-                raise in_doubt(side.shown, what, resting)
-        elif end is None:
+        what = joined("; ", filter(None, (words, moved(metres), over(broken))))
+        if watch.resting is not None and not watch.resting.confirmed:
+            raise in_doubt(side.shown, what, watch.resting)
+        if watch.resting is None and end is None:
             raise RobotUnreachable(joined(": ", (side.shown, what)))
-        facts = {} if result is None else self._answer.facts(result)
+        facts = {} if metres is None else {"distance_m": metres}
+        facts |= {} if result is None else self._answer.facts(result)
         return Outcome(Ending.FAILED, what, facts, code=broken.code)
 
     def _outcome(self, errand: Errand, end: GoalEnd | None) -> Outcome:
@@ -190,14 +187,16 @@ class ByAction:
         return Outcome(Ending.FAILED, words, facts)
 
 
-def _served_by(link: ActionLink) -> Callable[[], Cause | None]:
+def _served_by(link: ActionLink) -> Missed:
     """Return what says why those who offer the action now do so no more; None: they do."""
     first = link.servers()
 
-    def missed() -> Cause | None:
-        if born_anew(first, link.servers()):
+    def missed(*, quiet: bool) -> Cause | None:
+        now = link.servers()
+        replaced = quiet and bool(first) and not now.keys() <= first.keys()
+        if replaced or born_anew(first, now):
             return Cause.REBORN
-        return None if link.ready() else Cause.GONE
+        return None if link.ready() else Cause.UNSERVED
 
     return missed
 

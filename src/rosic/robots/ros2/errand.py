@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from rosic.core.deadman import Break
     from rosic.core.gate import Gate
     from rosic.core.order import Order, Outcome
+    from rosic.robots.ros2.loose_goals import Loose
     from rosic.robots.ros2.measuring import Measurements
     from rosic.robots.ros2.rest import Brakes, Resting
     from rosic.robots.ros2.ros import RosObject
@@ -89,6 +90,7 @@ class Errand:
         cut_off: It is being ended without a stop, as ROSIC closes: the robot is brought to rest and
             may say that its goal came to nothing before anybody has cancelled that.
         halted: Set when a stop has done what it could; ``rest`` then says what came of it.
+        loose: Its goal, given up without a word of how it ended: it may go on.
         unsettled: It was broken off and the robot not seen at rest since: once it is heard again
             it is brought to rest first.
     """
@@ -99,6 +101,7 @@ class Errand:
         self.left = False
         self.cut_off = False
         self.unsettled = False
+        self.loose: Loose | None = None
         self.halted = asyncio.Event()
         self.rest: Resting | None = None
         self._tell = tell

@@ -5,21 +5,22 @@ from __future__ import annotations
 import asyncio
 import logging
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from rosic.core.deadman import Break, Cause
 from rosic.core.saying import said
 from rosic.errors import RobotUnreachable, RosicError
 from rosic.robots.ros2.errand import note
+from rosic.robots.ros2.feedback_pulse import FeedbackPulse
 from rosic.robots.ros2.reading import compile_path
+from rosic.robots.ros2.way import Way
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rosic.core.order import Order
     from rosic.robots.ros2.actions import Goal
     from rosic.robots.ros2.errand import Errand
     from rosic.robots.ros2.goal_fields import Fraction
+    from rosic.robots.ros2.rest import Resting
     from rosic.robots.ros2.ros import RosObject
 
 _log = logging.getLogger(__name__)
@@ -33,17 +34,35 @@ CANCEL_UNHEARD_WITHIN_S: Final = 0.5
 _NS = 1_000_000_000
 
 
+class Missed(Protocol):
+    """Tells whether those who took a goal still offer its action."""
+
+    def __call__(self, *, quiet: bool) -> Cause | None:
+        """Return why they do not; None: they do.
+
+        A server that began anew knows nothing of the goal, and would never say how it ended.
+
+        Args:
+            quiet: No feedback comes now: whoever offers the action besides has taken their place.
+        """
+        ...
+
+
 class GoalWatch:
     """Takes in feedback, and knows for how long nothing was heard, and nobody looked.
 
     Attributes:
         broken: Why it was broken off, if it was.
+        resting: What came of bringing it to rest after that; None where rest is not measured.
+        way: How far it went.
     """
 
     def __init__(self, errand: Errand, fraction: Fraction) -> None:
         self.broken: Break | None = None
+        self.resting: Resting | None = None
+        self.way = Way(errand.side.measured, 0.0)  # as fast as its odometry says
         self._errand = errand
-        self._heard_ns = self.now_ns()
+        self._pulse = FeedbackPulse(self.now_ns())
         self._unserved_ns: int | None = None
         self._births = errand.side.measured.births
         self._fraction = fraction
@@ -56,7 +75,7 @@ class GoalWatch:
 
     def feedback(self, message: RosObject) -> None:
         """Pass on how far the robot says it is."""
-        self._heard_ns = self.now_ns()
+        self._pulse.beat(self.now_ns())
         stage = _field(message, self._stage)
         words = note(stage) if isinstance(stage, str) else ""
         self._errand.running(self._fraction(message), words)
@@ -66,7 +85,7 @@ class GoalWatch:
         age_s = self._errand.side.measured.age_s()
         if age_s is None:
             return 0.0
-        return min(age_s, (self.now_ns() - self._heard_ns) / _NS)
+        return min(age_s, self._pulse.silent_s(self.now_ns()))
 
     async def end(
         self,
@@ -74,7 +93,7 @@ class GoalWatch:
         end: asyncio.Future[Any],
         halted: asyncio.Future[Any],
         limit_s: float,
-        missed: Callable[[], Cause | None],
+        missed: Missed,
     ) -> None:
         """Return once the goal has ended, a stop has done what it could, or it was broken off.
 
@@ -83,8 +102,7 @@ class GoalWatch:
             end: Its end.
             halted: A stop has done what it could.
             limit_s: It may take so long.
-            missed: Why those who took the goal do not offer the action now; None: they do. A server
-                that began anew knows nothing of the goal, and would never say how it ended.
+            missed: Whether those who took the goal still offer the action.
 
         Raises:
             RobotUnreachable: It fell silent, or took too long; it was called off.
@@ -95,21 +113,46 @@ class GoalWatch:
             await asyncio.wait(
                 {end, halted}, timeout=LOOK_EVERY_S, return_when=asyncio.FIRST_COMPLETED
             )
+            self.way.look()
             late_s = (self.now_ns() - before_ns) / _NS - LOOK_EVERY_S
             if late_s > self._errand.side.watchdog_s:
                 self.broken = Break(Cause.LATE, late_s)
                 break
-            self.broken = None if end.done() else self._left(missed())
+            self.broken = None if end.done() else self._look(missed)
             if self.broken is not None:
                 break
             if not end.done() and not halted.done():
                 await self._give_up(goal, limit_s if self.now_ns() > deadline_ns else 0.0)
         if self.broken is not None and not end.done():
-            self._errand.interrupted(self.broken)
-            await call_off(goal)
-            await asyncio.wait({end, halted}, timeout=self._errand.side.rest_timeout_s)
-        elif not end.done():
+            await self._break_off(goal, end, self.broken)
+        if not end.done():
             await asyncio.wait({end}, timeout=LAST_WORD_S)
+
+    async def _break_off(self, goal: Goal, end: asyncio.Future[Any], broken: Break) -> None:
+        """Bring the robot to rest: whatever half of it is gone, the other may drive on."""
+        side = self._errand.side
+        self._errand.interrupted(broken)
+        if side.measured.measures_rest:
+            self.resting = await side.brakes.apply()
+        else:
+            await call_off(goal)
+            await asyncio.wait({end}, timeout=side.rest_timeout_s)
+        self.way.look()
+
+    def _look(self, missed: Missed) -> Break | None:
+        """Return why it must not go on: one half of the robot is gone, whatever the other says."""
+        now_ns, measured = self.now_ns(), self._errand.side.measured
+        broken = self._left(missed(quiet=self._pulse.quiet(now_ns)))
+        if broken is not None or not self._errand.order.skill.actuates:
+            return broken
+        age_s = measured.judged_age_s() if measured.measures_rest else None
+        if age_s is not None and age_s > measured.within_s:
+            # What was said together with the last word of what shows rest is no later word.
+            heard = self.silent_s() < age_s - measured.within_s / 4
+            return Break(Cause.UNMEASURED if heard else Cause.SILENT, age_s)
+        if self._pulse.ceased(now_ns, measured.silence_s):
+            return Break(Cause.UNREPORTED, self._pulse.silent_s(now_ns))
+        return None
 
     def _left(self, why: Cause | None) -> Break | None:
         """Return that nobody carries out the goal any more; one look alone may be wrong."""

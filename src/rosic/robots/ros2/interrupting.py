@@ -1,15 +1,23 @@
-"""What is said of a motion that was broken off: what was measured, and nothing else (I7)."""
+"""What is said of a motion at its end, or when it is broken off: what was measured (I7)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import logging
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.deadman import Break, Cause
+from rosic.core.measures import measured
 from rosic.core.saying import joined, said
 from rosic.errors import RobotUnreachable, StillMoves
 
 if TYPE_CHECKING:
+    from rosic.robots.ros2.errand import Errand
     from rosic.robots.ros2.rest import Resting
+
+_log = logging.getLogger(__name__)
+
+LOOK_EVERY_S: Final = 0.2
+_NS: Final = 1_000_000_000
 
 
 def over(broken: Break) -> str:
@@ -21,11 +29,52 @@ def over(broken: Break) -> str:
         return said("then it was not heard for {seconds:.1f} s: ended", seconds=seconds)
     if broken.cause is Cause.UNMEASURED:
         return said("then its motion was not measured for {seconds:.1f} s: ended", seconds=seconds)
-    if broken.cause is Cause.GONE:
+    if broken.cause is Cause.UNREPORTED:
+        return said(
+            "then its software told nothing of it for {seconds:.1f} s: ended", seconds=seconds
+        )
+    return _left(broken.cause)
+
+
+def _left(cause: Cause) -> str:
+    if cause is Cause.GONE:
         return said("then it was not there any more: ended")
-    if broken.cause is Cause.REBORN:
+    if cause is Cause.UNSERVED:
+        return said("then the software for it was not there any more: ended")
+    if cause is Cause.REBORN:
         return said("then its software began anew: ended")
     return said("then it came to rest by itself: ended")
+
+
+def moved(metres: float | None) -> str:
+    """Return how far it went, as far as anybody knows; may be empty."""
+    if metres is None:
+        return ""
+    return said("moved {way} by its odometry", way=measured(f"{metres:.2f} m", metres, "m"))
+
+
+async def after_the_end(errand: Errand) -> str:
+    """Wait until it rests that says that it has ended, at most `rest_timeout_s`; then say so.
+
+    Returns:
+        What was measured instead; empty where it rests, or keeps its place, and where nothing
+        shows that, or a stop has come.
+    """
+    side, sees = errand.side, errand.side.measured
+    since_ns = side.clock.monotonic_ns()
+    until_ns = since_ns + int(side.rest_timeout_s * _NS)
+    if not sees.measures_rest or not errand.order.skill.actuates:
+        return ""
+    while errand.allowed():
+        if sees.at_rest(since_ns) or sees.holds(since_ns):
+            return ""
+        if side.clock.monotonic_ns() > until_ns:
+            moves = sees.at_rest(max(since_ns, sees.stale_ns())) is False
+            _log.warning("%s: it says that order %d has ended, and was not measured at rest",
+                         errand.order.robot, errand.order.n)  # fmt: skip
+            return said("it still moves") if moves else said("its rest could not be measured")
+        await sees.next_word(LOOK_EVERY_S)
+    return ""
 
 
 def in_doubt(shown: str, what: str, resting: Resting) -> RobotUnreachable:

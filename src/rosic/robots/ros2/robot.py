@@ -22,6 +22,7 @@ from rosic.robots.ros2.errand import Carrier, Errand, Side
 from rosic.robots.ros2.faults import BadValue
 from rosic.robots.ros2.goal_trajectory import TrajectoryGoal
 from rosic.robots.ros2.heartbeat import Heartbeat
+from rosic.robots.ros2.loose_goals import LooseGoals
 from rosic.robots.ros2.measuring import Measurements
 from rosic.robots.ros2.meeting import Meetings
 from rosic.robots.ros2.names import check_graph_name
@@ -93,6 +94,7 @@ class Ros2Robot:
         self._seen: bool | None = None
         self._errand: Errand | None = None
         self._settling = Settling(profile, self._measured, clock, self._online, self._to_rest)
+        self._loose = LooseGoals(clock, self._settling.begin)
 
     def _text_link(self) -> Dialogue | None:
         if not self.profile.link.dialogue:
@@ -159,6 +161,7 @@ class Ros2Robot:
             if self._errand.left:
                 self._halted(await self._to_rest(limit_s=CLOSING_REST_S))
         self._opened_ns = None
+        self._loose.close()
         self._settling.close()
         closing = [*(part.close() for part in self._parts()), self._station.leave(self._look)]
         for step in closing:
@@ -201,6 +204,7 @@ class Ros2Robot:
         try:
             carrier = self._carriers[order.skill.id]
             if order.skill.actuates and carrier is not self._dialogue:
+                self._loose.check(self.profile.shown)
                 await self._settling.check(errand)
             return await carrier.carry(errand)
         except BadValue as fault:
@@ -215,6 +219,8 @@ class Ros2Robot:
             raise
         finally:
             self._errand = None
+            if errand.loose is not None and self._opened_ns is not None:
+                self._loose.add(errand.loose)
             if errand.unsettled:
                 self._settling.begin()
 
