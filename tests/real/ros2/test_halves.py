@@ -152,3 +152,15 @@ async def test_a_goal_ends_when_another_has_taken_the_place_of_what_carried_it_o
     under_way = await halves.go()
     assert (await halves.robot.stop(Stop("base", 1))).confirmed
     assert (await asyncio.wait_for(under_way, 60 * pace())).ending is Ending.CANCELLED
+
+
+@pytest.mark.parametrize(("on_s", "note"), [(0.7, "there"), (20.0, "there; it still moves")])
+@pytest.mark.limit(240)
+async def test_what_is_said_to_be_done_is_measured_at_rest(
+    halves: Halves, on_s: float, note: str
+) -> None:
+    halves.navigator.say(f"early {on_s}")
+    await asyncio.to_thread(halves.navigator.expect, "ok early")
+    outcome = await halves.robot.do("go")
+    assert (outcome.ending, outcome.note) == (Ending.DONE, note)
+    assert halves.robot.presence().at_rest is (note == "there")

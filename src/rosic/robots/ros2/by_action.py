@@ -14,7 +14,7 @@ from rosic.robots.ros2.errand import DECLINED, Answer
 from rosic.robots.ros2.faults import NoAnswer, NotSent
 from rosic.robots.ros2.goal_fields import Fields
 from rosic.robots.ros2.goal_watch import GoalWatch, call_off, until_start_s
-from rosic.robots.ros2.interrupting import in_doubt, moved, over
+from rosic.robots.ros2.interrupting import after_the_end, in_doubt, moved, over
 from rosic.robots.ros2.loose_goals import Loose
 from rosic.robots.ros2.messages import to_message
 from rosic.robots.ros2.reading import compile_path
@@ -113,7 +113,7 @@ class ByAction:
         done = end is not None and end.status == "succeeded"
         if watch.broken is not None and errand.allowed() and not done:
             return await self._broken_off(errand, watch, watch.broken, end)
-        return self._outcome(errand, end)
+        return await self._outcome(errand, end)
 
     def _started(self, values: dict[str, object], errand: Errand) -> dict[str, object]:
         """Add the common start, if there is one and the action takes it."""
@@ -169,11 +169,13 @@ class ByAction:
         facts |= {} if result is None else self._answer.facts(result)
         return Outcome(Ending.FAILED, what, facts, code=broken.code)
 
-    def _outcome(self, errand: Errand, end: GoalEnd | None) -> Outcome:
+    async def _outcome(self, errand: Errand, end: GoalEnd | None) -> Outcome:
         if end is None:
             return Outcome(Ending.CANCELLED)
         result = end.result
-        words, facts = self._answer.words(result), self._answer.facts(result)
+        doubt = "" if end.status == "unknown" else await after_the_end(errand)
+        words = joined("; ", filter(None, (self._answer.words(result), doubt)))
+        facts = self._answer.facts(result)
         if end.status == "unknown":
             raise RobotUnreachable(
                 said("{shown} has not said how it ended.", shown=errand.side.shown)
