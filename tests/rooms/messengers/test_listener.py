@@ -364,3 +364,25 @@ async def test_messages_from_before_the_accounts_time_go_without_its_number() ->
     ear.listener.account_since_ns = now_s * SECOND_NS
     async with ear.listening():
         assert {each.text: each.account for each in ear.heard} == {"then": "", "now": "42"}
+
+
+@pytest.mark.parametrize("several", [True, False])
+async def test_what_several_bots_hear_in_a_small_group_is_known_to_each_by_the_same(
+    *, several: bool
+) -> None:
+    """There each bot counts messages by itself; a bot that is alone shares nothing."""
+    known = []
+    for number in (7, 900):
+        ear = Ear()
+        date = ear.clock.wall_ns() // SECOND_NS
+        small = {"id": -5, "type": "group", "title": "Lab"}
+        ear.bot.answers = [[raw(number, message={
+            "message_id": number, "date": date, "chat": small, "from": person(ADA),
+            "text": "omni wave",
+        })]]  # fmt: skip
+        ear.listener.one_of_several = several
+        async with ear.listening():
+            known += [each.shared for each in ear.heard]
+    assert len(known) == 2
+    assert known[0] == known[1]
+    assert bool(known[0]) is several
