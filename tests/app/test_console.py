@@ -7,8 +7,10 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from rosic.app.console import AGAIN, Console, mind_console
+from rosic.app.languages import catalogue
 from rosic.core.identity import Address
 from rosic.core.order import Rest
+from rosic.core.saying import in_language
 from rosic.robots.memory import MemoryRobot
 from tests.rooms.pipeline.place import ADA, Place
 
@@ -38,6 +40,7 @@ class Typed:
         self.interrupted, self.ended = asyncio.Event(), asyncio.Event()
         self.shown: list[str] = []
         self.pressed = 0
+        self.locale = ""
         self.address = Address("memory", account)
 
     @property
@@ -141,6 +144,34 @@ async def test_of_somebody_unknown_at_the_terminal_it_is_the_operator_who_stoppe
             console.interrupt()
             await place.quiet()
         assert "stopped by the operator" in await place.say("status omni")
+
+
+async def test_whoever_reads_german_there_reads_all_of_it_in_german() -> None:
+    async with Place().open() as place:
+        console = Typed(ADA)
+        console.locale = "de_AT"
+        async with _minded(console, place, ("lab bot", "farm bot")):
+            console.interrupt()
+            await place.quiet()
+            console.ended.set()
+            await place.quiet()
+        given, measured, again, unheard = console.shown
+        assert given == "STOP geschickt an omni, kuka1, cf1, cf2."
+        assert "omni steht still (" in measured
+        assert again == in_language(AGAIN, catalogue("de"))
+        assert again.startswith("Noch einmal Strg-C beendet ROSIC.")
+        assert "ROSIC läuft weiter für lab bot und farm bot." in unheard
+
+
+async def test_what_somebody_chose_counts_more_than_what_the_terminal_is_set_to() -> None:
+    async with Place().open() as place:
+        await place.say("/language en")
+        console = Typed(ADA)
+        console.locale = "de_AT"
+        async with _minded(console, place, ()):
+            console.interrupt()
+            await place.quiet()
+        assert console.shown[-1] == AGAIN
 
 
 async def test_something_typed_in_between_makes_it_the_first_again() -> None:

@@ -206,8 +206,19 @@ def test_at_a_german_terminal_it_speaks_german_until_somebody_chooses() -> None:
         assert "English: /language en" in hand.see("\n>")
         hand.type("omni turn 5 Grad\r")
         hand.see("5 Grad nach links gedreht")
+        hand.type("bogus\r")
+        hand.see("Sag hilfe, dann")
+        hand.type("\x03")
+        drawn = " ".join(hand.see("wieder bewegen: freigeben all").split())
+        assert "STOP geschickt an KUKA iiwa, omni, " in drawn
+        assert "omni steht still" in drawn
+        assert "Noch einmal Strg-C beendet ROSIC." in drawn
+        hand.type("zustand omni\r")
+        hand.see("angehalten von Gast")
         hand.type("/language en\r")
         hand.see("Saved.")
+        hand.type("resume omni\r")
+        hand.see("is ready again.")
         hand.type("omni turn 5 deg\r")
         hand.see("turned 5 deg left")
     finally:
@@ -219,6 +230,17 @@ def test_a_piped_demonstration_is_english_whatever_the_terminal_is_set_to() -> N
 
     assert "Deutsch: /language de" in ran.out
     assert "Language: English. I speak English and Deutsch." in ran.out
+
+
+@pytest.mark.limit(300)
+def test_in_a_pipe_whoever_chose_german_reads_german_to_the_end() -> None:
+    lines = "/language de\nomni fahre 20 cm\n/me\nstopp cf1\n"
+    ran = rosic("demo", "--plain", stdin=lines, within_s=240)
+
+    at_the_end = ran.out.partition("Am Ende:")[2]
+    assert "omni: steht still · vergeben an Gast · Akku" in at_the_end
+    assert "Crazyflie 1: angehalten von Gast" in at_the_end
+    assert "Du bist Gast." in ran.out
 
 
 def test_tab_completes_with_the_blank_that_follows(hand: Hand) -> None:

@@ -134,7 +134,7 @@ async def test_asking_for_a_right(
         ada = Newcomer(place, place.ada)
 
         await vi.start(code, said("You are invited as viewer", "eingeladen"))
-        await vi.tap(said("Join", "Beitreten"), said("You are in", "Du bist dabei"))
+        await vi.tap(said("Join", "Beitreten"), said("You are in, as", "Du bist dabei"))
         await vi.type("omni move 0.5 m", said("needs the right", "das Recht"))
         await vi.tap(
             said("Ask for it", "Darum bitten"), said("I have asked Ada", "Ich habe gefragt (Ada)")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
 from rosic.app.desk.operating import Operating
 from rosic.core.identity import OPERATOR
+from rosic.core.saying import filled, in_language, joined, said
 from rosic.errors import MessengerFault
 
 if TYPE_CHECKING:
@@ -17,11 +18,12 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.core.identity import Address
 
-AGAIN: Final = "Ctrl-C again ends ROSIC. To let robots move again: resume all"
-NOT_HEARD: Final = (
+AGAIN: Final = said("Ctrl-C again ends ROSIC. To let robots move again: resume all")
+NOT_HEARD: Final = said(
     "Nothing that is typed here is heard any more, stop included; ROSIC goes on for {others}. "
     "Ctrl-C brings every robot to rest, and a second one ends it."
 )
+AND: Final = said(" and ")
 
 
 @runtime_checkable
@@ -31,10 +33,12 @@ class Console(Protocol):
     Attributes:
         interrupted: Set by each Ctrl-C.
         ended: Set when nothing more is read.
+        locale: What the terminal is set to; only the default for whoever has not chosen.
     """
 
     interrupted: asyncio.Event
     ended: asyncio.Event
+    locale: str
 
     @property
     def address(self) -> Address:
@@ -63,6 +67,11 @@ def console_of(messengers: Iterable[Messenger]) -> Console | None:
     """Return the terminal at which somebody sits, if there is one."""
     found = (one for one in messengers if isinstance(one, Console) and one.at_hand)
     return next(found, None)
+
+
+def read_at(console: Console, gateway: Gateway, text: str) -> str:
+    """Return a sentence as whoever sits at a terminal reads it."""
+    return in_language(text, gateway.languages.of_reader(console.address, console.locale))
 
 
 async def mind_console(
@@ -94,7 +103,7 @@ async def mind_console(
                 leave()
                 return
             elif ended.done():
-                _show(console, NOT_HEARD.format(others=" and ".join(others)))
+                _show(console, gateway, filled(NOT_HEARD, others=joined(AND, others)))
                 ended = asyncio.create_task(asyncio.Event().wait())  # it ends once
     finally:
         for task in (ended, *resting):
@@ -109,16 +118,17 @@ async def _bring_to_rest(console: Console, gateway: Gateway) -> asyncio.Task[Non
     """
     found = gateway.rooms.authoriser.directory.at(console.address)
     lines = Operating(gateway).stop(by=found[0].id if found is not None else OPERATOR)
-    _show(console, await anext(lines))  # the stop is given by now, and nothing was waited for
-    return asyncio.create_task(_show_rest(console, lines))
+    # The stop is given by now, and nothing was waited for.
+    _show(console, gateway, await anext(lines))
+    return asyncio.create_task(_show_rest(console, gateway, lines))
 
 
-async def _show_rest(console: Console, lines: AsyncIterator[str]) -> None:
+async def _show_rest(console: Console, gateway: Gateway, lines: AsyncIterator[str]) -> None:
     async for line in lines:
-        _show(console, line)
-    _show(console, AGAIN)
+        _show(console, gateway, line)
+    _show(console, gateway, AGAIN)
 
 
-def _show(console: Console, text: str) -> None:
+def _show(console: Console, gateway: Gateway, text: str) -> None:
     with suppress(MessengerFault):  # nobody reads it, and the robots come to rest all the same
-        console.show(text)
+        console.show(read_at(console, gateway, text))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rosic.app.adapters import robot_factory
 from rosic.app.closing import close_in_time, on_signals
-from rosic.app.console import console_of, mind_console
+from rosic.app.console import console_of, mind_console, read_at
 from rosic.app.desk.operating import Operating
 from rosic.app.documents.profiles import known_units, read_profile, shipped_profiles
 from rosic.app.face import face_of
@@ -20,7 +20,7 @@ from rosic.app.placing.people import Seed
 from rosic.app.quiet import PIPED, until_done, until_quiet
 from rosic.core.identity import Address
 from rosic.core.rate import RateLimit
-from rosic.core.saying import filled, in_language, said
+from rosic.core.saying import filled, in_language, joined, said, titled
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.messenger import is_terminal, own_locale
 from rosic.stores.latch import MemoryLatch
@@ -47,6 +47,12 @@ GREETING = said(
     "Tab completes; Ctrl-C brings all to rest; Ctrl-D leaves."
 )
 
+LATE = said("Still under way after {seconds:.0f} s; going on.")
+AT_THE_END = said("At the end:")
+LEFT = said("Left. Nothing was kept. For real robots: rosic run")
+# Somebody's name, not a word of a sentence: in German that would need its case.
+YOU = titled("you", {"de": "Gast"})
+
 
 class Script:
     """Waits for what the lines of a script ask for.
@@ -72,7 +78,8 @@ class Script:
     def _note(self, in_time: bool) -> None:
         if not in_time:
             self.late = True
-            self._messenger.show(f"Still under way after {LINE_WITHIN_S:.0f} s; going on.")
+            late = filled(LATE, seconds=LINE_WITHIN_S)
+            self._messenger.show(read_at(self._messenger, self._gateway, late))
 
 
 async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: int) -> int:
@@ -122,7 +129,7 @@ def gateway_of(
 ) -> Gateway:
     """Make the gateway. Its one person may do everything, and is whoever started it."""
     address = Address(messenger.platform, messenger.account)
-    you = Seed(name="you", addresses=(address,), roles=("admin",))
+    you = Seed(name=YOU, addresses=(address,), roles=("admin",))
     parts = Parts(
         messengers=(messenger,),
         robot_factory=robot_factory,
@@ -141,13 +148,14 @@ def gateway_of(
 async def _take_leave(gateway: Gateway, messenger: TerminalMessenger, *, script: bool) -> None:
     """Say how it ends; of what still moves or flies only once it was measured at rest."""
     if script:
-        messenger.show("At the end:\n" + "\n".join(Operating(gateway).status()))
+        found = joined("\n", (AT_THE_END, *Operating(gateway).status()))
+        messenger.show(read_at(messenger, gateway, found))
         return
     moving = [profile.id for profile in gateway.not_at_rest()]
     if moving:
         async for line in Operating(gateway).stop(moving):
-            messenger.show(line)
-    messenger.show("Left. Nothing was kept. For real robots: rosic run")
+            messenger.show(read_at(messenger, gateway, line))
+    messenger.show(read_at(messenger, gateway, LEFT))
 
 
 async def _until_over(

@@ -17,6 +17,7 @@ from rosic.app.desk.operator_desk import OperatorDesk
 from rosic.app.gateway import Gateway, Parts
 from rosic.app.placing.forgetting import Forgetful, forget_daily
 from rosic.app.start import Checking, latch_of, parts_of, settings_of
+from rosic.core.saying import said
 from rosic.errors import MessengerFault, RosicError
 
 if TYPE_CHECKING:
@@ -29,7 +30,9 @@ if TYPE_CHECKING:
 
 CHECK_WITHIN_S = 5.0
 TELEGRAM, TERMINAL = "telegram", "terminal"
-GREETING = "Say help for what can be said here, and stop at any time; Ctrl-C stops every robot."
+GREETING = said(
+    "Say help for what can be said here, and stop at any time; Ctrl-C stops every robot."
+)
 CLOSE_AT_LEAST_S = 0.5
 
 log = logging.getLogger("rosic.gateway")

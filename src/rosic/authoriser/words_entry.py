@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.limits import limit_in_words
+from rosic.core.role_names import role_shown
 from rosic.core.saying import joined, said, said_n
 
 if TYPE_CHECKING:
@@ -86,7 +87,8 @@ def given(
         lasts_s: None for no end.
     """
     where = said(" on {listed}", listed=listed(robots)) if robots else ""
-    things = [joined("", (listed(roles), where))] if roles else []
+    named = tuple(map(role_shown, roles))
+    things = [joined("", (listed(named), where))] if named else []
     things += [
         said("{skill} on {robot}", skill=said("everything") if skill == "*" else skill, robot=robot)
         for robot, skill in skills

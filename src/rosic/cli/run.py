@@ -13,6 +13,7 @@ from rosic.app import loop
 from rosic.app.config import Config, load_config
 from rosic.app.documents.open_to_others import open_to_others
 from rosic.app.face import face_of
+from rosic.app.languages import of_locale
 from rosic.app.logs import log_to_standard_error
 from rosic.app.private_memory import keep_memory_private
 from rosic.app.serving import Serving
@@ -20,6 +21,7 @@ from rosic.app.start import secrets_of
 from rosic.cli.asking import CONFIG
 from rosic.cli.begun import begun_ns
 from rosic.cli.picture import show
+from rosic.core.saying import in_language
 from rosic.errors import RosicError
 from rosic.system import SystemClock, SystemEntropy
 
@@ -65,7 +67,14 @@ def run(arguments: Sequence[str]) -> int:
 
 async def _serve(config: Config) -> None:
     # A code for the first admin is for whoever sits here: not for a file, not for the journal.
-    at_terminal = show if sys.stdout.isatty() else None
+    at_terminal = _show if sys.stdout.isatty() else None
     await Serving(
         config, SystemClock(), SystemEntropy(), begun_ns=begun_ns(), show=at_terminal
     ).run()
+
+
+def _show(sentence: str, payload: str) -> None:
+    """Print a sentence in the language of this terminal, and what a camera reads."""
+    from rosic.messengers.terminal.messenger import own_locale  # noqa: PLC0415 - not for a start
+
+    show(in_language(sentence, of_locale(own_locale())), payload)

@@ -9,6 +9,7 @@ from rosic.core.authority import RESUME
 from rosic.core.language.suggestions import AND, OR
 from rosic.core.limits import broken_limit, limit_in_words
 from rosic.core.robot import Slots
+from rosic.core.role_names import role_shown
 from rosic.core.roles import Assurance, Need
 from rosic.core.saying import capital, joined, said
 from rosic.core.words import named_of, no_robot
@@ -180,7 +181,7 @@ class Refusing:
 
     def _not_granted(self, denied: Denied) -> Refusal:
         role = (
-            said('the right "{roles}"', roles=denied.roles[0])
+            said('the right "{roles}"', roles=role_shown(denied.roles[0]))
             if denied.roles
             else said("a right nobody has yet")
         )

@@ -55,13 +55,22 @@ class Languages:
 
     def of_sender(self, inbound: Inbound) -> Catalogue | None:
         """Return the catalogue of whoever wrote this, known or not."""
-        if not inbound.locale and not self._readers:
+        return self.of_reader(inbound.sender, inbound.locale)
+
+    def of_reader(self, address: Address, locale: str) -> Catalogue | None:
+        """Return the catalogue of whoever is at an address, known or not.
+
+        Args:
+            address: Where they read.
+            locale: What their messenger is set to: the default of whoever has not chosen.
+        """
+        if not locale and not self._readers:
             return None
-        principal = self.at(inbound.sender)
+        principal = self.at(address)
         if principal is None:
-            return self.spoken(inbound.locale)
-        if inbound.locale:  # of whoever has come in by this very message, nothing was heard yet
-            self.hear(principal, inbound.locale)
+            return self.spoken(locale)
+        if locale:  # of whoever has come in by this very message, nothing was heard yet
+            self.hear(principal, locale)
         return self.of(principal)
 
     def of_address(self, address: Address) -> Catalogue | None:

@@ -79,13 +79,8 @@ async def speak(folder: Path, page: list[Block], server: FakeTelegram) -> None:
         await asyncio.to_thread(running.wait_for, "?start=")
         found = CODE.search(running.shown)
         assert found, running.shown
-<<<<<<< HEAD
         head, *steps = pairs(taps)
         assert head == ("you", "then you see")
-=======
-        heading, *steps = pairs(taps)
-        assert heading == ("you", "then you see")
->>>>>>> 3f4203f (Follow the page from BotFather to a motion by its headed table)
         for what, then in steps:
             if what == "START":
                 server.say(ada, ada, f"/start {found[0]}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from rosic.app.documents.profiles import known_units, load_profile, shipped_profiles
@@ -10,11 +12,15 @@ from rosic.core.language import Context, Errand, Vocabulary, hears_stop, underst
 from rosic.core.language.cancelling import hears_cancel
 from rosic.core.language.words import ALIASES, ERRANDS, HELP_PAGES, PAGE_ALIASES, VERBS
 from rosic.core.measures import in_units_of
+from rosic.core.role_names import TYPED as TYPED_ROLES
+from rosic.core.role_names import role_shown, role_typed
+from rosic.core.roles import DEFAULT_ROLES
 from rosic.core.saying import Imperial, in_language
 from rosic.core.words import button_label
 from rosic.pipeline.command_words import TYPED
 from rosic.pipeline.times.cancelling import BOOKINGS
-from tests.rooms.pipeline.place import FLEET
+from tests.rooms.pipeline.place import FLEET, VI, Place
+from tests.texts import read
 
 GERMAN = catalogue("de")
 VOCABULARY = Vocabulary.build(FLEET, known_units())
@@ -51,6 +57,41 @@ def test_other_words_for_commands_mean_one_each_and_take_no_name_away() -> None:
     assert set(PAGE_ALIASES.values()) == HELP_PAGES
     assert set(ALIASES).isdisjoint(ERRANDS | VERBS)
     assert all(hears_stop(word) is None for word in (*ALIASES, *PAGE_ALIASES))
+
+
+def test_no_sentence_says_to_say_an_english_word_for_which_there_is_a_german_one() -> None:
+    english = "|".join(sorted({*ALIASES.values(), "stop"}))
+    says = re.compile(rf"\b[Ss]ag (?:jederzeit )?(?:{english})\b")
+    forms = [
+        form
+        for message in read("de")
+        for form in ([message.string] if isinstance(message.string, str) else message.string or ())
+    ]
+    assert "Sag hilfe, dann hörst du, was geht." in forms
+    assert [form for form in forms if says.search(form)] == []
+
+
+def test_roles_are_read_in_german_and_may_be_typed_so() -> None:
+    assert {in_language(role_shown(name), GERMAN).casefold(): name for name in DEFAULT_ROLES} == {
+        **TYPED_ROLES,
+        "admin": "admin",
+    }
+    assert all(role_typed(word, DEFAULT_ROLES) == name for word, name in TYPED_ROLES.items())
+    assert role_typed("bediener", {"bediener", "operator"}) == "bediener"
+    assert role_typed("bediener", {"chief"}) == "bediener"
+
+
+async def test_a_german_name_of_a_role_invites_and_is_a_part_of_another() -> None:
+    async with Place().open() as place:
+        await place.say("/language de")
+        invited = await place.say("/invite bediener omni for 2h")
+        assert "Bediener für omni für 2 Stunden" in invited
+        assert "Zuschauer" in await place.say("/role zuschauer")
+        assert "gast" in await place.say("/role gast may zuschauer, omni:wave")
+        await place.tap(*place.button("So machen"))
+        assert "gast (in einem Chat gemacht): Zuschauer, omni:wave" in await place.say("/role gast")
+        await place.say("/language de", account=VI, chat=VI)
+        assert '"Bediener"' in await place.say("omni move 1 m", account=VI, chat=VI)
 
 
 def test_every_skill_that_ships_has_a_german_title_that_may_be_typed() -> None:

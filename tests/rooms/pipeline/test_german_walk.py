@@ -26,7 +26,7 @@ _FIELD = re.compile(r"\{[^}]*\}")
 _TYPED = re.compile(r"/\S+(?: [^\s.,·)]+)*|\"[^\"]*\"")
 # In both languages, or names of this place.
 _NAMES = frozenset(
-    "ada bo vi omni yumi kuka iiwa crazyflie stop clip operator viewer admin english".split()  # noqa: SIM905
+    "ada bo vi omni yumi kuka iiwa crazyflie stop clip admin english".split()  # noqa: SIM905
 )
 # Words of profiles: German sentences have them where they show what to type.
 _IN_PROFILES = frozenset(
@@ -129,6 +129,8 @@ A /strategy omni careful speed=90 m/s
 A /role
 A leute
 A einladen viewer
+A einladen bediener omni
+A geben bo bediener omni for 1h
 A protokoll
 A protokoll omni
 A daten

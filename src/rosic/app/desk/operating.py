@@ -18,7 +18,7 @@ from rosic.app.placing.record_watch import lost
 from rosic.core import words
 from rosic.core.identity import OPERATOR
 from rosic.core.order import Rest
-from rosic.core.saying import plain
+from rosic.core.saying import joined, plain, said
 from rosic.errors import NotUnderstood
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 
 ALL = "--all"
+NOT_KEPT = said("This could not be written down: after a restart, look before you move anything.")
 
 _encode = msgspec.json.Encoder(enc_hook=plain).encode
 
@@ -131,7 +132,7 @@ class Operating:
             robots = tuple(rooms.profiles)
             misheard = f"{unknown} Everything is stopped.\n"
         halting = self._gateway.stop_lane.stop_robots(robots, by)
-        yield misheard + words.stopping([rooms.profiles[robot].shown for robot in robots])
+        yield joined("", (misheard, words.stopping([rooms.profiles[r].shown for r in robots])))
         # Waiting is all that may be cut off when whoever asked goes away; the stop goes on.
         await asyncio.wait(halting.rests.values())
         found = [
@@ -140,7 +141,7 @@ class Operating:
         ]
         yield words.rests(rooms.profiles, found)
         if not await asyncio.shield(halting.latched):
-            yield "This could not be written down: after a restart, look before you move anything."
+            yield NOT_KEPT
 
     async def resume(self, names: Sequence[str] = ()) -> str:
         """Undo the stop of robots; without a name, of the one that is stopped.
@@ -153,9 +154,9 @@ class Operating:
         named = self._robots([name for name in names if name != ALL])
         stopped = [robot for robot in named if rooms.board[robot].latched]
         if not names and len(stopped) > 1:
-            said = ", ".join(stopped)
+            listed = ", ".join(stopped)
             raise NotUnderstood(
-                f"Several robots are stopped: {said}. Name those that may go on, or say {ALL}."
+                f"Several robots are stopped: {listed}. Name those that may go on, or say {ALL}."
             )
         at_ns = self._gateway.access.time.wall_ns()
         return await self._gateway.pipeline.resuming.by_operator(stopped, at_ns)

@@ -15,6 +15,7 @@ from rosic.core.language import clean
 from rosic.core.record import Decided, Fact
 from rosic.core.role_mistakes import grant_mistakes
 from rosic.core.roles import Grant
+from rosic.core.saying import joined
 from rosic.errors import NotUnderstood
 from rosic.pipeline.people.words import how_to_join, noted
 
@@ -116,7 +117,7 @@ class OperatingAccess:
         links = [telegram_link(bot, offer.code) for bot in self._books.bots]
         text = join_text(offer.code)
         if offer.invitation.first_admin:
-            return "\n".join((offer.sentence, *links)), links[0] if links else text
+            return joined("\n", (offer.sentence, *links)), links[0] if links else text
         how = how_to_join("\n".join(links), text).replace("send me", "send the bot")
         return f"{offer.sentence}\n{how}", links[0] if links else text
 

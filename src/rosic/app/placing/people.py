@@ -103,7 +103,7 @@ def admitted(
         id=f"k{entropy.token(ID_BYTES).hex()}", principal=principal, issuer=by,
         issued_ns=now_ns,
     )  # fmt: skip
-    card = PersonalCard(person.name, person.addresses)
+    card = PersonalCard(str(person.name), person.addresses)
     letter = Letter(principal, _encode_card(card))
     enrolled = Principal(
         id=principal, name=person.name, roles=person.roles, addresses=person.addresses

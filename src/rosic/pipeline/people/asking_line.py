@@ -16,6 +16,7 @@ from rosic.core.language.cleaning import fold_word
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.limits import limit_in_words
 from rosic.core.robot import RobotId
+from rosic.core.role_names import role_shown
 from rosic.core.roles import chains
 from rosic.core.saying import joined
 from rosic.core.words import named_of, spoken
@@ -66,7 +67,7 @@ class Places(msgspec.Struct, frozen=True, kw_only=True):
         """Return it as people read it: ``grasp on KUKA iiwa``."""
         if given.roles:
             [role], [robot] = given.roles, given.robots
-            return words_asking.thing(role, self.shown(robot))
+            return words_asking.thing(role_shown(role), self.shown(robot))
         robot, _, skill = given.scopes[0].partition(":")
         return words_asking.thing(self.named(robot, skill), self.shown(robot))
 

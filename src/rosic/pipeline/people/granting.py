@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from rosic.core.language.cleaning import LONGEST_NAME
 from rosic.core.message import Button
 from rosic.core.roles import Grant
+from rosic.core.saying import joined
 from rosic.errors import Expired, NotPermitted, NotUnderstood
 from rosic.organiser.words_calendar import moment
 from rosic.pipeline.desk import Reply
@@ -234,4 +235,4 @@ class Granting:
         return words_asking.until(what, moment(ends_ns, now_ns, self._zone_of(reader)))
 
     def _what(self, grants: Iterable[Grant]) -> str:
-        return "; ".join(words.grant(grant, grant.limits, "") for grant in grants)
+        return joined("; ", (words.grant(grant, grant.limits, "") for grant in grants))

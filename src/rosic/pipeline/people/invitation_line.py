@@ -15,6 +15,7 @@ from rosic.core.language.clock_words import Unclear
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.when_said import Said
 from rosic.core.reach import FLEET
+from rosic.core.role_names import role_typed
 from rosic.core.roles import Grant
 from rosic.core.saying import joined
 from rosic.errors import NotUnderstood, OutOfBounds
@@ -111,8 +112,9 @@ class _Reading:
         return word == _LASTS or (word == _CODE and self._inviting)
 
     def _word(self, word: str) -> None:
-        if word in self._roles:
-            self._given.append(self._roles[word])
+        role = role_typed(word, self._roles)
+        if role in self._roles:
+            self._given.append(self._roles[role])
         elif word != FLEET and self._rights.fleet.robots(word):
             self._where.append(word)
         elif not self._inviting and _SCOPE.match(word):
@@ -136,7 +138,9 @@ class _Reading:
     def _means(self, word: str) -> bool:
         """Whether a word says something by itself, so that it is no unit."""
         known = {_LASTS, _CODE, _CONFIRM}
-        if word in known or word in self._roles or word in _FILLERS - {"a"} or _SCOPE.match(word):
+        if word in known or word in _FILLERS - {"a"} or _SCOPE.match(word):
+            return True
+        if role_typed(word, self._roles) in self._roles:
             return True
         return bool(self._rights.fleet.robots(word))
 

@@ -11,12 +11,15 @@ from typing import TYPE_CHECKING, Final
 from rosic.core.language import clean
 from rosic.core.language.cleaning import fold_word
 from rosic.core.reach import FLEET
+from rosic.core.role_names import role_typed
 from rosic.core.roles import Role
 from rosic.errors import NotUnderstood
 from rosic.pipeline.office import check_length
 from rosic.pipeline.people import words_roles
 
 if TYPE_CHECKING:
+    from collections.abc import Container
+
     from rosic.core.reach import Fleet
 
 LONGEST_LINE: Final = 300
@@ -55,14 +58,19 @@ def check_name(name: str, fleet: Fleet) -> None:
         raise NotUnderstood(words_roles.no_name(name))
 
 
-def read_role(text: str) -> Role:
-    """Read what stands after ``may``. Whether it makes sense, the check of the rulebook says."""
+def read_role(text: str, known: Container[str] = ()) -> Role:
+    """Read what stands after ``may``. Whether it makes sense, the check of the rulebook says.
+
+    Args:
+        text: The words.
+        known: The roles of this place, which other languages may have words for.
+    """
     said, _, limits = text.partition(f" {WITH} ")
     named = [fold_word(word).casefold() for word in said.replace(",", " , ").split()]
     given = [word for word in dict.fromkeys(named) if word not in _FILLERS]
     return Role(
         scopes=tuple(word for word in given if ":" in word),
-        includes=tuple(word for word in given if ":" not in word),
+        includes=tuple(role_typed(word, known) for word in given if ":" not in word),
         limits=tuple(dict.fromkeys(_limit(each) for each in _LIMITS.split(limits) if each.strip())),
     )
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from rosic.core.language.cleaning import fold_word
 from rosic.core.message import Button
 from rosic.core.reach import FLEET
+from rosic.core.role_names import role_typed
 from rosic.core.roles import chains
 from rosic.core.saying import joined
 from rosic.errors import NotPermitted, NotUnderstood
@@ -57,11 +58,12 @@ class Rolemaking:
         name, _, rest = said.partition(" ")
         name = fold_word(name).casefold()
         verb, _, what = rest.partition(" ")
+        meant = role_typed(name, self._book.rulebook.roles)
         if not rest:
-            self._check_known(name)
-            return Reply(self._line(name))
+            self._check_known(meant)
+            return Reply(self._line(meant))
         if verb.casefold() == OFF and not what:
-            return await self._take(by, name)
+            return await self._take(by, meant)
         if verb.casefold() != MAY or not what:
             raise NotUnderstood(words_roles.HOW)
         return await self._make(asked, name, what)
@@ -73,7 +75,7 @@ class Rolemaking:
     # ---- making ----
 
     async def _make(self, asked: Asked, name: str, what: str) -> Reply:
-        role, by = read_role(what), asked.caller.principal
+        role, by = read_role(what, self._book.rulebook.roles), asked.caller.principal
         agreed = sure(self._registry.rights().policy, "role", name, what)
         if asked.act != agreed:
             before, affected = self._book.own.get(name), self._check(by, name, role)

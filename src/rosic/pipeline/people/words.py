@@ -9,6 +9,7 @@ from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import OR
 from rosic.core.limits import limit_in_words
 from rosic.core.message import Button
+from rosic.core.role_names import role_shown
 from rosic.core.saying import filled, joined, said, said_n
 
 if TYPE_CHECKING:
@@ -185,6 +186,11 @@ def noted(sentence: str, *, written: bool) -> str:
     return sentence if written else joined(" ", (sentence, UNWRITTEN))
 
 
+def roles_listed(names: Sequence[str]) -> str:
+    """Return roles in a row, as people read them."""
+    return listed(tuple(map(role_shown, names)))
+
+
 def how_to_invite(roles: Sequence[str], robots: Mapping[str, object]) -> str:
     """Return how to invite, with an example of this place."""
     role = "operator" if "operator" in roles else next(iter(roles), "viewer")
@@ -195,9 +201,9 @@ def how_to_invite(roles: Sequence[str], robots: Mapping[str, object]) -> str:
         "speed <= 0.2 m/s (a limit), code 30 min (how long the code is good), as NAME "
         "(how they are shown), confirm (an admin has to let them in).\nRoles here: "
         "{listed}.",
-        role=role,
+        role=role_shown(role),
         robot=robot,
-        listed=listed(roles),
+        listed=roles_listed(roles),
     )
 
 
@@ -210,7 +216,9 @@ def how_to_join(link: str, text: str) -> str:
 
 def no_role(roles: Sequence[str]) -> str:
     """Return what is missing in an invitation."""
-    return said("As what? The roles here are {listed}. Nothing was done.", listed=listed(roles))
+    return said(
+        "As what? The roles here are {listed}. Nothing was done.", listed=roles_listed(roles)
+    )
 
 
 def no_role_no_robot(word: str, close: Sequence[str], roles: Sequence[str]) -> str:
@@ -218,7 +226,7 @@ def no_role_no_robot(word: str, close: Sequence[str], roles: Sequence[str]) -> s
     meant = (
         said(" Did you mean {close}?", close=joined(OR, close))
         if close
-        else said(" The roles here are {listed}.", listed=listed(roles))
+        else said(" The roles here are {listed}.", listed=roles_listed(roles))
     )
     return said(
         "I know no role and no robot called {quote}.{meant} Nothing was done.",
@@ -271,7 +279,8 @@ def several_in_group(count: int, given: str) -> str:
 
 def told_apart(name: str, roles: Sequence[str]) -> str:
     """Return the label of one of several."""
-    return joined(", ", (name, listed(roles) if roles else said("without a role of their own")))
+    held = roles_listed(roles) if roles else said("without a role of their own")
+    return joined(", ", (name, held))
 
 
 # ---- who is who ----

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import quote
+from rosic.core.role_names import role_shown
 from rosic.core.saying import joined, said
 from rosic.organiser.words_calendar import length
 
@@ -252,7 +253,7 @@ def how_to_grant(role: str, robot: str) -> str:
         "Whom, what, where and for how long? Write for example: /grant NAME {role}{robot} for 2h\n"
         "Without a robot it is good everywhere, without a time until it is taken back. A single "
         "right is written ROBOT:SKILL.",
-        role=role, robot=f" {robot}" if robot else "",
+        role=role_shown(role), robot=f" {robot}" if robot else "",
     )  # fmt: skip
 
 

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.authoriser.words_entry import listed
 from rosic.core.language.cleaning import quote
+from rosic.core.role_names import role_shown
 from rosic.core.saying import joined, said
-from rosic.pipeline.people.words import can_do
+from rosic.pipeline.people.words import can_do, roles_listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -47,7 +48,7 @@ def for_good(helpers: Sequence[str]) -> str:
 
 def gives(role: Role) -> str:
     """Return what a role gives: ``operator, omni:move with speed <= 0.2 m/s``."""
-    what = joined(", ", (*role.includes, *role.scopes))
+    what = joined(", ", (*map(role_shown, role.includes), *role.scopes))
     if not role.limits:
         return what
     return said("{what} with {limits}", what=what, limits=joined(", ", role.limits))
@@ -56,8 +57,8 @@ def gives(role: Role) -> str:
 def line(name: str, role: Role, *, own: bool) -> str:
     """Return one line of the list."""
     if own:
-        return said("{role} (made in a chat): {what}", role=name, what=gives(role))
-    return said("{role}: {what}", role=name, what=gives(role))
+        return said("{role} (made in a chat): {what}", role=role_shown(name), what=gives(role))
+    return said("{role}: {what}", role=role_shown(name), what=gives(role))
 
 
 def listing(lines: Iterable[str]) -> str:
@@ -84,7 +85,7 @@ def of_the_file(name: str) -> str:
     return said(
         "The role {role} is one of this place's configuration, so it cannot be changed from a "
         "chat. Nothing was done.",
-        role=name,
+        role=role_shown(name),
     )
 
 
@@ -138,5 +139,5 @@ def still_included(name: str, roles: Sequence[str]) -> str:
     """Return which roles keep a role from being taken back."""
     return said(
         "The role {role} is included in {roles}. Nothing was done.",
-        role=name, roles=listed(roles),
+        role=role_shown(name), roles=roles_listed(roles),
     )  # fmt: skip
