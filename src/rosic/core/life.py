@@ -120,7 +120,7 @@ class Life:
                 self._fraction = before
             elif int(report.fraction * SHOWN_PARTS) > int(before * SHOWN_PARTS):
                 news = True
-        return news
+        return news and bool(self.progress())  # what says neither what nor how far is no news
 
     def wording(self, outcome: Outcome, at_ns: int) -> str:
         """Return how an outcome reads; the life goes on."""
