@@ -205,7 +205,11 @@ def test_what_nav2_is_made_of_inside_is_left_out(tmp_path: Path) -> None:
 
     profile = profile_of(drafted(seen, lambda _: None), tmp_path)
 
-    assert set(profile.skills) == {"goto", "visit"}
+    assert set(profile.skills) == {"goto", "visit", "drive"}
+    drive = profile.skills["drive"].topic
+    assert drive is not None
+    assert drive.type == "geometry_msgs/msg/TwistStamped"
+    assert set(drive.message) == {"twist.linear.x", "twist.angular.z"}
     assert profile.skills["visit"].parameters["place"].means == {
         "here": {"x": 1.234, "y": 2.0, "yaw": 0.5}
     }

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rosic.testing.ros2.graph import RosProcess
 
 TWIST = "geometry_msgs/msg/Twist"
+STAMPED = "geometry_msgs/msg/PoseWithCovarianceStamped"
 INT32 = "std_msgs/msg/Int32"
 STRING = "std_msgs/msg/String"
 
@@ -41,6 +42,28 @@ async def test_a_velocity_arrives_as_it_was_meant(runtime: RosRuntime, peer: Ros
     await wait_until(lambda: publisher.listeners == 1, "/omni/cmd_vel", 30)
     publisher.publish({"linear.x": 1, "angular": {"z": -0.25}})
     assert await asyncio.to_thread(peer.expect, "twist") == "1.0 -0.25"
+
+
+@pytest.mark.parametrize("made_before", [False, True])
+async def test_what_has_a_header_is_stamped_when_it_is_sent(
+    runtime: RosRuntime, *, made_before: bool
+) -> None:
+    publisher = await runtime.publisher("/omni/there", STAMPED)
+    heard = await runtime.latest("/omni/there", STAMPED)
+    await wait_until(lambda: publisher.listeners == 1, "/omni/there", 30)
+    made = publisher.made({"pose.pose.position.x": 1.0})
+    await asyncio.sleep(0.2)
+    begun_ns = time.time_ns()
+    if made_before:
+        publisher.send(made)
+    else:
+        publisher.publish({"pose.pose.position.x": 1.0})
+    await heard.newer(0, timeout_s=60 * pace())
+    message = heard.message()
+    assert message is not None
+    assert message.pose.pose.position.x == 1.0
+    stamp = message.header.stamp
+    assert begun_ns <= stamp.sec * 10**9 + stamp.nanosec <= time.time_ns()
 
 
 async def test_a_publisher_outlives_what_it_has_sent(runtime: RosRuntime) -> None:

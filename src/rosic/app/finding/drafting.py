@@ -206,8 +206,9 @@ def _skills(seen: Seen, fields: Fields) -> dict[str, Any]:
             skills.setdefault(
                 _skill_id(name), {"class": "task", "service": {"name": name, "type": TRIGGER}}
             )
-    for name in _of(seen.heard, TWIST):
-        skills.setdefault("drive", _drive(name))
+    for kind in (TWIST, STAMPED):
+        for name in _of(seen.heard, kind):
+            skills.setdefault("drive", _drive(name, kind))
     return skills
 
 
@@ -223,7 +224,8 @@ def _known(seen: Seen, name: str, kind: str) -> dict[str, Any] | None:
     return {} if kind == others.FOLLOW or kind.startswith(others.INSIDE) else None
 
 
-def _drive(topic: str) -> dict[str, Any]:
+def _drive(topic: str, kind: str) -> dict[str, Any]:
+    inside = "twist." if kind == STAMPED else ""
     return {
         "title": "Drive at a velocity for a while",
         "class": "motion",
@@ -235,8 +237,8 @@ def _drive(topic: str) -> dict[str, Any]:
             "duration": {"title": "For how long", "unit": "s", "min": 0.1, "max": 2},
         },
         "topic": {
-            "name": topic, "type": TWIST, "stream_hz": 10,
-            "message": {"linear.x": "$linear", "angular.z": "$angular"},
+            "name": topic, "type": kind, "stream_hz": 10,
+            "message": {f"{inside}linear.x": "$linear", f"{inside}angular.z": "$angular"},
         },
     }  # fmt: skip
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.runtime import RosRuntime
     from rosic.robots.ros2.senders import About
 
+HEADER = "std_msgs/Header"
 _NS = 1_000_000_000
 
 ON_ITS_WAY_S = 0.25
@@ -70,6 +71,7 @@ class Publisher:
         self._runtime = runtime
         self._cls = cls
         self._handle = handle
+        self._stamped = cls.get_fields_and_field_types().get("header") == HEADER
         self._sent_s = -ON_ITS_WAY_S
 
     @property
@@ -92,17 +94,23 @@ class Publisher:
         """
         self.send(to_message(self._cls, values))
 
-    def made(self, values: Values) -> bytes:
+    def made(self, values: Values) -> RosObject | bytes:
         """Check, convert and serialise, so that nothing is left to do when it is sent.
+
+        What carries a stamp gets that when it is sent, and is serialised then.
 
         Raises:
             BadValue: A value does not fit.
         """
         message = to_message(self._cls, values)
+        if self._stamped:
+            return message
         return bytes(self._runtime.ros.serialization.serialize_message(message))
 
     def send(self, message: RosObject | bytes) -> None:
         """Send a message, or what was made of it, at once and on the calling thread.
+
+        A message with a header is stamped with the time of now: robots refuse what is old.
 
         Raises:
             NotSent: As `publish` does.
@@ -110,6 +118,8 @@ class Publisher:
         if not self._runtime.alive:
             raise NotSent("The link to ROS 2 is closed; nothing was sent.")
         try:
+            if self._stamped and not isinstance(message, bytes):
+                message.header.stamp = self._runtime.thread.node.get_clock().now().to_msg()
             self._handle.publish(message)
             self._sent_s = monotonic()
         except Exception as error:  # RCLError under a flood; it has no stable home in rclpy
