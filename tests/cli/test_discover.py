@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.documents.profiles import read_profile
-from rosic.app.finding.discovering import robots_in
+from rosic.app.finding.discovering import left_out, robots_in
 from rosic.app.finding.drafting import JOINTS, LOCATED, Seen, drafted, robot_id
 from rosic.app.finding.drafting_others import FOLLOW, GRIP, NAVIGATE, Limbs, Stand
 from rosic.robots.ros2.graph import Offer, Snapshot, Topic
@@ -142,6 +142,33 @@ def test_robots_that_live_below_one_name_are_drafted_apart(tmp_path: Path) -> No
     assert profile.stop is not None
     assert (profile.stop.service, profile.stop.zero) == ("/lab/rover/stop", "/lab/rover/cmd_vel")
     assert not any(robot.mixed for robot in robots)
+
+
+def agv(name: str) -> tuple[Topic, ...]:
+    return (
+        Topic(f"/site4/{name}/drive/velocity_cmd", (TWIST,), 0, 1),
+        Topic(f"/site4/{name}/wheel_odometry", (ODOMETRY,), 1, 0),
+    )
+
+
+def test_robots_are_seen_by_what_their_topics_carry_not_by_their_names() -> None:
+    charger = Topic("/charger/state", ("std_msgs/msg/String",), 1, 0)
+    one = Snapshot((), (*agv("agv_07"), charger), (), (), complete=True)
+    robots = robots_in(one)
+    assert [robot.namespace for robot in robots] == ["/site4"]
+    assert list(robots[0].heard) == ["/site4/agv_07/drive/velocity_cmd"]
+    assert left_out(one, robots) == ["/charger"]
+
+    two = robots_in(replace(one, topics=(*agv("agv_07"), *agv("agv_08"))))
+    assert [robot.namespace for robot in two] == ["/site4/agv_07", "/site4/agv_08"]
+
+
+def test_a_filter_of_odometry_is_no_robot_beside_the_one_it_is_about() -> None:
+    found = graph_of("/")
+    filtered = Topic("/odometry/filtered", (ODOMETRY,), 1, 0)
+    [robot] = robots_in(replace(found, topics=(*found.topics, filtered)))
+    assert robot.namespace == ""
+    assert "/odometry/filtered" in robot.said
 
 
 def test_a_base_and_the_arm_on_it_are_one_robot() -> None:

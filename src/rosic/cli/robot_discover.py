@@ -33,12 +33,20 @@ def run(arguments: Sequence[str]) -> int:
         "--seconds", type=float, default=LOOK_S, help=f"how long to look ({LOOK_S:g})"
     )
     options = parser.parse_args(arguments)
-    drafts = asyncio.run(discover(SystemClock(), seconds=min(max(options.seconds, 0.1), 60.0)))
+    seconds = min(max(options.seconds, 0.1), 60.0)
+    drafts = asyncio.run(discover(SystemClock(), seconds=seconds, skip=_skipped))
     if options.output is None:
         print("\n---\n".join(drafts.values()), end="")
         return 0
     return max(
         [_write(Path(options.output) / f"{name}.yaml", text) for name, text in drafts.items()]
+    )
+
+
+def _skipped(name: str) -> None:
+    print(
+        f"Left out: {name}, where nothing takes velocities or goals, or shows odometry.",
+        file=sys.stderr,
     )
 
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, TypeAlias
 
-from rosic.app.finding.drafting import Seen, drafted, robot_id
+from rosic.app.finding.drafting import JOINTS, ODOMETRY, Seen, drafted, robot_id
 from rosic.app.finding.looking_at import TYPES, looked_at
-from rosic.app.finding.neighbours import homes, mixed
+from rosic.app.finding.neighbours import drives, homes, mixed
 from rosic.errors import ConfigurationError, RosicError
 from rosic.robots.ros2.graph import Snapshot, snapshot
 from rosic.robots.ros2.registry import TypeRegistry
 from rosic.robots.ros2.runtime import RosRuntime
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.robots.ros2.graph import Topic
@@ -24,12 +24,20 @@ ANNOUNCED_S = 3.0
 """Fast DDS, which most robots have, says so often who is there; the first word may be lost."""
 LOOK_S = ANNOUNCED_S + 1.0
 Space: TypeAlias = "tuple[dict[str, str], dict[str, str], dict[str, str], dict[str, str]]"
+SHOWING = frozenset({ODOMETRY, JOINTS})
 RESTING = ("/odom", "/joint_states")
 TELLING = ("/cmd_vel", "/odom", "/joint_states", "/to_robot_topic")
 
 
-async def discover(clock: Clock, *, seconds: float) -> dict[str, str]:
+async def discover(
+    clock: Clock, *, seconds: float, skip: Callable[[str], None] = lambda _: None
+) -> dict[str, str]:
     """Look at the graph for a while, longer if nobody is seen. Return a profile for each robot.
+
+    Args:
+        clock: The time.
+        seconds: For how long to look.
+        skip: Told the names below which something is on the graph that is no robot.
 
     Returns:
         By the robot's id.
@@ -41,11 +49,15 @@ async def discover(clock: Clock, *, seconds: float) -> dict[str, str]:
     runtime = await RosRuntime.open(TypeRegistry(TYPES), node_name=NODE)
     try:
         await clock.sleep(seconds)
-        robots = robots_in(await snapshot(runtime))
+        found = await snapshot(runtime)
+        robots = robots_in(found)
         if not robots:
             seconds += ANNOUNCED_S
             await clock.sleep(ANNOUNCED_S)
-            robots = robots_in(await snapshot(runtime))
+            found = await snapshot(runtime)
+            robots = robots_in(found)
+        for name in left_out(found, robots):
+            skip(name)
         robots = [await looked_at(runtime, robot) for robot in robots]
     finally:
         await runtime.close()
@@ -80,7 +92,26 @@ def robots_in(found: Snapshot) -> list[Seen]:
     seen = [
         Seen(name, *spaces[name], mixed=mixed(name or "/", topics[name])) for name in sorted(spaces)
     ]
-    return [robot for robot in seen if robot.actions or _tells(robot.heard) or _tells(robot.said)]
+    return [
+        robot
+        for robot in seen
+        if robot.actions or _tells(robot.heard) or _tells(robot.said) or drives(robot.heard)
+    ]
+
+
+def left_out(found: Snapshot, robots: Iterable[Seen]) -> list[str]:
+    """Return what is on the graph below a name of its own, and in no robot."""
+    drafted_of = {
+        name
+        for robot in robots
+        for part in (robot.heard, robot.said, robot.services, robot.actions)
+        for name in part
+    }
+    names = {topic.name for topic in found.topics}
+    names |= {offer.name for offer in (*found.services, *found.actions)}
+    spaces = {_space(name, frozenset()) for name in names - drafted_of}
+    within = {_space(name, frozenset()) for name in drafted_of}
+    return sorted(spaces - within - {""})
 
 
 def _gather(spaces: dict[str, Space]) -> None:
@@ -91,13 +122,22 @@ def _gather(spaces: dict[str, Space]) -> None:
     root = spaces.get("")
     if root is None or not _rests(root[1]):
         return
-    for name in [name for name, parts in spaces.items() if name and not _rests(parts[1])]:
+    for name in [name for name, parts in spaces.items() if name and not _apart(parts)]:
         for mine, theirs in zip(root, spaces.pop(name), strict=True):
             mine.update(theirs)
 
 
-def _rests(said: Iterable[str]) -> bool:
-    return any(name.endswith(RESTING) for name in said)
+def _apart(parts: Space) -> bool:
+    """Tell whether it shows its own rest; by types alone, only where it is driven as well.
+
+    Filters of odometry have names of their own, and belong to the robot that they are about.
+    """
+    heard, said, *_ = parts
+    return any(name.endswith(RESTING) for name in said) or (drives(heard) and _rests(said))
+
+
+def _rests(said: Mapping[str, str]) -> bool:
+    return not SHOWING.isdisjoint(said.values()) or any(name.endswith(RESTING) for name in said)
 
 
 def goal_fields(kind: str) -> Mapping[str, str] | None:

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
-from rosic.app.finding.drafting import ODOMETRY
+from rosic.app.finding.drafting import ODOMETRY, STAMPED, TWIST
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from rosic.robots.ros2.graph import Topic
 
 MIXED: Final = "# More than one robot seems to live in"
 RESTING: Final = ("odom", "joint_states")
+DRIVING: Final = frozenset({TWIST, STAMPED})
 VELOCITIES: Final = "cmd_vel"
 _BELOW: Final = 3
 """``/lab/omni/odom`` has as many slashes."""
@@ -25,11 +26,25 @@ def homes(topics: Iterable[Topic]) -> frozenset[str]:
     An arm and the base that carries it are of two kinds, and one robot.
     """
     found: defaultdict[tuple[str, str], set[str]] = defaultdict(set)
+    topics = tuple(topics)
+    driven = {below(t.name) for t in topics if t.subscribers and not DRIVING.isdisjoint(t.types)}
     for topic in topics:
         _, *spaces, name = topic.name.split("/")
         if topic.publishers and name in RESTING and topic.name.count("/") >= _BELOW:
             found[spaces[0], name].add(f"/{spaces[0]}/{spaces[1]}")
+        elif topic.publishers and ODOMETRY in topic.types and below(topic.name) in driven - {""}:
+            found[spaces[0], ODOMETRY].add(below(topic.name))
     return frozenset().union(*(several for several in found.values() if len(several) > 1))
+
+
+def below(name: str) -> str:
+    """Return ``/lab/omni`` of what is below it; empty for what is not so deep."""
+    return "/".join(name.split("/")[:_BELOW]) if name.count("/") >= _BELOW else ""
+
+
+def drives(heard: Mapping[str, str]) -> bool:
+    """Tell whether velocities are taken there, under whatever name."""
+    return not DRIVING.isdisjoint(heard.values())
 
 
 def mixed(namespace: str, topics: Iterable[Topic]) -> str:
