@@ -21,7 +21,7 @@ from rosic.core.robot import Slots
 from rosic.core.roles import Need
 from rosic.core.saying import said
 from rosic.core.skill import Argument
-from rosic.errors import NotPermitted, TimeInDoubt
+from rosic.errors import NotPermitted, RobotStopped, TimeInDoubt
 from rosic.organiser.calendar import Calendar
 from rosic.organiser.grounds import NOTHING, AccessState, Grounds
 from rosic.organiser.refusing import CLOCK_SET_BACK, LOCKED, Refusing
@@ -52,6 +52,7 @@ class Organiser:
         leases: Who has each robot.
         lease_idle_s: How long a robot stays somebody's after the last order ended.
         rates: How much may be asked of and by whom.
+        why_stopped: Says who stopped robots, and who can resume them.
     """
 
     def __init__(
@@ -80,6 +81,7 @@ class Organiser:
         for profile in profiles.values():
             self.enlist(profile, fence=0)  # until `remember_fences`
         self._refusing = Refusing(self, profiles, stops)
+        self.why_stopped = self._refusing.stopped
 
     @property
     def in_doubt(self) -> bool:
@@ -140,7 +142,11 @@ class Organiser:
             plain = right is not None and right.plain
             until_ns = self._open(caller, robot, lease, now_ns) if plain else 0
             if not until_ns:
-                until_ns = self._decide(caller, request, arguments_of(request), grounds_of())
+                try:
+                    until_ns = self._decide(caller, request, arguments_of(request), grounds_of())
+                except RobotStopped as why:
+                    stopped = [r.robot for r in requests if self._stops[r.robot].latched]
+                    raise self.why_stopped.refusal(principal, stopped or [robot]) from why
             if self._clock.behind and lease is not None:
                 raise TimeInDoubt(CLOCK_SET_BACK)
             acting.append((lease, until_ns))

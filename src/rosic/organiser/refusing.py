@@ -19,11 +19,11 @@ from rosic.errors import (
     OrderVoid,
     OutOfBounds,
     Refusal,
-    RobotStopped,
     RobotTaken,
     TakeOver,
     Unrecognised,
 )
+from rosic.organiser.why_stopped import WhyStopped
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 _SI = frozenset({"", "m", "m/s", "m/s^2", "s", "N", "Nm", "rad", "rad/s", "kg"})
 AGREED = frozenset({Need.CONFIRMATION, Need.SECOND_PERSON})
 LOCKED = said("Your access is locked. The admin of this place can unlock it. Stop still works.")
-NOTHING_DONE = said("Nothing was done.")
 ENDED = said("Your access here has ended. The admin of this place can renew it.")
 CLOCK_SET_BACK = said(
     "The clock of this computer was set back, so nothing new moves until its owner has said that "
@@ -51,14 +50,18 @@ ANY_CHANNEL = {
 
 
 class Refusing:
-    """Turns decisions into refusals."""
+    """Turns decisions into refusals.
+
+    Attributes:
+        stopped: Says it of robots that are stopped.
+    """
 
     def __init__(
         self, organiser: Organiser, profiles: Mapping[RobotId, Profile], stops: StopBoard
     ) -> None:
         self._organiser = organiser
         self._profiles = profiles
-        self._stops = stops
+        self.stopped = WhyStopped(organiser, profiles, stops)
         self._denials: dict[Code, Callable[[Denied], Refusal]] = {
             Code.KEY_UNKNOWN: lambda _: Unrecognised(ENDED),
             Code.KEY_REVOKED: lambda _: Unrecognised(ENDED),
@@ -70,7 +73,7 @@ class Refusing:
             Code.RIGHT_ENDED: self._right_ended,
             Code.CHANNEL_TOO_WEAK: self._too_weak,
             Code.OVER_LIMIT: self._over_limit,
-            Code.ROBOT_STOPPED: self._stopped,
+            Code.ROBOT_STOPPED: lambda d: self.stopped.refusal(d.ask.principal, (d.ask.robot,)),
             Code.SLOT_NEEDED: self._slot,
             Code.SLOT_TAKEN: self._slot,
             Code.ROBOT_TAKEN: self._taken,
@@ -194,7 +197,8 @@ class Refusing:
             shown=shown,
             who_grants=self._who_grants(denied.who),
         )
-        more = [self.who_resumes(denied.ask.principal, denied.ask.robot)] if resumes else []
+        robots = (denied.ask.robot,) if resumes else ()
+        more = [self.stopped.who_resumes(denied.ask.principal, robots)] if robots else []
         return NotPermitted(
             joined(" ", (sentence, *more)),
             petition=_petition(denied),
@@ -267,41 +271,6 @@ class Refusing:
             petition=_petition(denied),
         )
 
-    def _stopped(self, denied: Denied) -> Refusal:
-        robot = denied.ask.robot
-        barred, stopped = self._stops.barred(robot), self._stops[robot]
-        if barred is not None:
-            return RobotStopped(joined(" ", (barred.sentence, NOTHING_DONE)))
-        shown = self._shown(robot)
-        if stopped.by:
-            sentence = said(
-                "{shown} is stopped, by {name}, since {when}.",
-                shown=shown,
-                name=self._organiser.name_of(stopped.by),
-                when=self._organiser.moment(denied.ask.principal, stopped.since_ns),
-            )
-        else:
-            sentence = said("{shown} is stopped.", shown=shown)
-        principal = denied.ask.principal
-        if may_resume(self._organiser, self._stops, principal, robot):
-            more = said("It stays stopped until you resume it. Nothing was done.")
-            return RobotStopped(joined(" ", (sentence, more)), offers=(f"resume {robot}",))
-        who = self.who_resumes(principal, robot)
-        givers = self._organiser.rights.givers(robot, self._organiser.wall_ns(), besides=principal)
-        return RobotStopped(
-            joined(" ", (sentence, who, NOTHING_DONE)),
-            petition=f"/ask {robot} {RESUME}" if givers else "",
-        )
-
-    def who_resumes(self, principal: PrincipalId, robot: RobotId) -> str:
-        """Say who else can resume a robot."""
-        organiser = self._organiser
-        found = organiser.rights.resumers(robot, organiser.wall_ns(), besides=principal)
-        names = [organiser.name_of(who) for who in found if who not in organiser.locked]
-        if not names:
-            return said("The operator of this place can resume it.")
-        return said("{names} can resume it.", names=joined(OR, names))
-
     def _slot(self, denied: Denied) -> Refusal:
         calendar, robot = self._organiser.calendar, denied.ask.robot
         required = self._profiles[robot].slots is Slots.REQUIRED
@@ -332,22 +301,6 @@ class Refusing:
                 seconds=seconds,
             )
         return RobotTaken(sentence, offers=(f"wait {robot}",))
-
-
-def may_resume(
-    organiser: Organiser, stops: StopBoard, principal: PrincipalId, robot: RobotId
-) -> bool:
-    """Whether a stop is somebody's to undo: by right, or as they stopped their own order."""
-    by_right = organiser.allows(principal, robot, RESUME)
-    return by_right or stopped_own(organiser, stops, principal, robot)
-
-
-def stopped_own(
-    organiser: Organiser, stops: StopBoard, principal: PrincipalId, robot: RobotId
-) -> bool:
-    """Whether a robot is stopped as somebody stopped their own order, and may move it."""
-    own = stops[robot].own == principal
-    return own and organiser.why_not_move(principal, robot) is None
 
 
 def _petition(denied: Denied) -> str:

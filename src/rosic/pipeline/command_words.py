@@ -62,6 +62,7 @@ _LABELLED: Final = {
     "wait": said("wait"),
     "help": said("help"),
     "resume": said("resume"),
+    "resume all": said("resume all"),
     "robots": said("robots"),
     "use": said("use"),
     "chart": said("chart"),

@@ -27,7 +27,8 @@ from rosic.errors import (
     RobotStopped,
     TimeInDoubt,
 )
-from rosic.organiser.refusing import CLOCK_SET_BACK, may_resume, stopped_own
+from rosic.organiser.refusing import CLOCK_SET_BACK
+from rosic.organiser.why_stopped import may_resume, stopped_own
 from rosic.pipeline.freshness import check_heard_in_time
 from rosic.pipeline.rows import rows
 

@@ -10,15 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 from msgspec.structs import replace
 
-from rosic.authoriser.buttons import ANYBODY
+from rosic.authoriser.buttons import ANYBODY, MENU_LIFETIME_NS
 from rosic.core import words
-from rosic.core.message import ChatKind, Inbound, Outbound, Weight
+from rosic.core.message import Button, ChatKind, Inbound, Outbound, Weight
 from rosic.core.order import Rest
 from rosic.core.record import Stopped
 from rosic.core.saying import in_language, joined, said
 from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
 from rosic.pipeline.company import Company, is_unnamed
+from rosic.pipeline.replies import ask_for_it
 from rosic.pipeline.resuming import RESUMED_AT_MOST
+from rosic.pipeline.rows import rows
 from rosic.pipeline.stopped_by import stopped_by
 from rosic.pipeline.voice import Note
 
@@ -30,7 +32,6 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.store import Store
     from rosic.core.identity import PrincipalId
-    from rosic.core.message import Button
     from rosic.core.robot import RobotId
     from rosic.core.saying import Catalogue
     from rosic.linker.linker import Halting
@@ -193,8 +194,9 @@ class StopLane:
         text = words.rests(self._profiles, rests)
         if not await asyncio.shield(halting.latched):
             text = joined(" ", (text, NOT_WRITTEN))
-        plain = in_language(text, catalogue)
-        buttons = self._buttons(inbound, tuple(halting.rests), by, catalogue)
+        who, asking = self._who_can(inbound, tuple(halting.rests), by)
+        plain = in_language(joined("\n", filter(None, (text, who))), catalogue)
+        buttons = self._buttons(inbound, tuple(halting.rests), by, catalogue, asking)
         outbound = Outbound(chat=inbound.chat, text=plain, buttons=buttons, weight=Weight.STOP)
         told = await self._say(messenger, outbound, message)
         if told:
@@ -219,9 +221,9 @@ class StopLane:
 
     def _buttons(
         self, inbound: Inbound, robots: tuple[RobotId, ...], by: PrincipalId,
-        catalogue: Catalogue | None,
+        catalogue: Catalogue | None, asking: tuple[tuple[Button, ...], ...],
     ) -> tuple[tuple[Button, ...], ...]:  # fmt: skip
-        """Offer to resume what was stopped, to whoever may.
+        """Offer to resume what was stopped, to whoever may; and to ask for that, to others.
 
         In a group the buttons are for everybody there: each tap is checked for whoever taps.
         """
@@ -235,8 +237,39 @@ class StopLane:
                 issue(replace(b, label=in_language(b.label, catalogue)), who, inbound.chat.id)
                 for b in row
             )
-            for row in self.resuming.buttons(robots)
+            for row in (*self.resuming.buttons(robots), *asking)
         )
+
+    def _who_can(
+        self, inbound: Inbound, robots: tuple[RobotId, ...], by: PrincipalId
+    ) -> tuple[str, tuple[tuple[Button, ...], ...]]:
+        """Return who can resume what their own stop leaves to others, and how to ask them.
+
+        Of what they may move, if they may move any of it: the rest is nobody's concern here.
+        """
+        stopped = [robot for robot in robots if self._board[robot].latched]
+        if not by or not stopped or inbound.chat.kind is ChatKind.GROUP:
+            return "", ()
+        why, organiser = self._organiser.why_stopped, self._organiser
+        free = [robot for robot in stopped if self._board.barred(robot) is None]
+        left = [robot for robot in free if not self.resuming.may(by, robot)]
+        theirs = [robot for robot in left if organiser.why_not_move(by, robot) is None]
+        left = theirs or left
+        if not left:
+            return "", ()
+        asks = [(robot, why.petition(by, robot)) for robot in theirs[:RESUMED_AT_MOST]]
+        several = len(robots) > 1
+        return why.who_resumes(by, left, several=several), rows(
+            [
+                Button(
+                    said("Ask to resume {shown}", shown=self._profiles[robot].shown)
+                    if several else ask_for_it(),
+                    petition,
+                    good_for_ns=MENU_LIFETIME_NS,
+                )
+                for robot, petition in asks if petition
+            ]
+        )  # fmt: skip
 
     async def _rest(self, robot: RobotId, task: asyncio.Task[Rest]) -> Rest:
         try:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import pytest
+
 from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
 from rosic.core.message import ChatKind
@@ -77,8 +79,12 @@ async def test_a_stop_of_everything_stays_though_ones_own_robot_is_among_it() ->
     async with School().open() as place:
         await _drive(place)
         told = await place.say("stop", account=STU, chat=STU)
-        assert told.endswith("cf2 at rest (0.00 s).")
-        assert _labels(place) == []
+        assert told.endswith(
+            "cf2 at rest (0.00 s).\nAda or Bo can resume omni, kuka1, cf1 and cf2."
+        )
+        assert _labels(place) == [
+            "Ask to resume omni", "Ask to resume kuka1", "Ask to resume cf1", "Ask to resume cf2"
+        ]  # fmt: skip
         assert MAY_NOT in await place.say("resume omni", account=STU, chat=STU)
         assert "omni" in _latched(place)
 
@@ -87,7 +93,7 @@ async def test_the_stop_beneath_somebody_elses_order_stays() -> None:
     async with School().open() as place:
         message = await _drive(place)
         await place.say("stop", answers=message, account=TOM, chat=STU)
-        assert _labels(place) == []
+        assert _labels(place) == ["Ask for it"]
         assert MAY_NOT in await place.say("resume omni", account=TOM, chat=STU)
         assert MAY_NOT in await place.say("resume omni", account=STU, chat=STU), "Tom stopped it"
 
@@ -123,7 +129,8 @@ async def test_of_a_group_only_what_carries_ones_own_order_out_is_ones_own() -> 
         message = place.last()[0]
         await place.say("stop swarm omni", answers=message, account=STU, chat=STU)
         assert _latched(place) == ["omni", "cf1", "cf2"]
-        assert _labels(place) == ["Resume all", "Resume cf1", "Resume cf2"]
+        labels = ["Resume all", "Resume cf1", "Resume cf2", "Ask to resume omni"]
+        assert _labels(place) == labels
         told = await _tap(place, place.button("Resume all"))
         assert told == "cf1 is ready again. cf2 is ready again."
         assert _latched(place) == ["omni"]
@@ -223,3 +230,104 @@ async def test_a_button_shown_before_another_stop_does_not_undo_that_stop() -> N
         assert told == "omni was stopped again since this was shown. It stays stopped."
         assert place.robot("omni").gate.latched
         assert await place.say("resume omni") == "omni is ready again."
+
+
+async def test_the_answer_to_a_stop_says_who_can_resume_and_offers_to_ask() -> None:
+    async with School().open() as place:
+        told = await place.say("stop omni", account=STU, chat=STU)
+        assert told.endswith("STOP: omni at rest (0.00 s).\nAda or Bo can resume it.")
+        assert _labels(place) == ["Ask for it"]
+        await place.clock.advance(300)
+        await _tap(place, place.button("Ask for it"))
+        asked = "I have asked Ada: resume on omni, for 1 h. You hear from me within 1 h."
+        assert asked in [place.chat.shown(told.message).text for told in place.chat.told]
+        assert _latched(place) == ["omni"]
+        told = await place.say("stop omni", account=VI, chat=VI)
+        assert told.endswith("\nAda or Bo can resume it."), "who moves nothing is offered nothing"
+        assert _labels(place) == []
+        told = await place.say("stop omni")
+        assert told.endswith("STOP: omni at rest (0.00 s)."), "who may is offered just that"
+
+
+async def test_a_group_that_is_stopped_is_named_whole_with_one_button() -> None:
+    async with School().open() as place:
+        await place.say("stop swarm")
+        told = await place.say("swarm move 1 m")
+        assert told == (
+            "cf1 and cf2 are stopped, by Ada, since 22:13. They stay stopped until you resume "
+            "them. Nothing was done."
+        )
+        assert _labels(place) == ["resume cf1 cf2"]
+        told = await place.say("swarm move 1 m", account=STU, chat=STU)
+        assert told == (
+            "cf1 and cf2 are stopped, by Ada, since 22:13. Ada or Bo can resume cf1 and cf2. "
+            "Nothing was done."
+        )
+        await _tap(place, place.button("Ask for it"))
+        await place.say("swarm move 1 m")
+        assert await _tap(place, place.button("resume cf1 cf2"), ADA) == (
+            "cf1 is ready again. cf2 is ready again."
+        )
+        await place.say("stop cf2", account=BO, chat=BO)
+        told = await place.say("swarm move 1 m")
+        assert told.startswith("cf2 is stopped, by Bo, since ")
+        await place.clock.advance(120)
+        await place.say("stop cf1")
+        assert (await place.say("swarm move 1 m")).startswith("cf1 and cf2 are stopped. They stay")
+
+
+@pytest.mark.parametrize("word", ["continue", "weiter", "omni weiter", "weitermachen omni"])
+async def test_continue_resumes_what_one_has_stopped_oneself_by_the_same_rights(word: str) -> None:
+    async with School().open() as place:
+        await place.say("stop omni")
+        assert await place.say(word) == "omni is ready again."
+        assert _latched(place) == []
+        await place.say("stop omni", account=STU, chat=STU)
+        assert MAY_NOT in await place.say(word, account=STU, chat=STU)
+        assert (await place.say(word)).startswith("omni is stopped, by Stu, since ")
+        assert _labels(place) == ["resume omni"], "somebody else's stop is offered only"
+        assert _latched(place) == ["omni"]
+
+
+async def test_continue_asks_which_of_several_and_is_resumed_by_name() -> None:
+    async with School().open() as place:
+        await place.say("stop omni kuka1")
+        told = await place.say("continue")
+        assert told == "Several robots are stopped. Say which one may go on."
+        assert _labels(place) == ["resume kuka1", "resume omni", "resume all"]
+        assert _latched(place) == ["omni", "kuka1"]
+        assert await place.say("continue kuka1") == "kuka1 is ready again."
+        assert await place.say("continue kuka1") == "Nothing of yours is paused."
+
+
+async def test_a_button_to_continue_resumes_nothing_that_was_stopped_since() -> None:
+    async with School().open() as place:
+        place.robot("omni").work_s = 10_000.0
+        await place.say("/task omni move 1 m")
+        await place.clock.advance(1.0)
+        await place.say("pause")
+        go_on = place.button("Continue")
+        await place.say("cancel task 1")
+        await place.clock.advance(1.0)
+        await place.say("stop omni")
+        assert (await _tap(place, go_on, ADA)).startswith("omni is stopped, by Ada, since ")
+        assert _latched(place) == ["omni"]
+
+
+@pytest.mark.parametrize(
+    "word",
+    [
+        "omni freigeben",
+        "freigeben alle",
+        "omni weitermachen lassen",
+        "omni weitermachen",
+        "omni weiter",
+    ],
+)
+async def test_what_a_german_button_says_may_be_typed(word: str) -> None:
+    async with School().open() as place:
+        await place.say("/language de")
+        await place.say("stopp omni")
+        assert _labels(place) == ["omni freigeben"]
+        assert await place.say(word) == "omni ist wieder bereit."
+        assert await place.say("weiter") == "Von dir ist nichts pausiert."

@@ -106,7 +106,9 @@ class Fleeting:
         robots.employ(office)
         rooms.board.barred.bind(robots.barred)
         pipeline.resuming.begins = robots.begins
-        pausing = PauseClerk(rooms, dispatching, pipeline.lives, pipeline.resuming)
+        pausing = PauseClerk(
+            rooms, dispatching, pipeline.lives, pipeline.resuming, pipeline.reception
+        )
         pausing.employ(office)
         pipeline.cancels.also(pausing.cancel)
         HandoverClerk(rooms, dispatching, self._hands.reach, self._clock).employ(office)

@@ -26,8 +26,10 @@ from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.language.vocabulary import Callee, Vocabulary
 from rosic.core.language.words import (
     ALIASES,
+    ALONG_ELSEWHERE,
     ERRANDS,
     EVERYTHING,
+    EVERYTHING_ELSEWHERE,
     FILLERS,
     HELP_PAGES,
     NOTHING,
@@ -43,6 +45,7 @@ if TYPE_CHECKING:
 MOST_WORDS = 32
 REQUEST_INFORMATION = ["request", "information"]
 LONGEST_PAYLOAD = 64
+CONTINUE = "continue"
 
 
 class LineReader:
@@ -163,9 +166,12 @@ class LineReader:
         found = self._skill(callee, at)
         if found is not None:
             return self._do(callee, *found)
-        verb = _VERBS.get(self._low[at])
+        word = ALIASES.get(self._low[at], self._low[at])
+        verb = _VERBS.get(word)
         if verb is not None:
             return verb(self, callee, at + 1)
+        if word == CONTINUE:
+            return Errand(CONTINUE, " ".join((callee.name, self._rest(at + 1))).rstrip())
         if (said := self._said(callee, at)) is not None:
             return said
         return self._trouble().no_such_skill(callee, at)
@@ -311,6 +317,11 @@ class LineReader:
             if self._low[at] in EVERYTHING:
                 return make(self._everybody())
             named, after = self._callee(at)
+            if named is None and self._low[at] in EVERYTHING_ELSEWHERE:
+                return make(self._everybody())
+            if named is None and self._low[at] in ALONG_ELSEWHERE:
+                at += 1
+                continue
             if named is None:
                 return self._trouble().no_such_robot(at)
             meant.update(dict.fromkeys([robot.id for robot in named.robots]))

@@ -69,6 +69,7 @@ ALIASES: dict[str, str] = {
     "abbrechen": "cancel",
     "weiter": "continue",
     "fortsetzen": "continue",
+    "weitermachen": "continue",
     "pausieren": "pause",
     "strategie": "strategy",
 }
@@ -100,6 +101,9 @@ FILLERS = frozenset({"a", "an", "and", "at", "by", "for", "of", "please", "the",
 SOFT_FILLERS = frozenset({"bitte", "mit", "nach", "um", "und"})
 
 EVERYTHING = frozenset({"all", "everybody", "everyone", "everything"})
+# Likewise elsewhere, where no robot is called so; and what goes along: ``weitermachen lassen``.
+EVERYTHING_ELSEWHERE = frozenset({"alle", "alles"})
+ALONG_ELSEWHERE = frozenset({"bitte", "lassen", "und", "wieder"})
 NOTHING = frozenset({"nobody", "none", "nothing"})
 
 NUMBERS: dict[str, float] = {

@@ -26,7 +26,7 @@ from rosic.errors import (
     RobotTaken,
     RobotUnreachable,
 )
-from rosic.organiser.refusing import may_resume
+from rosic.organiser.why_stopped import may_resume
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.files.aside import Progress, send_file
 from rosic.pipeline.files.outboxes import Outboxes

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.fleet import events as e
 from rosic.core.fleet.task import HELD, State, Why
+from rosic.core.language import Resume
 from rosic.core.language.compiled import fold
 from rosic.core.message import Button
 from rosic.core.record import Decided
@@ -20,6 +21,7 @@ from rosic.pipeline import words_cancel
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.fleet import words_pausing as words
 from rosic.pipeline.freshness import check_errand_fresh
+from rosic.pipeline.said import Said
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.fleet.dispatching import Dispatching
     from rosic.pipeline.lives import Lives
     from rosic.pipeline.office import Asked, Office
+    from rosic.pipeline.reception import Reception
     from rosic.pipeline.resuming import Resuming
     from rosic.pipeline.rooms import Rooms
 
@@ -39,12 +42,18 @@ class PauseClerk:
     """Holds what somebody has under way, where that can be held, and lets it go on."""
 
     def __init__(
-        self, rooms: Rooms, dispatching: Dispatching, lives: Lives, resuming: Resuming
+        self,
+        rooms: Rooms,
+        dispatching: Dispatching,
+        lives: Lives,
+        resuming: Resuming,
+        reception: Reception,
     ) -> None:
         self._rooms = rooms
         self._dispatching = dispatching
         self._lives = lives
         self._resuming = resuming
+        self._reception = reception
 
     def employ(self, office: Office) -> None:
         """Take these errands."""
@@ -89,10 +98,12 @@ class PauseClerk:
         return tuple(rows)
 
     async def go_on(self, asked: Asked) -> Reply:
-        """Let one's own paused tasks go on; offer to resume what is stopped instead.
+        """Let one's own paused tasks go on; where none is, resume what one has stopped oneself.
 
         Raises:
-            NotUnderstood: A name means nobody.
+            NotUnderstood: A name means nobody, or it is to be said which robot may go on.
+            RobotStopped: Somebody else stopped it; says who can resume it.
+            NotPermitted: One may not resume it.
             Expired: Robots would move because of it, and it was not sent just now.
             RecordUnavailable: A task stays paused; the sentence says which went on before it.
         """
@@ -106,7 +117,7 @@ class PauseClerk:
             and (not robots or not set(task.among).isdisjoint(robots))
         ]
         if not paused:
-            return self._nothing_paused(who, robots)
+            return await self._resume(asked, robots)
         check_errand_fresh(asked.inbound, f"/continue {asked.rest}".strip())
         await self._dispatching.first_time(asked.cid)
         at_ns = self._rooms.organiser.wall_ns()
@@ -124,10 +135,25 @@ class PauseClerk:
                 raise
         return Reply(words.went_on(went_on) if went_on else words.TOO_LATE)
 
-    def _nothing_paused(self, who: PrincipalId, robots: Collection[RobotId]) -> Reply:
+    async def _resume(self, asked: Asked, robots: tuple[RobotId, ...]) -> Reply:
+        """Resume what is stopped, by the rights of a resume, if nothing else can be meant by it.
+
+        That is what they stopped themselves, if it was named or is alone. Of a tap it cannot be
+        told which stop was known to them, and somebody else's stop is theirs to think about: that
+        is offered. What it raises, `go_on` says.
+        """
+        who = asked.caller.principal
+        board = self._rooms.board
         seen = sorted(robots or self._rooms.organiser.visible(who))
-        stopped = [robot for robot in seen if self._resuming.may(who, robot)]
-        return Reply(words.NOTHING_PAUSED, self._resuming.buttons(stopped))
+        stopped = tuple(robot for robot in seen if board[robot].latched)
+        if not stopped:
+            return Reply(words.NOTHING_PAUSED)
+        if len(stopped) > 1 and not robots:
+            stopped = ()  # which one is asked
+        elif asked.inbound.nonce is not None or any(board[r].by != who for r in stopped):
+            raise self._rooms.organiser.why_stopped.refusal(who, stopped)
+        said = Said(asked.messenger, asked.inbound, asked.caller, 0, self._reception.stepped_up)
+        return Reply(await self._resuming.resume(said, Resume(stopped), asked.cid))
 
     def _named(self, asked: Asked) -> tuple[RobotId, ...]:
         """Return the robots that are named; none means all."""

@@ -9,7 +9,10 @@ from rosic.core.saying import said, said_n
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-ALL: Final = frozenset({"all", "everything", "it", "that", "this", "now", "please"})
+ALL: Final = frozenset(
+    {"all", "everything", "it", "that", "this", "now", "please"}
+    | {"alle", "alles", "bitte", "jetzt", "lassen", "wieder"}
+)
 BUTTONS_AT_MOST: Final = 4
 NAMED_AT_MOST: Final = 8
 

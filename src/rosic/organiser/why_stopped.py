@@ -1,0 +1,146 @@
+"""Who stopped robots, who can resume them, and what somebody is offered who may or may not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.authority import RESUME
+from rosic.core.language.suggestions import AND, OR
+from rosic.core.saying import joined, said
+from rosic.errors import RobotStopped
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot import Profile, RobotId
+    from rosic.core.stopboard import StopBoard
+    from rosic.organiser.organiser import Organiser
+
+NOTHING_DONE: Final = said("Nothing was done.")
+NAMED_AT_MOST: Final = 8
+"""As many as a line may name to resume them."""
+
+
+class WhyStopped:
+    """Says it of one robot, or of several in one sentence."""
+
+    def __init__(
+        self, organiser: Organiser, profiles: Mapping[RobotId, Profile], stops: StopBoard
+    ) -> None:
+        self._organiser = organiser
+        self._profiles = profiles
+        self._stops = stops
+
+    def refusal(self, principal: PrincipalId, robots: Sequence[RobotId]) -> RobotStopped:
+        """Return why none of some stopped robots moves, and what helps: at least one of them."""
+        barred = self._stops.barred(robots[0])
+        if barred is not None:
+            return RobotStopped(joined(" ", (barred.sentence, NOTHING_DONE)))
+        sentence = self._since(principal, robots)
+        may = self.resumable(principal, robots)
+        offers = (f"resume {' '.join(may[:NAMED_AT_MOST])}",) if may else ()
+        left = [robot for robot in robots if robot not in may]
+        if not left:
+            return RobotStopped(joined(" ", (sentence, _until_you(robots))), offers=offers)
+        who = self.who_resumes(principal, left, several=len(robots) > 1)
+        return RobotStopped(
+            joined(" ", (sentence, who, NOTHING_DONE)),
+            offers=offers,
+            petition=self.petition(principal, left[0]),
+        )
+
+    def resumable(self, principal: PrincipalId, robots: Sequence[RobotId]) -> list[RobotId]:
+        """Return those of some stopped robots that somebody may resume."""
+        organiser, stops = self._organiser, self._stops
+        return [
+            robot
+            for robot in robots
+            if stops.barred(robot) is None and may_resume(organiser, stops, principal, robot)
+        ]
+
+    def petition(self, principal: PrincipalId, robot: RobotId) -> str:
+        """Return how to ask for the right to resume; nothing when there is nobody to ask."""
+        now_ns = self._organiser.wall_ns()
+        givers = self._organiser.rights.givers(robot, now_ns, besides=principal)
+        return f"/ask {robot} {RESUME}" if givers else ""
+
+    def who_resumes(
+        self, principal: PrincipalId, robots: Sequence[RobotId], *, several: bool = False
+    ) -> str:
+        """Say who else can resume some robots: "it" where there is only one, unless of several."""
+        if len(robots) == 1 and not several:
+            names = self._resumers(principal, robots[0])
+            if not names:
+                return said("The operator of this place can resume it.")
+            return said("{names} can resume it.", names=joined(OR, names))
+        whose: dict[tuple[str, ...], list[RobotId]] = {}
+        for robot in robots[:NAMED_AT_MOST]:
+            whose.setdefault(self._resumers(principal, robot), []).append(robot)
+        more = ", ..." if len(robots) > NAMED_AT_MOST else ""
+        sentences: list[str] = []
+        for names, theirs in whose.items():
+            shown = joined("", (self._names(theirs), more))
+            if names:
+                sentences.append(
+                    said("{names} can resume {robots}.", names=joined(OR, names), robots=shown)
+                )
+            else:
+                sentences.append(
+                    said("The operator of this place can resume {robots}.", robots=shown)
+                )
+        return joined(" ", sentences)
+
+    def _resumers(self, principal: PrincipalId, robot: RobotId) -> tuple[str, ...]:
+        organiser = self._organiser
+        found = organiser.rights.resumers(robot, organiser.wall_ns(), besides=principal)
+        return tuple(organiser.name_of(who) for who in found if who not in organiser.locked)
+
+    def _since(self, principal: PrincipalId, robots: Sequence[RobotId]) -> str:
+        moments = {(self._stops[r].by, self._when(principal, r)) for r in robots}
+        by, when = moments.pop()
+        one = len(robots) == 1
+        shown = self._names(robots)
+        if not by or moments:
+            return (
+                said("{shown} is stopped.", shown=shown)
+                if one
+                else said("{robots} are stopped.", robots=shown)
+            )
+        name = self._organiser.name_of(by)
+        if one:
+            return said(
+                "{shown} is stopped, by {name}, since {when}.", shown=shown, name=name, when=when
+            )
+        return said(
+            "{robots} are stopped, by {name}, since {when}.", robots=shown, name=name, when=when
+        )
+
+    def _when(self, principal: PrincipalId, robot: RobotId) -> str:
+        return self._organiser.moment(principal, self._stops[robot].since_ns)
+
+    def _names(self, robots: Sequence[RobotId]) -> str:
+        *others, last = (self._profiles[robot].shown for robot in robots)
+        return joined(AND, filter(None, (joined(", ", others), last)))
+
+
+def _until_you(robots: Sequence[RobotId]) -> str:
+    if len(robots) == 1:
+        return said("It stays stopped until you resume it. Nothing was done.")
+    return said("They stay stopped until you resume them. Nothing was done.")
+
+
+def may_resume(
+    organiser: Organiser, stops: StopBoard, principal: PrincipalId, robot: RobotId
+) -> bool:
+    """Whether a stop is somebody's to undo: by right, or as they stopped their own order."""
+    by_right = organiser.allows(principal, robot, RESUME)
+    return by_right or stopped_own(organiser, stops, principal, robot)
+
+
+def stopped_own(
+    organiser: Organiser, stops: StopBoard, principal: PrincipalId, robot: RobotId
+) -> bool:
+    """Whether a robot is stopped as somebody stopped their own order, and may move it."""
+    own = stops[robot].own == principal
+    return own and organiser.why_not_move(principal, robot) is None
