@@ -3,37 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-from math import hypot, isfinite, pi
-from types import MappingProxyType
+from math import hypot, isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.robots.ros2.faults import BadValue
 from rosic.robots.ros2.reading import Plain, Reader, compile_path
+from rosic.robots.ros2.reported_units import Scale
 from rosic.robots.ros2.rest_reading import RestReading, numbers
 from rosic.robots.ros2.text import clean_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from rosic.contracts.clock import Clock
     from rosic.core.robot import Profile
     from rosic.robots.ros2.runtime import RosRuntime
     from rosic.robots.ros2.topics import Latest
 
-# Robots report SI, and a battery as a fraction (REP 103, sensor_msgs/BatteryState).
-_FACTORS: Mapping[str, float] = MappingProxyType(
-    {
-        "%": 100.0,
-        "deg": 180.0 / pi,
-        "deg/s": 180.0 / pi,
-        "cm": 100.0,
-        "cm/s": 100.0,
-        "mm": 1000.0,
-        "mm/s": 1000.0,
-        "km": 0.001,
-        "km/h": 3.6,
-    }
-)
 ODOMETRY = "nav_msgs/msg/Odometry"
 _PLACE = (
     "pose.pose.position.x",
@@ -50,7 +34,7 @@ class _Value(NamedTuple):
     name: str
     source: Latest
     read: Reader
-    factor: float
+    scale: Scale
 
 
 class Placed(NamedTuple):
@@ -101,8 +85,8 @@ class Measurements:
             if entry.topic:
                 source = await self._source(runtime, entry.topic, entry.type)
                 read = compile_path(runtime.types.message(entry.type), entry.field)
-                factor = _FACTORS.get(entry.unit, 1.0)
-                self._values.append(_Value(name, source, read, factor))
+                scale = Scale(entry.unit, f"{name} of {self._profile.id}")
+                self._values.append(_Value(name, source, read, scale))
         at_rest = self._profile.at_rest
         if at_rest is None:
             return
@@ -241,22 +225,22 @@ class Measurements:
     def values(self) -> dict[str, float | str]:
         """Return the newest of everything the profile names; what cannot be read is left out."""
         found: dict[str, float | str] = {}
-        for name, source, read, factor in self._values:
+        for name, source, read, scale in self._values:
             message = None
             try:
                 message = source.message()
                 value = None if message is None else read(message)
             except BadValue:
                 continue
-            shown = _shown(value, factor)
+            shown = _shown(value, scale)
             if shown is not None:
                 found[name] = shown
         return found
 
 
-def _shown(value: Plain | None, factor: float) -> float | str | None:
+def _shown(value: Plain | None, scale: Scale) -> float | str | None:
     if isinstance(value, str):
         return clean_text(value, max_bytes=_TEXT_BYTES)
     if isinstance(value, (bool, int, float)) and isfinite(value):
-        return float(value) * factor
+        return scale(float(value))
     return None
