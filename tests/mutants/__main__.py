@@ -9,7 +9,9 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from datetime import UTC, datetime
 
+from tests.mutants import report
 from tests.mutants.campaign import ROOT, Wanted, listed, share, table, tried, unlisted
 from tests.mutants.modules import MODULES
 
@@ -22,7 +24,7 @@ def main() -> int:
     wanted = Wanted(
         seed=asked.seed, at_most=asked.at_most, each_s=asked.each,
         until_s=time.time() + asked.seconds, folder=ROOT / "build" / "mutants",
-        keep_kills=asked.keep_kills,
+        keep_kills=asked.keep_kills, again=asked.again,
     )  # fmt: skip
     found = []
     for module in MODULES:
@@ -37,6 +39,8 @@ def main() -> int:
     print(table(found))  # noqa: T201
     for line in unexplained:
         print(line)  # noqa: T201
+    if asked.write:
+        report.write(found, asked.seed, datetime.now(UTC).date().isoformat())
     enough = share(found) >= AT_LEAST
     left = sum(len(one.chosen) - len(one.results) for one in found)
     print(  # noqa: T201
@@ -57,6 +61,10 @@ def _asked() -> argparse.Namespace:
     words.add_argument("--seconds", type=float, default=14_400.0, help="none is begun after that")
     words.add_argument(
         "--keep-kills", action="store_true", help="what other tests killed before counts as killed"
+    )
+    words.add_argument("--again", action="store_true", help="try once more what survived before")
+    words.add_argument(
+        "--write", action="store_true", help="put what was tried to the end into docs/mutants.md"
     )
     return words.parse_args()
 

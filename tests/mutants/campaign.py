@@ -49,6 +49,7 @@ class Wanted(msgspec.Struct, frozen=True, kw_only=True):
         keep_kills: Take for killed what other tests killed in the same source: while tests are
             written that kill the rest.
         slack_s: Tests may take so much longer than without a change before they are ended.
+        again: Try once more what survived before: as on a machine that was too busy to notice.
     """
 
     seed: int
@@ -58,6 +59,7 @@ class Wanted(msgspec.Struct, frozen=True, kw_only=True):
     folder: Path
     keep_kills: bool = False
     slack_s: float = 10.0
+    again: bool = False
 
 
 class Known(msgspec.Struct, frozen=True):
@@ -105,7 +107,8 @@ def tried(module: Module, wanted: Wanted, source: Path = SOURCE, root: Path = RO
     results = wanted.folder / f"{name}.{_digest(module, root)}.jsonl"
     earlier = sorted(wanted.folder.glob(f"{name}.*.jsonl")) if wanted.keep_kills else []
     found = _read(module, chosen, results, earlier)
-    left = tuple(name for name in chosen if name not in found.results)
+    old = {result.id for result in found.survivors()} if wanted.again else set()
+    left = tuple(name for name in chosen if name not in found.results or name in old)
     if left and wanted.until_s > time.time():
         seconds = max(0.0, wanted.until_s - time.time())
         order = Order(

@@ -95,6 +95,10 @@ MODULES = (
         "tests/rooms/messengers/test_listener.py",
         "tests/rooms/messengers/test_listener_trouble.py",
     )),
+    Module("Telegram reading", "messengers/telegram/reading.py", (
+        "tests/rooms/messengers/test_listener.py",
+        "tests/rooms/messengers/test_listener_trouble.py",
+    )),
     Module("Telegram listening", "messengers/telegram/listening.py", (
         "tests/rooms/messengers/test_listening.py",
     )),

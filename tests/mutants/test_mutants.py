@@ -122,6 +122,17 @@ def test_a_run_goes_on_where_it_was_cut_off_and_begins_anew_with_other_tests(pro
     assert kept.killed == first.killed
 
 
+def test_what_a_busy_machine_did_not_notice_is_tried_again_when_asked_for(project: Path) -> None:
+    first = tried(DOORS, wanted(project), project / "src", project)
+    [results] = (project / "results").glob("*.jsonl")
+    results.write_text(results.read_text().replace('"end":"killed"', '"end":"survived"'))
+    stays = tried(DOORS, wanted(project), project / "src", project)
+    assert len(stays.survivors()) == len(first.survivors()) + first.count("killed")
+    again = tried(DOORS, wanted(project, again=True), project / "src", project)
+    assert again.killed == first.killed
+    assert [one.id for one in again.survivors()] == [one.id for one in first.survivors()]
+
+
 TIRED = """
 import time
 from pathlib import Path
