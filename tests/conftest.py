@@ -57,6 +57,7 @@ SECONDS = {
     "tests/real/ros2/test_simulation.py": 55,
     "tests/real/ros2/test_server_gone.py": 55,
     "tests/real/ros2/test_streams.py": 60,
+    "tests/real/ros2/test_frozen_goal.py": 30,
     "tests/real/ros2/test_robot_stopping.py": 50,
     "tests/real/ros2/test_frozen_fleet.py": 34,
     "tests/real/ros2/test_breaks.py": 30,

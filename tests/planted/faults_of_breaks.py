@@ -10,6 +10,7 @@ AWAY = "tests/rooms/pipeline/test_absences.py"
 DEAD_MAN = "tests/core/test_deadman.py"
 
 PURSUED = "tests/rooms/test_pursuit.py"
+FROZEN = "tests/real/ros2/test_frozen_goal.py"
 
 OF_BREAKS = (
     Fault(
@@ -54,6 +55,13 @@ OF_BREAKS = (
             f"{DEAD_MAN}::test_a_break_is_final",
             f"{STILL}::test_a_drive_ends_for_good_and_says_for_how_long_it_drove",
         ),
+    ),
+    Fault(
+        name="I6 a goal goes on after ROSIC stood still",
+        file="robots/ros2/goal_watch.py",
+        guard="if late_s > self._errand.side.watchdog_s:",
+        without="if False:",
+        caught_by=(f"{FROZEN}::test_a_goal_of_a_gateway_that_was_frozen_is_called_off",),
     ),
     Fault(
         name="I6 a robot that is not heard is driven on",

@@ -37,6 +37,7 @@ class Peer:
         self.node = node
         self.group = import_module("rclpy.callback_groups").ReentrantCallbackGroup()
         self.hesitates = False
+        self.metre_s = 1.0
         node.declare_parameter("speed_m_s", 0.5)
         self.counter = node.create_publisher(std.Int32, "count", 10)
         self.voice = node.create_publisher(std.String, "from_robot_topic", 50)
@@ -101,7 +102,7 @@ class Peer:
         return answer.REJECT if goal.distance_m > 5 else answer.ACCEPT
 
     def on_move(self, goal: RosObject) -> RosObject:
-        """Take one second for a metre."""
+        """Take one second for a metre, unless it dawdles."""
         move = import_module("rosic_interfaces.action").Move
         result = move.Result(fact_names=["distance_m"])
         steps = 20
@@ -112,7 +113,7 @@ class Peer:
                 say(f"called off after {step}")
                 return result
             goal.publish_feedback(move.Feedback(fraction=step / steps, stage="rolling"))
-            time.sleep(goal.request.distance_m / steps)
+            time.sleep(goal.request.distance_m * self.metre_s / steps)
         goal.succeed()
         distance = goal.request.distance_m
         result.success, result.message, result.fact_values = True, "there", [distance]
@@ -124,6 +125,10 @@ class Peer:
     def hesitate(self, _rest: str) -> None:
         """Take a second from now on before a goal is accepted."""
         self.hesitates = True
+
+    def dawdle(self, rest: str) -> None:
+        """Take so many seconds for a metre from now on."""
+        self.metre_s = float(rest)
 
     def listeners(self, rest: str) -> None:
         """Wait until so many listen: each side of a topic discovers the other in its own time."""

@@ -19,7 +19,10 @@ from tests.real.ros2.base_profile import base_profile
 from tests.real.ros2.simulated import opened, until
 
 if TYPE_CHECKING:
-    from rosic.core.order import Report
+    from collections.abc import Callable
+
+    from rosic.core.order import Order, Report
+    from rosic.core.robot import Profile
     from tests.real.ros2.simulated import TriedRobot
 
 
@@ -35,11 +38,13 @@ def tell(report: Report) -> None:
         say(f"note {report.note}")
 
 
-async def drive(robot: TriedRobot, seconds: float) -> None:
+def for_seconds(robot: TriedRobot, seconds: float) -> Order:
+    return robot.order("drive", {"linear": 0.2, "duration": seconds})
+
+
+async def drive(robot: TriedRobot, order: Order) -> None:
     try:
-        outcome = await robot.execute(
-            robot.order("drive", {"linear": 0.2, "duration": seconds}), tell
-        )
+        outcome = await robot.execute(order, tell)
     except RosicError as error:
         say(f"ended {error.code} {error}")
     else:
@@ -47,20 +52,21 @@ async def drive(robot: TriedRobot, seconds: float) -> None:
 
 
 async def stop(robot: TriedRobot) -> None:
-    rest = await robot.stop(Stop("base", robot.gate.generation + 1))
+    rest = await robot.stop(Stop(robot.gate.robot, robot.gate.generation + 1))
     say(f"rest {rest.confirmed}")
 
 
-async def obey() -> None:
+async def obey(profile: Profile, ordered: Callable[[TriedRobot, float], Order]) -> None:
+    """Do what the lines say; the number of ``drive`` is for whoever makes the order."""
     loop, reader = asyncio.get_running_loop(), asyncio.StreamReader()
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
-    profile = base_profile(float(sys.argv[1]))
     async with opened(profile, SystemClock()) as robot, asyncio.TaskGroup() as tasks:
-        await until(lambda: robot.presence().at_rest is not None)
+        if profile.at_rest is not None:
+            await until(lambda: robot.presence().at_rest is not None)
         say("ready")
         while line := (await reader.readline()).decode().split():
             if line[0] == "drive":
-                tasks.create_task(drive(robot, float(line[1])))
+                tasks.create_task(drive(robot, ordered(robot, float(line[1]))))
             elif line[0] == "stop":
                 tasks.create_task(stop(robot))
             elif line[0] == "resume":
@@ -70,4 +76,4 @@ async def obey() -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(obey())
+    asyncio.run(obey(base_profile(float(sys.argv[1])), for_seconds))
