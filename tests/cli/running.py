@@ -186,3 +186,14 @@ def write_config(folder: Path, text: str = CONFIG, **changes: str) -> Path:
     path = folder / "rosic.toml"
     path.write_text(text.format(uid=os.getuid(), **changes))
     return path
+
+
+def write_neighbours(folder: Path) -> Path:
+    """Write a configuration with two robots more, in one namespace; return where it is."""
+    for name in ("ant", "bee"):
+        (folder / f"{name}.yaml").write_text(
+            f"id: {name}\nlink: {{ kind: memory, namespace: /hill }}\n"
+            "skills: { home: { class: task } }\n"
+        )
+    more = "".join(f'\n[[robot]]\nprofile = "{folder}/{name}.yaml"\n' for name in ("ant", "bee"))
+    return write_config(folder, CONFIG + more)

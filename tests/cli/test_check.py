@@ -8,7 +8,7 @@ import pytest
 
 from rosic.app.documents.profiles import shipped_profiles
 from rosic.cli.entry import main
-from tests.cli.running import CONFIG, write_config
+from tests.cli.running import CONFIG, write_config, write_neighbours
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -143,15 +143,8 @@ def test_what_a_start_would_refuse_is_refused_by_both_checks(
 def test_robots_that_share_a_namespace_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for name in ("ant", "bee"):
-        (tmp_path / f"{name}.yaml").write_text(
-            f"id: {name}\nlink: {{ kind: memory, namespace: /omni }}\n"
-            f"skills: {{ home: {{ class: task }} }}\n"
-        )
-    more = "".join(f'\n[[robot]]\nprofile = "{tmp_path}/{n}.yaml"\n' for n in ("ant", "bee"))
-
-    assert main(["check", "-c", str(write_config(tmp_path, CONFIG + more))]) == 0
-    assert "ant and bee have one namespace, /omni" in capsys.readouterr().out
+    assert main(["check", "-c", str(write_neighbours(tmp_path))]) == 0
+    assert "ant and bee have one namespace, /hill" in capsys.readouterr().out
 
 
 def test_a_wrong_profile_is_told_with_its_line(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.testing.telegram import FakeTelegram
-from tests.cli.running import CONFIG, TELEGRAM, gateway, rosic, write_config
+from tests.cli.running import CONFIG, TELEGRAM, gateway, rosic, write_config, write_neighbours
 from tests.pace import pace, patience
 
 if TYPE_CHECKING:
@@ -56,6 +56,11 @@ def test_it_says_when_it_is_ready_and_ends_in_time(tmp_path: Path) -> None:
         assert "ROSIC was shut down" in running.out()
         assert "Traceback" not in running.err()
     assert not (tmp_path / "rosic-data/control.sock").exists()
+
+
+def test_it_names_robots_that_share_a_namespace_as_it_starts(tmp_path: Path) -> None:
+    with gateway(write_neighbours(tmp_path)) as running:
+        assert "warning rosic.gateway: ant and bee have one namespace, /hill: " in running.err()
 
 
 def test_commands_reach_it(tmp_path: Path) -> None:
