@@ -246,7 +246,9 @@ async def test_a_goal_that_takes_too_long_is_called_off(
     move = profile.skills["move"]
     assert move.action is not None
     short = replace(move, action=replace(move.action, timeout_s=1.0))
-    async with opened(replace(profile, skills={"move": short}), clock) as robot:
+    # A crowded machine may hold us up for longer than half a second, which is another matter.
+    patient = replace(profile, skills={"move": short}, watchdog_s=60.0 * pace())
+    async with opened(patient, clock) as robot:
         with pytest.raises(RobotUnreachable, match=r"omni was not done within 1 s and was told"):
             await robot.do("move", FAR)
         await until(lambda: speed_m_s(odometry) <= AT_REST_M_S)
