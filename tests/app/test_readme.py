@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rosic.app.config import check_config
 from rosic.app.documents.profiles import check_profile, load_profile
+from tests.cli.running import rosic
 
 README = Path(__file__).parents[2] / "README.md"
 TEN_LINES = 10
@@ -32,3 +33,31 @@ def test_the_configuration_is_right(tmp_path: Path) -> None:
     config.write_text(block("toml"), encoding="utf-8")
     environ = {"ROSIC_TELEGRAM_TOKEN": "123456:abcdefghijklmnopqrstuvwxyz"}
     assert [str(error) for error in check_config(config, environ=environ)] == []
+
+
+def sample() -> str:
+    text = README.read_text(encoding="utf-8")
+    [found] = re.findall(r"```\n(> .*?)```", text, re.DOTALL)
+    return str(found)
+
+
+def alike(lines: str) -> list[str]:
+    """Return lines in which every figure of this run is one figure, and progress one line."""
+    found: list[str] = []
+    for line in lines.splitlines():
+        one = re.sub(r"\d\d:\d\d:\d\d|\(\d\.\d\d s\)|\d+ %", "#", line.rstrip())
+        if found[-1:] != [one]:
+            found.append(one)
+    return found
+
+
+def test_the_sample_is_what_the_demo_shows() -> None:
+    asked = [line.removeprefix("> ") for line in sample().splitlines() if line.startswith("> ")]
+    said = rosic("demo", stdin="".join(f"{line}\n" for line in asked)).out
+    shown = alike(said[said.index("\n> ") + 1 : said.index("At the end:")])
+    for line, real in zip(alike(sample()), shown, strict=False):
+        assert real.startswith(line.removesuffix("...")), shown
+        assert line.endswith("...") or real == line, shown
+    # What follows the last line that was asked for is too much for a first look.
+    left_out = shown[len(alike(sample())) :]
+    assert all(line.startswith("  [") for line in left_out), left_out
