@@ -140,8 +140,9 @@ def settle_with(messenger: Messenger, settle: Settle) -> bool:
     """Have a messenger ask, before it confirms anything to its platform, whether it may.
 
     What is received may then return before it is on disk; the messenger confirms only what was
-    received before it asked, and nothing when the answer is False. Return whether it will ask: one
-    that does not is given nothing that is not settled.
+    received before it asked, and nothing when the answer is False. It may refuse to run while
+    it has nobody to ask. Return whether it will ask: one that does not is given nothing that is
+    not settled.
     """
     take: Callable[[Settle], None] | None = getattr(messenger, "settle_with", None)
     if take is None:

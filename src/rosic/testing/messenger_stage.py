@@ -6,6 +6,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from rosic.contracts.messenger import settle_with
 from rosic.errors import MessengerFault
 
 if TYPE_CHECKING:
@@ -132,10 +133,16 @@ async def until_fresh(stage: Stage, ear: Ear) -> None:
     ear.done.clear()
 
 
+async def settled(_within_s: float) -> bool:
+    """Say that what was received is on disk: an ear is all that hears it."""
+    return True
+
+
 @asynccontextmanager
 async def listening(stage: Stage, ear: Ear | None = None) -> AsyncIterator[Ear]:
     """Let the messenger run while inside."""
     ear = Ear() if ear is None else ear
+    settle_with(stage.messenger, settled)
     run = asyncio.create_task(stage.messenger.run(ear.receive))
     try:
         yield ear

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rosic.core.message import Chat, Inbound, Outbound, Passing
 from rosic.messengers.telegram.messenger import TelegramMessenger, telegram_messenger
+from rosic.testing.messenger_stage import settled
 from tests.pace import pace
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ class Gateway:
         self.messenger: TelegramMessenger = telegram_messenger("lab", given | settings, self.clock)
         self.heard: list[Inbound] = []
         self.alarms: list[MessengerFault] = []
+        self.messenger.settle_with(settled)
         self.messenger.on_alarm = self.alarms.append
         self.passings: list[Passing] = []
         self.messenger.watch_chats(self.passings.append)

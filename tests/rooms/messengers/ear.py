@@ -18,6 +18,7 @@ from rosic.messengers.telegram.listener import Listener
 from rosic.messengers.telegram.listening import SECOND_NS
 from rosic.messengers.telegram.settings import TelegramSettings
 from rosic.testing.clock import ManualClock, settle
+from rosic.testing.messenger_stage import settled
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -117,6 +118,7 @@ class Ear:
         self.listener = Listener(
             "lab", self.line, self.chats, self.clock, POLL_S, self.alarms.append
         )
+        self.listener.settle = settled
         self.listener.reading.passed = self.passed.append
         self.listener.reading.reacted = self.reacted.append
 

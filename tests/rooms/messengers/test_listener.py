@@ -11,13 +11,14 @@ import pytest
 from telegram.error import InvalidToken, NetworkError
 
 from rosic.core.message import Button, Chat, Outbound, Passage, Passing
-from rosic.errors import ConfigurationError
+from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.telegram.batch import ANSWER_BYTES, BATCH
 from rosic.messengers.telegram.chats import Chats
 from rosic.messengers.telegram.listener import PEEK_S, Listener
 from rosic.messengers.telegram.listening import GRACE_NS, SECOND_NS
 from rosic.messengers.telegram.trouble import Kind, TooFast, Trouble
 from rosic.testing.clock import settle
+from rosic.testing.messenger_stage import settled
 from tests.rooms.messengers.ear import (
     ADA,
     EVE,
@@ -165,6 +166,16 @@ async def test_what_is_not_settled_is_not_confirmed_and_asked_for_again_at_once(
         assert asked_within_s[:3] == [PEEK_S] * 3
 
 
+async def test_nothing_is_received_until_somebody_says_what_may_be_confirmed() -> None:
+    ear = Ear([text(1, "omni move 1 m")], [])
+    ear.listener.settle = None
+    async with ear.listening() as listening:
+        with pytest.raises(MessengerFault, match="lab was not told what is on disk, so it rec"):
+            listening.result()
+    assert ear.bot.asked == []
+    assert ear.heard == []
+
+
 async def test_while_something_is_received_it_looks_for_stops_behind_it() -> None:
     ear = Ear([], [text(1, "slow")], [text(1, "slow"), text(2, "stop")], [])
     ear.held_up["slow"] = asyncio.Event()
@@ -224,7 +235,7 @@ async def test_everybody_is_read_before_strangers_are() -> None:
     ear.chats = Watched()
     ear.bot.answers = [[text(1, "x", EVE), text(2, "y", EVE), text(3, "stop"), text(4, "z", EVE)]]
     listener = Listener("lab", ear.line, ear.chats, ear.clock, POLL_S, ear.alarms.append)
-    listener.reading.known, ear.listener = known, listener
+    listener.reading.known, listener.settle, ear.listener = known, settled, listener
     async with ear.listening():
         assert offered == [str(who) for who in (ADA, EVE, EVE, EVE)]
         assert asked == [str(who) for who in (EVE, EVE, ADA, EVE)]

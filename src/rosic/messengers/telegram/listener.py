@@ -57,7 +57,7 @@ class Listener:
     Attributes:
         reading: Reads what is received; told, at the beginning, whether the account hears
             everything in groups.
-        settle: Asked before anything is confirmed.
+        settle: Asked before anything is confirmed. Until somebody has set it, nothing is received.
         account_since_ns: What was sent earlier, by Telegram's clock, goes without the bot's id.
         counts: ``received``, ``passed-over``, ``given-up`` and ``malformed`` updates;
             ``clock-behind``: messages that came from the future.
@@ -72,7 +72,7 @@ class Listener:
         poll_timeout_s: int,
         alarm: Callable[[MessengerFault], None],
     ) -> None:
-        self.settle: Settle = _settled
+        self.settle: Settle | None = None
         self.account_since_ns = 0
         self.counts: Counter[str] = Counter()
         self.reading = Reading(name, chats, self.counts)
@@ -98,8 +98,13 @@ class Listener:
         Raises:
             ConfigurationError: Telegram does not accept the token. Nothing was received.
             MessengerFault: It no longer accepts the token. What was not received to the end is
-                given out again once it does.
+                given out again once it does. Or nobody said what may be confirmed.
         """
+        settle = self.settle
+        if settle is None:
+            raise MessengerFault(
+                f"The messenger {self._name} was not told what is on disk, so it receives nothing."
+            )
         self._listening, self._outage = Listening(), Outage()
         async with self._line.held():
             account = await self._meet()
@@ -112,7 +117,7 @@ class Listener:
                 async with TaskGroup() as group:
                     window = Window(group, receive, self._clock, self.counts)
                     while True:
-                        await self._poll(group, window)
+                        await self._poll(group, window, settle)
             except ExceptionGroup as several:
                 raise several.exceptions[0] from None
 
@@ -162,9 +167,9 @@ class Listener:
 
     # ---- the loop ----
 
-    async def _poll(self, group: TaskGroup, window: Window) -> None:
+    async def _poll(self, group: TaskGroup, window: Window, settle: Settle) -> None:
         listening, offset = self._listening, window.offset
-        settled = offset is None or await self.settle(PEEK_S)
+        settled = offset is None or await settle(PEEK_S)
         if not settled:  # it is given out once more; a stop among the same hundred is still seen
             offset = None
         asked = self._now()
@@ -238,11 +243,6 @@ class Listener:
 
     def _now(self) -> Moment:
         return Moment(self._clock.wall_ns(), self._clock.monotonic_ns())
-
-
-async def _settled(_within_s: float) -> bool:
-    """Say that what was received is settled: nobody put anything off."""
-    return True
 
 
 def _accusation(name: str, reason: str) -> str:
