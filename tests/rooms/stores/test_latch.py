@@ -13,6 +13,7 @@ import pytest
 from rosic.errors import ConfigurationError, StoreFault
 from rosic.stores import slots
 from rosic.stores.latch import FileLatch
+from tests.rooms.stores.waits import waits
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -289,6 +290,29 @@ async def test_a_stop_is_kept_only_when_the_disk_has_confirmed_it(tmp_path: Path
         latch.write("omni", 1, latched=False), latch.write("kuka1", 2, latched=True)
     )
     assert disk.after_a_power_cut() == {"omni": (1, False), "kuka1": (2, True)}
+    await latch.close()
+
+
+async def test_a_gateway_waits_for_the_disk_itself(tmp_path: Path) -> None:
+    with waits() as made:
+        latch = FileLatch(tmp_path / "latch", robots_max=ROOM)
+        latch.read()
+        made.clear()
+        await latch.write("omni", 1, latched=True)
+        assert made == ["fdatasync"]
+        await latch.mend()
+        assert made == ["fdatasync"] * 2
+        await latch.close()
+
+
+async def test_a_stop_file_that_was_mended_outlives_a_power_cut(tmp_path: Path) -> None:
+    disk = Disk(tmp_path / "latch")
+    latch = FileLatch(disk.path, robots_max=ROOM, wait_for_disk=disk.wait)
+    await latch.write("omni", 1, latched=True)
+    os.truncate(disk.path, 0)
+    disk.kept.write_bytes(b"")
+    await latch.mend()
+    assert disk.after_a_power_cut() == {"omni": (1, True)}
     await latch.close()
 
 

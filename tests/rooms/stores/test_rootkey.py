@@ -14,6 +14,7 @@ from rosic.errors import ConfigurationError
 from rosic.stores.database import DatabaseStore
 from rosic.stores.rootkey import ROOT_KEY, SALT, create, read_key, root_of
 from rosic.testing.clock import ManualClock
+from tests.rooms.stores.waits import waits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -152,6 +153,12 @@ def test_a_key_is_on_disk_before_it_has_its_name_and_its_name_before_it_is_used(
     assert seen == [(draft, {draft}), (tmp_path.name, {ROOT_KEY})]
     assert path.read_bytes() == b"k" * 32
     assert path.stat().st_mode & 0o777 == 0o600
+
+
+def test_a_key_waits_for_the_disk_itself(tmp_path: Path) -> None:
+    with waits() as made:
+        create(tmp_path / ROOT_KEY, b"k" * 32)
+    assert made == ["fsync"] * 2, "the file, and the folder in which its name stands"
 
 
 def test_a_key_that_the_disk_did_not_confirm_is_not_there(tmp_path: Path) -> None:
