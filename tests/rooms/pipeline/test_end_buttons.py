@@ -13,6 +13,7 @@ from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
 from tests.rooms.pipeline.place import ADA, BO, STRANGER, VI, Place, line_by_line
+from tests.rooms.pipeline.seeing.booth import Sketcher, booth
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -56,6 +57,22 @@ async def test_every_end_has_them_and_no_stop(ending: Ending) -> None:
         robot.finish()
         await place.quiet()
         assert _labels(place.last()[1]) == [ROW]
+
+
+async def test_where_something_draws_there_is_a_picture_to_see() -> None:
+    place = booth(Sketcher())
+    async with place.open():
+        place.prepare()
+        await place.say("omni move 1 m")
+        assert _labels(place.last()[1]) == [["Again", "Back", "Picture", "Menu"]]
+        picture, under = place.button("Picture")
+        before = len(place.chat.told)
+        place.chat.tap(picture, under=under, account=ADA)
+        shown = await place.shown(before)
+        assert shown.attachment is not None
+        assert place.acted() == 1, "and nothing moves of it"
+        await place.say("kuka1 wave")
+        assert _labels(place.last()[1]) == [ROW], "of a robot that shows nothing"
 
 
 @pytest.mark.parametrize("word", ["stop", "cancel"])

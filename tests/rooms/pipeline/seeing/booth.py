@@ -93,6 +93,10 @@ class Booth(Place):
         """Say something, and return the next message, however long that is drawn."""
         before = len(self.chat.told)
         await self.say(text, **how)
+        return await self.shown(before)
+
+    async def shown(self, before: int) -> Outbound:
+        """Return the newest message once there are more than so many."""
         for _ in range(20_000):
             if len(self.chat.told) > before:
                 return self.chat.told[-1].outbound
