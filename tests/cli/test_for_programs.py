@@ -11,7 +11,7 @@ import pytest
 
 from rosic.cli.entry import COMMANDS, main
 from tests.cli.offline import MEMORY, Place
-from tests.cli.running import rosic, write_config
+from tests.cli.running import gateway, rosic, write_config
 from tests.cli.terminal import shell_at
 from tests.servers import needed
 
@@ -180,6 +180,25 @@ def test_history_says_what_the_operator_did_and_asks_for_known_names(config: Pat
     assert rosic("history", "--robot", "omin", "-c", config).status == 1
     assert rosic("history", "--person", "Zed", "-c", config).status == 1
     assert rosic("history", "--since", "never", "-c", config).status == 1
+
+
+def test_history_of_one_person_is_theirs_alone(tmp_path: Path) -> None:
+    """And all of it, the newest of each as well."""
+    config = write_config(tmp_path)
+    with gateway(config) as running:
+        running.say("omni move 0.1 m")
+        running.wait_for(": done ")
+        assert rosic("stop", "kuka1", "-c", config).status == 0
+
+        def of(*person: str) -> list[tuple[str, str]]:
+            said = rosic("history", "--json", *person, "-c", config)
+            return [(one["name"], one["robot"]) for one in json.loads(said.out)]
+
+        everybodys = of()
+        assert ("Ada", "omni") in everybodys
+        assert {name for name, _ in everybodys} > {"Ada"}
+        assert of("--person", "ada") == [one for one in everybodys if one[0] == "Ada"]
+        assert of("--person", "Bob") == []
 
 
 @pytest.mark.usefixtures("running")
