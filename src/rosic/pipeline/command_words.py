@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from rosic.core.saying import Catalogue
 
 # What to type. A translation is understood: it stands in `rosic.core.language.words.ALIASES`.
+# With a slash only where a messenger makes all of it a link, one word in ASCII: what is tapped of
+# a longer one is its first word alone, and /cancel ends what is under way.
 TYPED: Final = {
     "again": said("/again"),
     "use": said("/use"),
@@ -30,7 +32,7 @@ TYPED: Final = {
     "wish": said("/wish"),
     "wait": said("/wait"),
     "cancel": said("/cancel"),
-    "cancel booking": said("/cancel booking"),
+    "cancel booking": said("cancel booking"),
     "handover": said("/handover"),
     "me": said("/me"),
     "role": said("/role"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -21,6 +22,9 @@ from rosic.pipeline.command_words import TYPED
 from rosic.pipeline.times.cancelling import BOOKINGS
 from tests.rooms.pipeline.place import FLEET, VI, Place
 from tests.texts import read
+
+if TYPE_CHECKING:
+    from rosic.core.saying import Catalogue
 
 GERMAN = catalogue("de")
 VOCABULARY = Vocabulary.build(FLEET, known_units())
@@ -50,6 +54,15 @@ def test_what_german_help_says_to_type_is_understood(name: str) -> None:
     assert meant(german) == meant(f"/{name}")
     assert meant(german.removeprefix("/").capitalize()) == meant(name)
     assert meant(f"{german} omni") == meant(f"/{name} omni")
+
+
+@pytest.mark.parametrize("name", TYPED)
+@pytest.mark.parametrize("language", [None, GERMAN])
+def test_what_help_says_to_type_with_a_slash_is_one_link(
+    name: str, language: Catalogue | None
+) -> None:
+    typed = in_language(TYPED[name], language)
+    assert re.fullmatch(r"/[a-z0-9_]{1,32}|[^/]+", typed), typed
 
 
 def test_other_words_for_commands_mean_one_each_and_take_no_name_away() -> None:
