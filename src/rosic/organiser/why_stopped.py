@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from rosic.core.identity import PrincipalId
+    from rosic.core.order import Order
     from rosic.core.robot import Profile, RobotId
     from rosic.core.stopboard import StopBoard
     from rosic.organiser.organiser import Organiser
@@ -37,7 +38,7 @@ class WhyStopped:
         barred = self._stops.barred(robots[0])
         if barred is not None:
             return RobotStopped(joined(" ", (barred.sentence, NOTHING_DONE)))
-        sentence = self._since(principal, robots)
+        sentence = self.since(principal, robots)
         may = self.resumable(principal, robots)
         offers = (f"resume {' '.join(may[:NAMED_AT_MOST])}",) if may else ()
         left = [robot for robot in robots if robot not in may]
@@ -96,7 +97,16 @@ class WhyStopped:
         found = organiser.rights.resumers(robot, organiser.wall_ns(), besides=principal)
         return tuple(organiser.name_of(who) for who in found if who not in organiser.locked)
 
-    def _since(self, principal: PrincipalId, robots: Sequence[RobotId]) -> str:
+    def by_another(self, order: Order) -> str:
+        """Return who stopped an order's robot since it was given; empty: nobody, or its author."""
+        stop = self._stops[order.robot]
+        later = stop.latched and stop.generation > order.permit.stop_generation
+        if not later or stop.by in {"", order.permit.principal}:
+            return ""
+        return said("a stop by {name}", name=self._organiser.name_of(stop.by))
+
+    def since(self, principal: PrincipalId, robots: Sequence[RobotId]) -> str:
+        """Return that some robots are stopped, and by whom and since when if that is one stop."""
         moments = {(self._stops[r].by, self._when(principal, r)) for r in robots}
         by, when = moments.pop()
         one = len(robots) == 1

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from rosic.core.language import Do, Errand, Misunderstood
 from rosic.core.language.binding import place
 from rosic.core.language.showing import show, show_choice, show_named
@@ -20,7 +22,7 @@ from rosic.pipeline.replies import ASK_FIRST, CONFIRMED, DO_IT, LEAVE, LEAVE_IT,
 from rosic.pipeline.rows import rows
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
 
     from rosic.container.habits import Habits
     from rosic.core.identity import Caller, PrincipalId
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
     from rosic.core.skill import Argument
     from rosic.pipeline.agreement import Agreements
     from rosic.pipeline.lowering import Lowering
+    from rosic.pipeline.resuming import Resuming
 
 SMALLER, LARGER = "−", "+"  # noqa: RUF001 - a minus sign is as wide as a plus
 CHOSEN = "• "
@@ -49,12 +52,18 @@ class Choosing:
     """Asks before anything that was tapped moves a robot, and lets its values be changed first."""
 
     def __init__(
-        self, reader: Reader, habits: Habits, agreements: Agreements, lowering: Lowering
+        self,
+        reader: Reader,
+        habits: Habits,
+        agreements: Agreements,
+        lowering: Lowering,
+        resuming: Resuming,
     ) -> None:
         self._reader = reader
         self._agreements = agreements
         self._lowering = lowering
         self._habits = habits
+        self._resuming = resuming
 
     def ask(
         self, caller: Caller, command: str, visible: frozenset[RobotId], selected: str = ""
@@ -81,7 +90,8 @@ class Choosing:
             raise NotUnderstood(NOTHING_TO_DO)
         if line.group:
             said_whole = command if line.group in command.casefold() else f"{line.group} {command}"
-            return _question(self._agreements.of(line, caller).shown, said_whole, (), trail)
+            whole = _question(self._agreements.of(line, caller).shown, said_whole, (), trail)
+            return self._warned(caller, line.robots, whole)
         vocabulary, robot = self._reader.vocabulary, line.robots[0]
         compiled, given = place(vocabulary, robot, line.skills[0], line.spoken)
         arguments: dict[str, Argument] = {}
@@ -98,7 +108,16 @@ class Choosing:
         shown = vocabulary.robots[robot].shown
         title = joined(": ", (shown, show(vocabulary, robot, line.skills[0], arguments)))
         steppers = _steppers(robot, compiled, arguments, trail)
-        return _question(title, _command(robot, compiled, arguments), steppers, trail)
+        question = _question(title, _command(robot, compiled, arguments), steppers, trail)
+        return self._warned(caller, line.robots, question)
+
+    def _warned(self, caller: Caller, robots: Collection[RobotId], question: Reply) -> Reply:
+        """Return a question, with who has stopped its robots before it."""
+        stopped, resume = self._resuming.warning(caller.principal, robots)
+        if not stopped:
+            return question
+        text = joined("\n", (stopped, question.text))
+        return replace(question, text=text, buttons=(*resume, *question.buttons))
 
     def again(self, caller: Caller, chat: Chat, visible: frozenset[RobotId]) -> Reply:
         """Ask whether the last command of somebody in this chat is to be done again.

@@ -11,7 +11,7 @@ import msgspec
 from rosic.core.deadman import BROKEN_OFF
 from rosic.core.language import inert_text
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Report
-from rosic.core.saying import capital, said
+from rosic.core.saying import capital, joined, said
 from rosic.errors import OrderVoid, Refusal, RobotUnreachable
 from rosic.linker.linker import Linker, PolicyMoved
 
@@ -254,6 +254,10 @@ class Lives:
             self.after(life.order.robot)
         if self.watch is not None and life.begun:
             self.watch.ended(life.order, outcome)
+        if outcome.ending is Ending.CANCELLED:
+            who = self._organiser.why_stopped.by_another(life.order)
+            note = joined("; ", filter(None, (outcome.note, who)))
+            outcome = msgspec.structs.replace(outcome, note=note)
         at_ns = self.wall_ns()
         life.words = life.shown.wording(outcome, at_ns)
         life.card.ending = True

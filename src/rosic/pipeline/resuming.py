@@ -186,6 +186,16 @@ class Resuming:
             return False
         return may_resume(self._organiser, self._board, principal, robot)
 
+    def warning(
+        self, principal: PrincipalId, robots: Collection[RobotId]
+    ) -> tuple[str, tuple[tuple[Button, ...], ...]]:
+        """Return who has stopped which of some robots, and what resumes those; mostly nothing."""
+        stopped = [robot for robot in robots if self._board[robot].latched]
+        if not stopped:
+            return "", ()
+        sentence = self._organiser.why_stopped.since(principal, stopped)
+        return sentence, self.buttons([robot for robot in stopped if self.may(principal, robot)])
+
     def buttons(self, robots: Sequence[RobotId]) -> tuple[tuple[Button, ...], ...]:
         """Return a button for each of some stopped robots, and one for all of them."""
         if len(robots) > RESUMED_AT_MOST:

@@ -90,7 +90,7 @@ class Pipeline:
         organiser, container, linker = rooms.organiser, rooms.container, rooms.linker
         self._rooms = rooms
         self._vocabulary = rooms.vocabulary
-        self._reader = Reader(rooms.vocabulary)
+        self._reader = reader = Reader(rooms.vocabulary)
         self._teller = teller
         self._languages = teller.languages
         self._clock = clock
@@ -108,7 +108,7 @@ class Pipeline:
         )
         self.resuming = resuming = stop_lane.resuming
         self.habits = Habits()
-        self._choosing = Choosing(self._reader, self.habits, self.agreements, self._lowering)
+        self._choosing = Choosing(reader, self.habits, self.agreements, self._lowering, resuming)
         self.arrears = self._replies.arrears
         self.lives = Lives(organiser, container, linker, teller, clock)
         self.audience, self._busy = Audience(organiser), BusyRobots(rooms, self.lives)

@@ -331,3 +331,36 @@ async def test_what_a_german_button_says_may_be_typed(word: str) -> None:
         assert _labels(place) == ["omni freigeben"]
         assert await place.say(word) == "omni ist wieder bereit."
         assert await place.say("weiter") == "Von dir ist nichts pausiert."
+
+
+async def test_whose_order_was_stopped_hears_who_did_and_may_resume_before_again() -> None:
+    async with School().open() as place:
+        place.robot("omni").work_s = 10_000.0
+        await place.say("omni move 1 m")
+        message = place.last()[0]
+        await place.say("stop omni", account=VI, chat=VI)
+        await place.clock.advance(3.0)
+        await place.quiet()
+        shown = place.chat.shown(message)
+        assert shown.text.endswith("stopped before it ended 12:00:00: a stop by Vi")
+        [again] = [b for row in shown.buttons for b in row if b.label == "Again"]
+        told = await _tap(place, (again, message), ADA)
+        assert told == "omni is stopped, by Vi, since 22:13.\nomni: move, 1.00 m forward?"
+        assert _labels(place)[0] == "Resume omni"
+        assert _labels(place)[-2:] == ["Do it", "Leave it"]
+        assert await _tap(place, place.button("Resume omni"), ADA) == "omni is ready again."
+        assert _latched(place) == []
+        assert await _tap(place, (again, message), ADA) == "omni: move, 1.00 m forward?"
+        assert place.acted("omni") == 1
+
+
+async def test_who_may_not_resume_is_told_of_the_stop_and_offered_no_button() -> None:
+    async with School().open() as place:
+        message = await _drive(place)
+        await place.say("stop omni", account=STU, chat=STU)
+        await place.clock.advance(3.0)
+        await place.quiet()
+        assert place.chat.shown(message).text.endswith("stopped before it ended 12:00:00")
+        told = await place.say("again", account=STU, chat=STU)
+        assert told.startswith("omni is stopped, by Stu, since 22:13.\nomni: move")
+        assert "Resume omni" not in _labels(place)
