@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict
+from functools import partial
 from hashlib import blake2b
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ import msgspec
 from msgspec.structs import replace
 
 from rosic.container import letters
+from rosic.container.patience import Patience
 from rosic.container.unit import PersonContainer, RobotContainer
 from rosic.core.language import bind, show
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Permit, Request, Spoken
@@ -49,6 +51,7 @@ MET_BYTES = b"met".ljust(DIGEST_BYTES - SHARED_BYTES, b"\0")
 COMPLETED_KEPT = 8_192
 UNWRITTEN_KEPT = 10_000
 TOLD_TOGETHER = 500
+TOO_LATE = said("This was written down too late to be begun. Nothing was done.")
 # A member's own value is found by a method in Python, every time.
 _NAMED = {ending: ending.value for ending in Ending}
 _digest_form = msgspec.json.Encoder(order="sorted").encode
@@ -79,6 +82,7 @@ class Containers:
     ) -> None:
         self._vocabulary = vocabulary
         self._store = store
+        self._patience = Patience(store, clock)
         self._clock = clock
         self.here: Callable[[Chat], str] = _nowhere
         self.usual: Callable[[PrincipalId], str] | None = None
@@ -122,7 +126,8 @@ class Containers:
         Raises:
             NotUnderstood, OutOfBounds: Nothing was written.
             Repeated: This message was claimed or refused before. Nothing was written.
-            RecordUnavailable: The record cannot be written; nothing may move.
+            RecordUnavailable: The record cannot be written, or not in time; nothing may move. What
+                is on disk later is disowned, and its message counts as refused.
         """
         accepted_ns = self._clock.wall_ns()
         orders: list[Order] = []
@@ -143,10 +148,10 @@ class Containers:
             letter = Letter(permits[0].principal, told)
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))
         try:
-            await self._store.write(*claims)
+            await self._patience.write(claims, partial(self._disown_late, orders))
         except asyncio.CancelledError as cancelled:
             if cancelled.__cause__ is None:  # claimed, and nobody is left to carry it out
-                self._disown(orders)
+                self._disown(orders, NEVER_BEGUN)
             raise
         except StoreFault as fault:
             raise RecordUnavailable(
@@ -157,10 +162,15 @@ class Containers:
             ) from fault
         return tuple(orders)
 
-    def _disown(self, orders: Sequence[Order]) -> None:
+    def _disown_late(self, orders: Sequence[Order]) -> None:
+        """Settle what is on disk too late: its author knows already that nothing was done."""
+        self._disown(orders, TOO_LATE)
+        self.told(*(order.cid for order in orders))
+
+    def _disown(self, orders: Sequence[Order], why: str) -> None:
         at_ns = self._clock.wall_ns()
         for order in orders:
-            letter = Letter(order.permit.principal, NEVER_BEGUN.encode())
+            letter = Letter(order.permit.principal, why.encode())
             self._store.note(
                 Concluded(
                     cid=order.cid, ending=Ending.REFUSED.value, at_ns=at_ns, letter=letter
@@ -181,12 +191,15 @@ class Containers:
             at_ns=self._clock.wall_ns(), letter=letter,
         )  # fmt: skip
         try:
-            await self._store.write(refused)
+            await self._patience.write((refused,), _as_said)
         except StoreFault:
             # It stands and is told: the same message must not move anything when the disk is back.
-            self._unwritten[cid] = None
-            if len(self._unwritten) > UNWRITTEN_KEPT:
-                self._unwritten.popitem(last=False)
+            self._keep_refused(cid)
+
+    def _keep_refused(self, cid: bytes) -> None:
+        self._unwritten[cid] = None
+        if len(self._unwritten) > UNWRITTEN_KEPT:
+            self._unwritten.popitem(last=False)
 
     def conclude(
         self, order: Order, outcome: Outcome, words: str, at_ns: int, then: Callable[[], None]
@@ -225,12 +238,11 @@ class Containers:
             RecordUnavailable: Not written; the robot stays stopped.
         """
         try:
-            await self._store.write(
-                Resumed(
-                    cid=cid, robot=robot, generation=generation, principal=caller.principal,
-                    at_ns=self._clock.wall_ns(),
-                )
+            resumed = Resumed(
+                cid=cid, robot=robot, generation=generation, principal=caller.principal,
+                at_ns=self._clock.wall_ns(),
             )  # fmt: skip
+            await self._patience.write((resumed,), _as_said)
         except StoreFault as fault:
             raise RecordUnavailable(
                 said("I cannot write this down, so {robot} stays stopped.", robot=robot)
@@ -325,6 +337,10 @@ def chat_digest(chat: Chat) -> bytes:
         return whole
     part = blake2b(chat.topic.encode(), key=whole, digest_size=DIGEST_BYTES - SHARED_BYTES).digest()
     return whole[:SHARED_BYTES] + part
+
+
+def _as_said() -> None:
+    """It was told as it is on disk now."""
 
 
 def _nowhere(_chat: Chat) -> str:

@@ -11,7 +11,7 @@ import pytest
 
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
-from rosic.messengers.telegram.window import ATTEMPTS, News, Window
+from rosic.messengers.telegram.window import ATTEMPTS, OVERDUE_AT_MOST, News, Window
 from rosic.testing.clock import ManualClock, settle
 
 if TYPE_CHECKING:
@@ -176,3 +176,51 @@ async def test_waiting_for_it_ends_so_that_a_stop_is_seen(table: Table) -> None:
     await table.clock.advance(0.3)
     assert waiting.done()
     assert table.window.busy
+
+
+async def test_what_is_held_up_is_confirmed_after_a_while_and_followed_all_the_same(
+    table: Table,
+) -> None:
+    table.hold(10)
+    take(table.window, [news(10), news(11), news(12, "2")])
+    await settle()
+    await table.clock.advance(0.9)
+    table.window.relieve()
+    assert table.window.offset is None
+    await table.clock.advance(0.2)
+    table.window.relieve()
+    assert table.window.offset == 13
+    assert not table.window.busy
+    table.window.confirmed(13)
+    table.held["10"].set()
+    await settle()
+    assert table.heard == ["10", "12", "11"]
+    assert table.window.offset is None, "an offset is not repeated"
+    assert table.window._counts["received"] == 3
+
+
+async def test_whatever_ends_shows_that_nothing_is_held_up(table: Table) -> None:
+    table.hold(10, 11)
+    take(table.window, [news(10), news(11, "2")])
+    await settle()
+    await table.clock.advance(0.9)
+    table.held["11"].set()
+    await settle()
+    await table.clock.advance(0.9)
+    table.window.relieve()
+    assert table.window.offset is None
+
+
+async def test_of_too_much_that_is_held_up_what_was_not_begun_is_given_up(table: Table) -> None:
+    table.hold(0)
+    for number in range(0, OVERDUE_AT_MOST + 1, 91):
+        take(table.window, [news(n) for n in range(number, number + 91)])
+        await settle()
+        await table.clock.advance(1.0)
+        table.window.relieve()
+        table.window.confirmed(table.window.offset)
+    assert table.window._counts["given-up"] >= OVERDUE_AT_MOST - 91
+    table.held["0"].set()
+    await settle()
+    assert table.heard == ["0"]
+    assert not table.window._overdue

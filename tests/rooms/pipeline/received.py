@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from random import Random
 
     from rosic.messengers.telegram.listener import Listener
+    from rosic.stores.latch import MemoryLatch
 
 ADA, BO, STRANGER = 1, 2, 99
 LONGEST = 4_096
@@ -157,7 +158,9 @@ class Receiving:
 
 
 @asynccontextmanager
-async def receiving() -> AsyncIterator[Receiving]:
+async def receiving(
+    store: MemoryStore | None = None, latch: MemoryLatch | None = None
+) -> AsyncIterator[Receiving]:
     """Let a gateway with memory robots listen; Ada is an admin, Bo an operator, without limits."""
     line = Batches()
     messenger = TelegramMessenger("lab", read_settings("lab", {"token": TOKEN}), CLOCK, line=line)
@@ -167,7 +170,7 @@ async def receiving() -> AsyncIterator[Receiving]:
     )
     unlimited = RateLimit(burst=1e9, per_s=1e9)
     settings = Settings(profiles=FLEET, people=people, limit=unlimited)
-    gateway = Gateway(settings, parts_of(MemoryStore(), messenger))
+    gateway = Gateway(settings, parts_of(store or MemoryStore(), messenger, latch=latch))
     await gateway.open()
     running = asyncio.create_task(gateway.run())
     try:

@@ -90,7 +90,7 @@ async def test_a_resume_of_two_robots_does_not_undo_a_stop_that_came_while_it_wa
         await place.say("stop kuka1")
         await place.clock.advance(1.0)
         place.chat.say("resume omni kuka1")
-        await place.clock.advance(1.0)
+        await place.clock.advance(0.5)
         await place.say("stop kuka1", account=BO, chat="2")
         store.ready.set()
         await place.quiet()

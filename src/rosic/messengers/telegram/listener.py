@@ -190,11 +190,9 @@ class Listener:
         window.confirmed(offset)
         full = len(raws) >= self._limit
         self._limit = limit_after(raws, self._limit)
-        since_ns, account = listening.stamp(now.wall_ns), self._line.account
-        received = mapping.Received(
-            now.wall_ns, since_ns, account, self.account_since_ns, self._outage.covers
-        )
-        fresh = await self.reading.take_in(group, window, raws, received)
+        fresh = await self.reading.take_in(group, window, raws, self._received(now))
+        if full and not fresh:
+            window.relieve()
         if raws and not fresh and not window.busy and window.offset is None:
             await self._clock.sleep(WAITS_S[0])  # nothing but updates without a number
         await window.idle(AT_ONCE_S if self.reading.behind else PEEK_S)
@@ -202,6 +200,12 @@ class Listener:
             self._outage.over()
             self._contested = False
             log.info("%s: listening", self._name)
+
+    def _received(self, now: Moment) -> mapping.Received:
+        since_ns, account = self._listening.stamp(now.wall_ns), self._line.account
+        return mapping.Received(
+            now.wall_ns, since_ns, account, self.account_since_ns, self._outage.covers
+        )
 
     # ---- trouble ----
 

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 ATTEMPTS = 3
 FIRST_WAIT_S = 0.2
+HELD_NS: Final = 1_000_000_000
+"""If nothing ends for so long while nothing new is given out, what is held up is let go."""
+OVERDUE_AT_MOST: Final = 1_000
 SECONDS_KEPT: Final = 1_000
 """For so many seconds in which somebody said something, the lines that were alike are counted."""
 MOST_ALIKE: Final = 100
@@ -66,6 +69,8 @@ class Window:
         self._clock = clock
         self._open: set[int] = set()
         self._expected: set[int] = set()
+        self._overdue: set[int] = set()
+        self._moved_ns = clock.monotonic_ns()
         self._done: set[int] = set()
         self._admitted: list[tuple[int, Inbound]] = []
         self._lanes: dict[str, deque[tuple[int, Inbound]]] = {}
@@ -184,7 +189,37 @@ class Window:
             self._counts["given-up"] += 1
         self._ended(update_id)
 
+    def relieve(self) -> None:
+        """Let what is held up be confirmed, where it hides what is behind it: a stop, perhaps.
+
+        It is followed all the same, as soon as it can be. Of more than so many, those that were
+        not begun are given up.
+        """
+        if self._clock.monotonic_ns() - self._moved_ns < HELD_NS:
+            return
+        held = self._open - self._expected
+        log.warning("messages that are held up are confirmed all the same: %d", len(held))
+        self._overdue |= held
+        if len(self._overdue) > OVERDUE_AT_MOST:
+            self._give_up_waiting()
+        for update_id in held:
+            self._end(update_id)
+
+    def _give_up_waiting(self) -> None:
+        for lane in self._lanes.values():
+            while len(lane) > 1:
+                self._overdue.discard(lane.pop()[0])
+                self._counts["given-up"] += 1
+        log.error("messages were given up because nothing can be followed; nothing was done")
+
     def _ended(self, update_id: int) -> None:
+        if update_id in self._overdue:
+            self._overdue.discard(update_id)
+        else:
+            self._end(update_id)
+
+    def _end(self, update_id: int) -> None:
+        self._moved_ns = self._clock.monotonic_ns()
         self._open.discard(update_id)
         self._done.add(update_id)
         if not self._open:
