@@ -130,7 +130,8 @@ def turn_of(messenger: Messenger) -> Turn | None:
 def alarm_to(messenger: Messenger, alarm: Alarm) -> None:
     """Have a messenger that can be taken over say so: somebody else acts in its name.
 
-    Called once per occurrence, on the event loop, after motion from this messenger was frozen.
+    Called once per occurrence, on the event loop, after motion from this messenger was frozen, and
+    once when that has ended.
     """
     if hasattr(messenger, "on_alarm"):
         messenger.on_alarm = alarm

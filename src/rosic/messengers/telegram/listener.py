@@ -52,7 +52,7 @@ class Listener:
     Args:
         name: Of the messenger, for the log.
         poll_timeout_s: How long an empty poll stays open.
-        alarm: Told when motion is frozen because somebody else receives.
+        alarm: Told when motion is frozen because somebody else receives, and when that has ended.
 
     Attributes:
         reading: Reads what is received; told, at the beginning, whether the account hears
@@ -197,9 +197,14 @@ class Listener:
             await self._clock.sleep(WAITS_S[0])  # nothing but updates without a number
         await window.idle(AT_ONCE_S if self.reading.behind else PEEK_S)
         if listening.drained(asked, empty=not fresh, full=full):
-            self._outage.over()
+            self._thawed()
+
+    def _thawed(self) -> None:
+        self._outage.over()
+        log.info("%s: listening", self._name)
+        if self._contested:
             self._contested = False
-            log.info("%s: listening", self._name)
+            self._alarm(MessengerFault(_acquittal(self._name)))
 
     def _received(self, now: Moment) -> mapping.Received:
         since_ns, account = self._listening.stamp(now.wall_ns), self._line.account
@@ -249,17 +254,27 @@ class Listener:
         return Moment(self._clock.wall_ns(), self._clock.monotonic_ns())
 
 
+def _acquittal(name: str) -> str:
+    return said(
+        "Nobody else receives the messages of the bot of {name} any more."
+        " Robots take motion from it again. What was sent meanwhile may never have arrived.",
+        name=name,
+    )
+
+
 def _accusation(name: str, reason: str) -> str:
     if "webhook" in reason.casefold():
         return said(
             "The messages of the bot of {name} go to another address (a webhook is set)."
-            " Robots take no motion from it until that ends. If nobody here set it, the token is"
-            " known to somebody: have BotFather replace it.",
+            " Robots take no motion from it until that ends, and a stop may not arrive:"
+            " stop them another way. If nobody here set it, the token is known to somebody:"
+            " have BotFather replace it.",
             name=name,
         )
     return said(
         "Another program receives the messages of the bot of {name}."
-        " Robots take no motion from it until that ends. If it is none of yours, the token is"
-        " known to somebody: have BotFather replace it.",
+        " Robots take no motion from it until that ends, and a stop may not arrive:"
+        " stop them another way. If it is none of yours, the token is known to somebody:"
+        " have BotFather replace it.",
         name=name,
     )

@@ -42,7 +42,8 @@ class TelegramMessenger:
 
     Attributes:
         on_alarm: Called, once per occurrence, when somebody else receives for this bot and motion
-            is frozen. For telling the admins elsewhere; the log has it in any case.
+            is frozen, and when that has ended. For telling the admins elsewhere; the log has it in
+            any case.
     """
 
     platform = "telegram"
