@@ -18,6 +18,7 @@ from rosic.core.record import Stopped
 from rosic.core.saying import in_language, joined, said
 from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
 from rosic.pipeline.company import Company, is_unnamed
+from rosic.pipeline.holding_stops import HoldingStops
 from rosic.pipeline.replies import ask_for_it
 from rosic.pipeline.resuming import RESUMED_AT_MOST
 from rosic.pipeline.rows import rows
@@ -74,6 +75,7 @@ class StopLane:
         self._vocabulary = rooms.vocabulary
         self._store = store
         self._clock = clock
+        self._holding = HoldingStops(clock)
         self._tasks: set[asyncio.Task[None]] = set()
         self._following: set[asyncio.Task[None]] = set()
         self._answering: Counter[tuple[str, str]] = Counter()
@@ -88,7 +90,8 @@ class StopLane:
     ) -> bool:
         """Stop now; tell when rest was measured. On return every adapter has been told to stop.
 
-        And the latch is on disk, or cannot be written: a messenger confirms a message when this
+        And the latch is on disk, or cannot be written, or newer stops by the same messenger wait
+        for it: a messenger confirms a message when this
         returns, and a stop that is confirmed must survive whatever comes (I13).
 
         A stranger's stop changes nothing: he sees no robot. A stop without an identity (an
@@ -117,9 +120,7 @@ class StopLane:
         if self._answering[where] < ANSWERS_AT_MOST:
             self._answering[where] += 1
             self._spawn(self._answer(messenger, inbound, halting, by))
-        patience = asyncio.create_task(self._clock.sleep(LATCH_WITHIN_S))
-        await asyncio.wait((halting.latched, patience), return_when=asyncio.FIRST_COMPLETED)
-        patience.cancel()
+        await self._holding.hold(messenger.name, robots, halting.latched, LATCH_WITHIN_S)
         return True
 
     def stop_robots(

@@ -6,11 +6,15 @@ import asyncio
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.container.patience import WITHIN_S
+from rosic.core.message import Chat
 from rosic.core.record import Claimed, Concluded, Refused, Resumed, Told
+from rosic.pipeline.stopping import LATCH_WITHIN_S
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
+from rosic.testing.clock import settle
 from tests.pace import pace
 from tests.rooms.pipeline.place import BO as BO_THERE
 from tests.rooms.pipeline.place import Place, SlowStore
@@ -77,6 +81,35 @@ async def test_a_record_that_hangs_hides_no_stop(before: list[tuple[int, str]]) 
         await place.drained()
         robot = place.gateway.robots["omni"]
         assert not getattr(robot, "acted", None), "what was written too late moves nothing"
+
+
+async def test_a_stop_file_that_hangs_hides_no_stop_of_another_robot() -> None:
+    latch = HangingLatch()
+    async with receiving(latch=latch) as place:
+        latch.hangs = True
+        place.give(*(place.message(BO, "stop omni") for _ in range(100)))
+        await stopped(place, "omni")
+        place.give(place.message(ADA, "stop kuka1"))
+        await stopped(place, "kuka1")
+        assert place._line.waiting, "the newest of each robot is not confirmed"
+
+
+async def test_only_the_newest_stop_of_a_robot_waits_for_the_stop_file() -> None:
+    latch = HangingLatch()
+    latch.hangs = True
+    async with Place(latch=latch).open() as place:
+        pipeline, chat = place.gateway.pipeline, place.chat
+        said = [chat._inbound("1", Chat("memory", "1"), f"m{n}", None) for n in range(5)]
+        texts = ("stop omni", "stop omni kuka1", "stop kuka1", "stop omni", "stop omni")
+        taken = [
+            asyncio.create_task(pipeline.receive(chat, replace(each, text=text)))
+            for each, text in zip(said, texts, strict=True)
+        ]
+        await settle()
+        assert [task.done() for task in taken] == [True, True, False, True, False]
+        await place.clock.advance(LATCH_WITHIN_S)
+        assert all(task.done() for task in taken)
+        assert not place.gateway.stop_lane._holding._newest
 
 
 async def late_order(place: Place, store: SlowStore) -> str:
