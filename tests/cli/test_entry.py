@@ -105,10 +105,11 @@ def test_who_reads_the_first_lines_alone_hears_of_nothing_else(
         assert process.stdout is not None
         assert process.stderr is not None
         process.stdin.write(script)
-        process.stdin.close()
+        process.stdin.flush()
         for _ in range(lines):
             assert process.stdout.readline()
         process.stdout.close()
+        process.stdin.close()  # now alone: what it says at its end is still to come
         said = process.stderr.read()
         status = process.wait(120)
 

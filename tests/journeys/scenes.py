@@ -18,7 +18,7 @@ from rosic.testing.ros2.graph import RosGraph
 from tests.journeys.fleet import Person
 from tests.journeys.lab import Lab, lab
 from tests.journeys.ros import VARIABLES
-from tests.real.ros2.simulated import set_fault
+from tests.real.ros2.simulated import link_lost, set_fault
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -201,6 +201,7 @@ def profile(kind: str, robot: str, groups: tuple[str, ...]) -> str:
     shown = f"{kind.capitalize()} {robot[-1]}"
     text = text.replace(f"title: {kind.capitalize()}\n", f"title: {shown}\n")
     if kind == "rover":
+        text = text.replace("min: -10, max: 10", "min: -50, max: 50")
         text = text.replace("model: omni }", "model: omni, among: true }")
     return f"{text}groups: [{', '.join(groups)}]\n"
 
@@ -216,7 +217,7 @@ async def scenes(folder: Path, launcher: Launcher) -> AsyncIterator[Scenes]:
     (folder / "restock.yaml").write_text(MISSION)
     with RosGraph(folder) as graph:
         named = (*SHIPPED, *(robot for _, robot, _ in MADE))
-        graph.start(PROGRAM, "--actuations", acted, *named, timeout_s=120.0)
+        graph.start(PROGRAM, "--actuations", acted, *link_lost(), *named, timeout_s=120.0)
         types = TypeRegistry([SET_PARAMETERS])
         opening = RosRuntime.open(types, node_name="onlooker", domain_id=graph.domain_id)
         async with await opening as runtime, lab(folder, launcher, robots=robots) as place:

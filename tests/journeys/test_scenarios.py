@@ -133,14 +133,16 @@ async def _class(here: Scenes) -> None:
 
     await here.taps(first, "Cancel it", "is given back")
     await here.taps(second, "Take it", "is yours now")
-    moving = await here.says(second, "kuka1 move joint 1 to 120 deg")
-    await here.reads(second, "received", to=moving)
+    await here.asks(second, "kuka1 move joint 1 to -165 deg", "done ")
     await here.asks("Teacher", "kuka1 home", "You may take it over")
+    # As far as it goes, and nothing is asked on the way that can be asked before.
+    moving = await here.says(second, "kuka1 move joint 1 to 165 deg")
+    await here.reads(second, "received", to=moving)
     await here.asks("Teacher", "/take over kuka1", "is yours now")
     await here.reads(second, "Teacher took it over", to=moving)
     await here.asks("Teacher", "kuka1 home", "done ")
     await here.asks("Teacher", "/end kuka1", "Session ended")
-    assert here.acted("kuka1")[before:] == ["grasp", "move_joint", "home"]
+    assert here.acted("kuka1")[before:] == ["grasp", "move_joint", "move_joint", "home"]
 
 
 async def _fleet(here: Scenes) -> None:
@@ -218,7 +220,7 @@ async def _swarm(here: Scenes) -> None:
     said = await here.reads(leader, "STOP: Crazyflie 1 ")
     assert said["text"].count("at rest") + said["text"].count("on the ground") == len(DRONES) + 2
     assert "has not confirmed" not in said["text"]
-    await here.reads(leader, f"Task {one} (goto x=3 y=0): paused.")
+    await here.reads(leader, f"Task {one} (goto x=50 y=0): paused.")
     held = await here.asks(leader, "status", f"stopped by {leader}")
     assert held["text"].count(f"stopped by {leader}") == len(DRONES) + 2
     begun = here.acted(f"rover{helps}")
@@ -226,9 +228,9 @@ async def _swarm(here: Scenes) -> None:
 
 
 async def _two_rovers_go(here: Scenes, leader: str) -> tuple[str, str]:
-    """Give each a task; return the numbers."""
-    one = await here.gives(leader, "rovers goto x=3 y=0")
-    two = await here.gives(leader, "rovers goto x=0 y=3")
+    """Give each a task, so far that none is there before it is stopped; return the numbers."""
+    one = await here.gives(leader, "rovers goto x=50 y=0")
+    two = await here.gives(leader, "rovers goto x=0 y=50")
     return one, two
 
 
@@ -250,8 +252,8 @@ async def _one_helps_the_other(here: Scenes, leader: str, one: str, two: str) ->
     await here.breaks(f"rover{stuck}", "mud", value=False)
     await here.thinks(f"rover{stuck}", "over", id=asked["id"])
     await here.reads(leader, f"Rover {stuck} needs no more help")
-    await here.reads(leader, f"Task {one} (goto x=3 y=0): Rover {helps} goes on with it.")
-    await here.reads(leader, f"Task {two} (goto x=0 y=3): Rover {stuck} goes on with it.")
+    await here.reads(leader, f"Task {one} (goto x=50 y=0): Rover {helps} goes on with it.")
+    await here.reads(leader, f"Task {two} (goto x=0 y=50): Rover {stuck} goes on with it.")
     await here.asks(leader, f"/strategy rover{stuck} careful speed=0.2 now", "I say when")
     await here.reads(leader, f"Rover {stuck} has taken on: Careful (speed 0.2 m/s).")
     return helps

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 import yaml
 
 from rosic.app.documents.profiles import shipped_profiles
+from rosic.pipeline.alerts.placed import TOLD
 from tests.journeys.lab import Lab, lab
+from tests.journeys.record import ask_record
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -19,6 +21,9 @@ RULE = {
     "name": "on_battery", "when": "battery > 1 %", "for": "1 s", "say": "It runs on its battery",
     "severity": "info", "tell": "operators",
 }  # fmt: skip
+# What says which message tells of an alarm, behind the message itself; one for each who reads it.
+PLACED = f"select key from facts where kind = '{TOLD}' and length(body) > 0"  # noqa: S608 - ours
+TOLD_HERE = ("Ada", "Bo")
 ALARM = "omni: It runs on its battery."
 
 
@@ -66,7 +71,8 @@ async def test_a_thumb_counts_beside_what_was_said_before_a_kill(
     async with lab(tmp_path, launcher, robots=OMNI) as place:
         gateway = await place.start()
         told = await place.reads(place.bo, ALARM)
-        await place.ask(place.ada, "/alerts", "It runs on its battery")
+        await place.reads(place.ada, ALARM)
+        assert await place.until(lambda: len(ask_record(place.data, PLACED)) == len(TOLD_HERE))
         gateway.kill()
         thumb = {"chat": place.bo, "user": place.bo, "message": told["message_id"]}
         await place.control.call("react", **thumb, emoji=["👍"])

@@ -28,7 +28,12 @@ def run(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="rosic sim", description=ABOUT)
     parser.add_argument("robots", metavar="ROBOT", nargs="*")
     parser.add_argument("--ros2", action="store_true", help="as ROS 2 nodes; the only way so far")
+    parser.add_argument(
+        "--link-lost", type=float, metavar="SECONDS",
+        help="hold, or land, after so long without a sign of life from the gateway",
+    )  # fmt: skip
     options = parser.parse_args(arguments)
     load_ros()
-    status = import_module(NODES).main(list(options.robots), jpeg_drawer())
+    lost = [] if options.link_lost is None else [f"--link-lost={options.link_lost:g}"]
+    status = import_module(NODES).main([*options.robots, *lost], jpeg_drawer())
     return status if isinstance(status, int) else 0

@@ -14,9 +14,11 @@ from msgspec.structs import replace
 from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.core.gate import Gate
 from rosic.core.robot import Profile
+from rosic.robots.ros2.nodes.watch import LINK_LOST_S
 from rosic.robots.ros2.parameters import SET_PARAMETERS, request, service_of
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.testing.orders import OrderBook
+from tests.pace import patience
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Iterator
@@ -33,6 +35,11 @@ SIMULATION = "rosic.robots.ros2.simulation"
 FOREVER_S = 60.0
 
 
+def link_lost() -> tuple[str, ...]:
+    """Return how long robots wait for a sign of life: as long as is usual, on a free machine."""
+    return ("--link-lost", f"{LINK_LOST_S * patience():.2f}")
+
+
 class Simulated:
     """Robots in another process.
 
@@ -44,7 +51,7 @@ class Simulated:
         self.graph = graph
         self._file = folder / f"actuations-{'-'.join(robots)}"
         self.process: RosProcess = graph.start(
-            "-m", SIMULATION, "--actuations", self._file, *robots, timeout_s=120.0
+            "-m", SIMULATION, "--actuations", self._file, *link_lost(), *robots, timeout_s=120.0
         )
 
     def actuations(self, robot: str) -> list[str]:

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from tests.real.ros2.simulated import TriedRobot
 
 FAR: dict[str, Argument] = {"direction": "forward", "distance": 4.0, "speed": 0.5}
+# Longer than any machine takes for what is asked meanwhile.
+LONG: dict[str, Argument] = {"direction": "forward", "distance": 4.0, "speed": 0.05}
 NEAR: dict[str, Argument] = {"direction": "back", "distance": 0.5, "speed": 0.25}
 ODOMETRY = "nav_msgs/msg/Odometry"
 AT_REST_M_S = 0.005
@@ -95,9 +97,11 @@ def said_at_s(odometry: Latest) -> float:
     return float(message.header.stamp.sec + message.header.stamp.nanosec / 1e9)
 
 
-async def moving(robot: TriedRobot) -> asyncio.Task[Outcome]:
+async def moving(
+    robot: TriedRobot, move: dict[str, Argument] | None = None
+) -> asyncio.Task[Outcome]:
     await until(lambda: robot.presence().at_rest is True)  # from what was before
-    task = asyncio.create_task(robot.do("move", FAR))
+    task = asyncio.create_task(robot.do("move", move or FAR))
     await until(lambda: robot.presence().at_rest is False or task.done())
     assert not task.done(), task
     return task
@@ -295,7 +299,7 @@ async def test_what_closing_cuts_short_has_not_failed(clock: SystemClock) -> Non
 async def test_a_refusal_carries_the_robots_reason(omni: Simulated, clock: SystemClock) -> None:
     begun = len(omni.actuations("omni"))
     async with opened(shipped("omni"), clock) as robot:
-        running = await moving(robot)
+        running = await moving(robot, LONG)
         outcome = await robot.do("turn", {"direction": "left", "angle": 1.0})
         assert outcome.ending is Ending.REFUSED
         assert outcome.note == "busy with move. Nothing was done."

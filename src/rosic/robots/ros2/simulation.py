@@ -22,6 +22,7 @@ from rosic.robots.ros2.nodes.machine_node import NODE_NAME, MachineNode
 from rosic.robots.ros2.nodes.offers import MODELS, model_of
 from rosic.robots.ros2.nodes.urgency import Urgency
 from rosic.robots.ros2.nodes.waiting_clock import WaitingClock
+from rosic.robots.ros2.nodes.watch import LINK_LOST_S, LinkWatch
 from rosic.robots.ros2.others.arm_robot import TYPES as ARM_TYPES
 from rosic.robots.ros2.others.arm_robot import ArmRobot
 from rosic.robots.ros2.others.nav2_robot import TYPES as NAV2_TYPES
@@ -83,6 +84,10 @@ def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -
         "--punctual", action="store_true",
         help="ask for real-time priority when a common start is near",
     )  # fmt: skip
+    parser.add_argument(
+        "--link-lost", type=float, default=LINK_LOST_S, metavar="SECONDS",
+        help="hold, or land, after so long without a sign of life from the gateway (%(default)g)",
+    )  # fmt: skip
     asked = parser.parse_args(arguments)
     robots = list(dict.fromkeys(asked.robots)) or list(MODELS)
     for robot in robots:
@@ -101,7 +106,8 @@ def main(arguments: Sequence[str] | None = None, draw: DrawJpeg | None = None) -
         ) from error
     stopping = _Stopping()
     try:
-        _run(robots, _Means(log, starts, Urgency(wanted=asked.punctual), draw), stopping)
+        urgency = Urgency(wanted=asked.punctual)
+        _run(robots, _Means(log, starts, urgency, draw, asked.link_lost), stopping)
     finally:
         log.close()
         starts.close()
@@ -114,12 +120,14 @@ class _Means(NamedTuple):
     Attributes:
         log, starts: What is taken down.
         draw: Makes the frames of cameras; None: there are none.
+        link_lost_s: So long without a sign of life of a gateway, and the link is lost.
     """
 
     log: Actuations
     starts: Actuations
     urgency: Urgency
     draw: DrawJpeg | None
+    link_lost_s: float
 
 
 class _Stopping:
@@ -201,6 +209,7 @@ def _robot(node: RosObject, robot: str, world: World, clock: WaitingClock, means
         return OTHERS[robot][1](node, robot, clock, means.log)
     made = MachineNode(node, robot, world, clock, means.log)
     made.starts = means.starts
+    made.watch = LinkWatch(means.link_lost_s)
     return made
 
 

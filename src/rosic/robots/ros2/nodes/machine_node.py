@@ -39,6 +39,7 @@ class MachineNode:
 
     Attributes:
         starts: Takes down when it begins to move.
+        watch: Whether anybody is still there who could stop it.
         linked: False while its radio is cut on purpose: it hears nothing and says nothing.
     """
 
@@ -58,7 +59,7 @@ class MachineNode:
         self._waits = False
         self._stepped: tuple[float, RosObject] | None = None
         self._noted = ""
-        self._watch = LinkWatch()
+        self.watch = LinkWatch()
         self._goals = Goals(self)
         self._reports = Reports(ros_node, self.machine)
         self._faults = Faults(self, world)
@@ -137,7 +138,7 @@ class MachineNode:
             return
         (now_s, stepped), self._stepped = self._stepped, None
         stamp = stepped.to_msg()
-        if self.machine.moving and self._watch.lost(now_s):
+        if self.machine.moving and self.watch.lost(now_s):
             self.machine.link_lost(now_s)
         self._tell_note()
         if not self.linked:
@@ -154,7 +155,7 @@ class MachineNode:
         """Take down that the machine begins to act."""
         self._count += 1
         self._waits = True
-        self._watch.begin(self.now_s())
+        self.watch.begin(self.now_s())
         self._log.add(self.id, skill, goal, self._count)
         self._due_s = 0.0
 
@@ -170,7 +171,7 @@ class MachineNode:
 
     def _heard(self, header: RosObject) -> None:
         if self.linked:
-            self._watch.heard(self.when_s(header.stamp))
+            self.watch.heard(self.when_s(header.stamp))
 
     def _told(self, words: RosObject) -> None:
         """Take on a strategy, and say so: what the robot's own node does among other robots."""

@@ -10,9 +10,13 @@ class LinkWatch:
 
     A motion that began while no gateway was heard, because somebody sends goals by hand, is not
     watched until one is.
+
+    Args:
+        lost_s: The link is lost after so long without one.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, lost_s: float = LINK_LOST_S) -> None:
+        self._lost_s = lost_s
         self._heard_s: float | None = None
         self._watching = False
 
@@ -28,11 +32,11 @@ class LinkWatch:
 
     def begin(self, now_s: float) -> None:
         """A motion begins from rest."""
-        self._watching = self._heard_s is not None and now_s - self._heard_s <= LINK_LOST_S
+        self._watching = self._heard_s is not None and now_s - self._heard_s <= self._lost_s
 
     def lost(self, now_s: float) -> bool:
-        """Tell, once, that nothing was heard for more than `LINK_LOST_S`."""
-        if not self._watching or self._heard_s is None or now_s - self._heard_s <= LINK_LOST_S:
+        """Tell, once, that nothing was heard for too long."""
+        if not self._watching or self._heard_s is None or now_s - self._heard_s <= self._lost_s:
             return False
         self._watching = False
         return True
