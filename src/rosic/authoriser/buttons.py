@@ -135,6 +135,11 @@ class Buttons:
             self._bound.pop(nonce)
         return len(gone)
 
+    def asked(self, nonce: str) -> PrincipalId | None:
+        """Return whom a button was shown that nobody has used so far; None: that is not known."""
+        bound = self._bound.get(nonce)
+        return None if bound is None or bound.principal == ANYBODY else bound.principal
+
     def redeem(self, nonce: str, principal: PrincipalId, inbound: Inbound) -> Redeemed:
         """Return what the tap says and agrees to, and void the button.
 

@@ -24,8 +24,9 @@ class Note(msgspec.Struct):
     """A message that stands for itself. ``cid`` and ``also`` are noted as told once it was sent.
 
     Attributes:
-        edit_only: It only takes buttons off ``edit_of``: where that message is gone, nothing is
-            said in its place. What was taken out of a chat, a secret first of all, stays out.
+        edit_only: It says of ``edit_of`` that its time is over, no more: where that message is
+            gone, nothing is said in its place. What was taken out of a chat, a secret first of
+            all, stays out.
         then: Called once it was sent; it is never dropped before.
         landed: Called with the id of the message that shows it, each time it was said.
         doubted: It may have arrived already, or not.

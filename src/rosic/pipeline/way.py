@@ -102,7 +102,7 @@ class Pipeline:
         self._lowering = Lowering(rooms, self._requesting, clock)
         self.agreements = Agreements(rooms, self._reader, self._lowering)
         self._replies = Replies(rooms, teller, clock, self.agreements.bind)
-        self._expiring = Expiring(teller, clock)
+        self._expiring = Expiring(teller, clock, rooms.authoriser.buttons)
         self._unfollowed = UnfollowedMessages(
             rooms, self._reader, self._replies, self._addressed, self._brought_a_code
         )
