@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.robots.ros2.senders import WINDOW_NS, Informed, Senders
+from rosic.robots.ros2.senders import SENDS_WITHIN_NS, WINDOW_NS, Informed, Senders
 
 if TYPE_CHECKING:
     from rosic.robots.ros2.senders import About
@@ -45,6 +45,23 @@ def test_who_is_new_in_the_place_of_another_was_born_anew() -> None:
     for now_ns, gid in enumerate((b"a", b"a", b"b", b"a", b"b"), start=1):
         senders.take(about(now_ns, gid), now_ns)
     assert (senders.births, senders.born_ns) == (1, 2), "two that speak in turn are known"
+
+
+def test_one_that_takes_the_place_of_another_is_not_one_of_several() -> None:
+    senders = Senders()
+    for now_ns, gid in enumerate((b"a", b"a", b"b", b"b"), start=1):
+        senders.take(about(now_ns, gid), now_ns)
+        assert not senders.several(now_ns)
+
+
+def test_two_that_are_heard_in_turn_are_several_until_one_falls_silent() -> None:
+    senders = Senders()
+    for now_ns, gid in enumerate((b"a", b"b", b"a"), start=1):
+        senders.take(about(now_ns, gid), now_ns)
+    assert senders.several(3)
+    assert senders.several(2 + SENDS_WITHIN_NS)
+    senders.take(about(SENDS_WITHIN_NS, b"a"), SENDS_WITHIN_NS)
+    assert not senders.several(3 + SENDS_WITHIN_NS)
 
 
 def test_both_ways_in_which_rclpy_calls_back_are_one() -> None:

@@ -340,6 +340,7 @@ class Presence(msgspec.Struct, frozen=True, kw_only=True):
     doing: str = ""
     at_rest: bool | None = None
     holds: bool | None = None
+    doubt: str = ""
     values: dict[str, float | str] = {}
     pose: Pose | None = None
 

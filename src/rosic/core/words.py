@@ -160,12 +160,14 @@ def _state(profile: Profile, presence: Presence, holder: str, stopped_by: str | 
         )
         if presence.moves:
             parts.append(STILL_MOVES)
+        elif presence.doubt:
+            parts.append(unmeasured(presence))
     elif presence.doing:
         parts.append(said("doing {what}", what=named_of(profile, presence.doing)))
     elif presence.at_rest:
         parts.append(said("at rest"))
     elif rest_unmeasured(profile, presence):
-        parts.append(REST_UNMEASURED)
+        parts.append(unmeasured(presence))
     parts.append(said("taken by {holder}", holder=holder) if holder else said("free"))
     return parts
 
@@ -174,6 +176,13 @@ def rest_unmeasured(profile: Profile, presence: Presence) -> bool:
     """Tell whether a robot is heard, but not what shows whether it rests."""
     measures = profile.at_rest is not None
     return measures and presence.online is True and presence.at_rest is None
+
+
+def unmeasured(presence: Presence) -> str:
+    """Return that rest is not measured, and why if that is known."""
+    if not presence.doubt:
+        return REST_UNMEASURED
+    return said("whether it rests is not measured: {why}", why=presence.doubt)
 
 
 def _link(presence: Presence) -> str:

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
     from pathlib import Path
 
+    from rosic.robots.ros2.topics import Publisher
+
 ODOMETRY = "nav_msgs/msg/Odometry"
 OMNI = """
 [[messenger]]
@@ -134,6 +136,29 @@ async def test_a_robot_that_does_not_move_has_no_watchdog_measured(
         Verdict.NOT_MEASURED,
         "watchdog: it did not move when it was sent velocities",
     )
+
+
+async def test_a_robot_whose_rest_several_report_is_not_moved(
+    tmp_path: Path, omni: Simulated
+) -> None:
+    before = len(omni.actuations("omni"))
+    types, domain = TypeRegistry([ODOMETRY]), omni.graph.domain_id
+    config = load_config(write_config(tmp_path, OMNI))
+    async with await RosRuntime.open(types, node_name="second", domain_id=domain) as second:
+        odometry = await second.publisher("/omni/odom", ODOMETRY)
+        telling = asyncio.create_task(tell_again_and_again(odometry))
+        found = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
+        telling.cancel()
+
+    text = "whether it rests is not measured: more than one program reports it; it was not moved"
+    assert found == [Finding("omni", Verdict.LOOK, text)]
+    assert len(omni.actuations("omni")) == before
+
+
+async def tell_again_and_again(odometry: Publisher) -> None:
+    while True:
+        odometry.publish({})
+        await asyncio.sleep(0.1)
 
 
 async def test_the_command_says_so_line_by_line(tmp_path: Path, omni: Simulated) -> None:

@@ -11,6 +11,7 @@ from msgspec.structs import replace
 
 from rosic.core.order import Ending, Stop
 from rosic.core.robot import AtRest
+from rosic.core.words import status_line
 from rosic.errors import RobotOffline, RobotUnreachable
 from rosic.system import SystemClock
 from tests.real.ros2.base_profile import base_profile
@@ -39,6 +40,36 @@ async def told(base: RosProcess, line: str) -> int:
     """Tell the base something; return how many velocities it has had so far."""
     base.say(line)
     return int(await asyncio.to_thread(base.expect, "ok"))
+
+
+# ---- more than one that reports it ----
+
+
+@pytest.mark.usefixtures("base")
+async def test_two_that_report_rest_measure_none(
+    graph: RosGraph, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Whichever rested first would speak for the other, which drives on."""
+    async with opened(profile(), SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is True)
+        second = await asyncio.to_thread(
+            graph.start, NODE, "second", "zero=false", "stop=false", "by_hand=0.2"
+        )
+        await until(lambda: robot.presence().doubt != "")
+        assert robot.presence().at_rest is None
+        assert status_line(
+            robot.profile, robot.presence(), holder="", stopped_by=None, waiting=0
+        ).startswith(
+            "Base: whether it rests is not measured: more than one program reports it · free"
+        )
+        rest = await robot.stop(Stop("base", 1))
+        assert not rest.confirmed
+        await robot.resume(1)
+        with pytest.raises(RobotOffline, match="whether it rests cannot be measured now"):
+            await robot.do("drive", SLOWLY)
+        await until(lambda: "more than one program reports it" in caplog.text)
+        await asyncio.to_thread(second.kill)
+        await until(lambda: robot.presence().at_rest is True)
 
 
 # ---- numbers that are missing, or are none ----

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from rosic.core.skill import Argument, Skill
 
 THERE_WITHIN_S = 5.0
+# Others who report the same are found, and are heard, within this.
+DOUBTED_WITHIN_S = 3.0
 MOVING_WITHIN_S = 2.0
 UP_TO_SPEED_S = 0.5
 LIVES_S = 10.0
@@ -87,6 +89,13 @@ class Trial:
         if self._robot.gate.latched:
             text = f"{self._profile.shown} is stopped, so it was not moved; resume it first"
             yield Finding(about, Verdict.NOT_MEASURED, text)
+            return
+        if self._profile.at_rest is not None:
+            await self._until(lambda: bool(self._robot.presence().doubt), DOUBTED_WITHIN_S)
+        doubt = self._robot.presence().doubt
+        if doubt:
+            text = f"whether it rests is not measured: {doubt}; it was not moved"
+            yield Finding(about, Verdict.LOOK, text)
             return
         measured = await self._stop()
         yield measured

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.robot import Slots
 from rosic.core.saying import joined
-from rosic.core.words import REST_UNMEASURED, named_of, rest_unmeasured
+from rosic.core.words import named_of, rest_unmeasured, unmeasured
 from rosic.pipeline.livecards import words_livecards as words
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Glimpses:
         elif presence.at_rest:
             yield words.now(words.at_rest())
         elif rest_unmeasured(profile, presence):
-            yield words.now(REST_UNMEASURED)
+            yield words.now(unmeasured(presence))
 
     def _stopped(self, robot: RobotId, *, named: bool) -> str:
         entry = self._rooms.board[robot]

@@ -92,7 +92,8 @@ class Measurements:
             return
         self._awake = asyncio.create_task(self._stay_awake())
         source = await self._source(runtime, at_rest.topic, at_rest.type)
-        self._rest = RestReading(at_rest, source, runtime.types.message(at_rest.type))
+        cls = runtime.types.message(at_rest.type)
+        self._rest = RestReading(at_rest, source, cls, self._clock)
 
     async def close(self) -> None:
         """Subscribe no more."""
@@ -132,7 +133,7 @@ class Measurements:
 
     def judged_age_s(self) -> float | None:
         """Return for how long that was not measured which `within_s` is about; None: never yet."""
-        return self.age_s() if self._rest is None else self._rest.age_s(self._clock.monotonic_ns())
+        return self.age_s() if self._rest is None else self._rest.age_s()
 
     def stale_ns(self) -> int:
         """Return when something was measured that is too old to speak of now."""
@@ -211,6 +212,12 @@ class Measurements:
         if self._rest is None:
             return None
         return self._rest.still(max(since_ns, self._cut_ns), left_out)
+
+    def doubt(self) -> str:
+        """Return why rest is not measured though it is heard what should show it; else empty."""
+        if self._rest is None or (self._rest.source.received_ns or 0) <= self.stale_ns():
+            return ""
+        return self._rest.doubt()
 
     async def next_word(self, timeout_s: float) -> None:
         """Wait until the topic that shows rest says something, at most so long."""

@@ -27,6 +27,7 @@ class Meetings:
     def __init__(self, robot: str) -> None:
         self._robot = robot
         self._apart: dict[str, int] = {}
+        self._doubt = ""
 
     def look(self, seen: Snapshot, heard: list[Subscription], brakes: Brakes) -> None:
         """Take in a look at the graph, and log what should meet and does not."""
@@ -40,6 +41,12 @@ class Meetings:
             there = topic is not None and topic.subscribers > 0
             apart = there and publisher.listeners == 0
             self._count(publisher.topic, apart=apart, verb="is not heard")
+
+    def doubt(self, why: str) -> None:
+        """Log, once, why rest is not measured though what should show it is heard."""
+        if why and why != self._doubt:
+            _log.warning("%s: whether it rests is not measured: %s", self._robot, why)
+        self._doubt = why
 
     def _count(self, topic: str, *, apart: bool, verb: str) -> None:
         count = self._apart[topic] = self._apart.get(topic, 0) + 1 if apart else 0

@@ -5,12 +5,14 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from rosic.core.saying import said
 from rosic.robots.ros2.faults import BadName, BadValue
 from rosic.robots.ros2.reading import Plain, compile_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from rosic.contracts.clock import Clock
     from rosic.core.robot import AtRest
     from rosic.robots.ros2.ros import RosObject
     from rosic.robots.ros2.topics import Latest
@@ -25,13 +27,14 @@ class RestReading:
         source: The topic.
     """
 
-    def __init__(self, at_rest: AtRest, source: Latest, cls: RosObject) -> None:
+    def __init__(self, at_rest: AtRest, source: Latest, cls: RosObject, clock: Clock) -> None:
         """Check the fields.
 
         Raises:
             BadName: One of them does not exist, or holds no number.
         """
         self.source = source
+        self._clock = clock
         self._below = at_rest.below
         self._speeds = {path: compile_path(cls, path) for path in at_rest.fields}
         self._read_ns: int | None = None
@@ -48,7 +51,7 @@ class RestReading:
 
         Returns:
             None where that is not measured: a number that is missing, or is not finite, is neither
-            rest nor motion.
+            rest nor motion, and where several send, none of them speaks for the others.
         """
         sent_ns, born_ns = self.source.sent_ns or 0, self.source.senders.born_ns
         speeds = self._read() if sent_ns > max(since_ns, born_ns) else None
@@ -57,14 +60,36 @@ class RestReading:
         counted = [numbers for path, numbers in speeds.items() if path not in left_out]
         return all(abs(speed) <= self._below for numbers in counted for speed in numbers)
 
-    def age_s(self, now_ns: int) -> float | None:
+    def age_s(self) -> float | None:
         """Return for how long rest, or the lack of it, was not measured; None: it never was."""
         self._read()
+        now_ns = self._clock.monotonic_ns()
         return None if self._read_ns is None else (now_ns - self._read_ns) / _NS
 
+    def doubt(self) -> str:
+        """Return why what is heard now measures neither rest nor motion; empty if it does."""
+        if self.several():
+            return said("more than one program reports it")
+        if self.source.received and self._numbers() is None:
+            return said("its velocity is missing or no number")
+        return ""
+
+    def several(self) -> bool:
+        """Tell whether more than one end sends: whichever rests first would speak for all."""
+        senders = self.source.senders
+        if senders.told_apart:
+            return senders.several(self._clock.monotonic_ns())
+        return self.source.publishers > 1
+
     def _read(self) -> dict[str, list[float]] | None:
-        """Return every number of the newest message, by field; None unless all can be read."""
+        """Return every number of the newest message, by field; None where it measures nothing."""
         sent_ns = self.source.sent_ns
+        found = None if self.several() else self._numbers()
+        if found is not None:
+            self._read_ns = sent_ns
+        return found
+
+    def _numbers(self) -> dict[str, list[float]] | None:
         try:
             message = self.source.message()
             if message is None:
@@ -74,7 +99,6 @@ class RestReading:
             return None
         if not all(entries and all(map(isfinite, entries)) for entries in found.values()):
             return None
-        self._read_ns = sent_ns
         return found
 
 

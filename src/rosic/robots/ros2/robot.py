@@ -294,6 +294,7 @@ class Ros2Robot:
             doing=errand.order.skill.id if errand is not None else "",
             at_rest=self._measured.at_rest(self._measured.stale_ns()),
             holds=self._measured.holds(self._measured.stale_ns()),
+            doubt=self._measured.doubt(),
             values=self._measured.values(),
             pose=self._sights.pose() if online is not False else None,
         )
@@ -329,6 +330,7 @@ class Ros2Robot:
             self._seen = others_under(seen, self._namespace)
         self._notice()
         self._meetings.look(seen, list(self._measured.sources.values()), self._brakes)
+        self._meetings.doubt(self._measured.doubt())
         if self._dialogue is not None:
             self._dialogue.look()
 

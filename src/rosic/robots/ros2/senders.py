@@ -21,6 +21,9 @@ REMEMBERED: Final = 8
 WINDOW_NS: Final = 30 * 10**9
 """Clocks drift apart, and are set: how far they are apart counts for so long, and as long again."""
 
+SENDS_WITHIN_NS: Final = 10 * 10**9
+"""Who was not heard for so long counts as one of several no more."""
+
 
 class Informed:
     """A callback that hears of each message what rclpy knows of it.
@@ -44,11 +47,13 @@ class Senders:
     """Those who send on one topic. One that is new in the place of another was born anew.
 
     Attributes:
+        told_apart: rclpy says who sent a message (9 and later).
         births: How often that has happened.
         born_ns: When the last of them had not sent anything yet.
     """
 
     def __init__(self) -> None:
+        self.told_apart = True
         self.births = 0
         self.born_ns = 0
         self._known: dict[bytes, _Apart] = {}
@@ -59,6 +64,7 @@ class Senders:
         Never later than now. Where rclpy does not say when it was sent, that is now.
         """
         gid = _gid(about)
+        self.told_apart = gid != b""
         apart = self._known.get(gid)
         if apart is None:
             if self._known:
@@ -67,16 +73,32 @@ class Senders:
             while len(self._known) >= REMEMBERED:
                 del self._known[next(iter(self._known))]
             apart = self._known[gid] = _Apart(now_ns)
+        apart.last_ns = now_ns
         sent_ns = about.get("source_timestamp")
         return now_ns if not sent_ns else now_ns - apart.late_ns(now_ns - int(sent_ns), now_ns)
 
+    def several(self, now_ns: int) -> bool:
+        """Tell whether more than one of them sends: one is heard on after another has begun."""
+        known = tuple(self._known.values())
+        sending = [apart for apart in known if now_ns - apart.last_ns <= SENDS_WITHIN_NS]
+        newest = max(sending, key=lambda apart: apart.first_ns, default=None)
+        return any(
+            apart is not newest and newest is not None and apart.last_ns > newest.first_ns
+            for apart in sending
+        )
+
 
 class _Apart:
-    """How far a sender's clock and ours are apart: as the quickest of its messages shows."""
+    """How far a sender's clock and ours are apart: as the quickest of its messages shows.
 
-    __slots__ = ("_before_ns", "_least_ns", "_since_ns")
+    Attributes:
+        first_ns, last_ns: When it was heard, by our clock.
+    """
+
+    __slots__ = ("_before_ns", "_least_ns", "_since_ns", "first_ns", "last_ns")
 
     def __init__(self, now_ns: int) -> None:
+        self.first_ns = self.last_ns = now_ns
         self._since_ns = now_ns
         self._least_ns: int | None = None
         self._before_ns: int | None = None
