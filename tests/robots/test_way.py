@@ -77,3 +77,22 @@ def test_how_fast_it_is_told_to_be() -> None:
     assert told_m_s({"twist.linear.x": -0.3, "twist.angular.z": 2.0}) == pytest.approx(0.3)
     assert told_m_s({"speed": 0.3, "frame": "base", "steering_angle": 0.1}) == pytest.approx(0.4)
     assert told_m_s({}) == 0.0
+
+
+def test_a_place_that_never_changes_while_it_moves_is_no_way_of_nothing() -> None:
+    odometry = Odometry()
+    way = way_of(odometry)
+    for _ in range(10):
+        odometry.goes(0.0)
+        way.look()
+    assert way.metres is None
+    assert not way.jumped
+
+
+def test_what_says_that_it_stands_has_gone_nowhere() -> None:
+    odometry = Odometry()
+    way = way_of(odometry)
+    for _ in range(10):
+        odometry.goes(0.0, speed_m_s=0.0)
+        way.look()
+    assert way.metres == 0.0

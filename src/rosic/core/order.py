@@ -195,9 +195,11 @@ class Rest(msgspec.Struct, frozen=True, gc=False):
         confirmed: It was measured at rest. False: it did not confirm; it may still move.
         seconds: From the stop reaching the adapter to rest, or to giving up.
         note: How it rests when it is not simply standing: ``landed``.
+        declined: What its own stop answered, if that was no success.
     """
 
     robot: RobotId
     confirmed: bool
     seconds: float
     note: str = ""
+    declined: str = ""

@@ -223,7 +223,8 @@ def rests(profiles: Mapping[str, Profile], found: Iterable[Rest]) -> str:
             )
         else:
             missing.append(_unconfirmed(shown))
-    return joined("", ("STOP: ", joined(" ", [*missing, *confirmed])))
+    answers = [_declined(profiles[rest.robot].shown, rest) for rest in rests if rest.declined]
+    return joined("", ("STOP: ", joined(" ", [*missing, *confirmed, *answers])))
 
 
 def _counted(profiles: Mapping[str, Profile], rests: Sequence[Rest]) -> Iterable[str]:
@@ -246,6 +247,14 @@ def _counted(profiles: Mapping[str, Profile], rests: Sequence[Rest]) -> Iterable
 
 def _unconfirmed(shown: str) -> str:
     return said("{shown} has not confirmed the stop. Use its own stop button.", shown=shown)
+
+
+def _declined(shown: str, rest: Rest) -> str:
+    return said(
+        "{shown}'s own stop answered that it failed: {words}.",
+        shown=shown,
+        words=rest.declined.rstrip("."),
+    )
 
 
 def _names(shown: Sequence[str]) -> str:

@@ -123,19 +123,19 @@ async def test_a_watchdog_slower_than_its_profile_says_is_looked_at(
     assert 1.8 < seconds < 3.0 * patience()
 
 
-async def test_a_robot_that_does_not_move_has_no_watchdog_measured(
+async def test_a_robot_that_is_not_measured_to_move_is_looked_at_and_stays_stopped(
     tmp_path: Path, onlooker: RosRuntime
 ) -> None:
     await set_fault(onlooker, "omni", "battery", 0.01)
+    config = load_config(write_config(tmp_path, OMNI))
 
-    stop, watchdog = await tried(tmp_path)
+    found = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
 
-    assert "(it was not moving)" in stop.text
-    assert watchdog == Finding(
-        "omni",
-        Verdict.NOT_MEASURED,
-        "watchdog: it did not move when it was sent velocities",
-    )
+    stop, watchdog, stays = found
+    assert {finding.verdict for finding in found} == {Verdict.LOOK}
+    assert "(it was sent velocities, and not measured to move)" in stop.text
+    assert watchdog.text == "watchdog: it was sent velocities, and not measured to move"
+    assert stays.text.startswith("it stays stopped")
 
 
 async def test_a_robot_whose_rest_several_report_is_not_moved(

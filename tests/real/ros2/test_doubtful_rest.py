@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import signal
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from msgspec.structs import replace
 
 from rosic.core.order import Ending, Stop
 from rosic.core.robot import AtRest
-from rosic.core.words import status_line
+from rosic.core.words import rests, status_line
 from rosic.errors import RobotOffline, RobotUnreachable
 from rosic.system import SystemClock
 from tests.real.ros2.base_profile import base_profile
@@ -40,6 +41,70 @@ async def told(base: RosProcess, line: str) -> int:
     """Tell the base something; return how many velocities it has had so far."""
     base.say(line)
     return int(await asyncio.to_thread(base.expect, "ok"))
+
+
+# ---- a velocity and a place that contradict each other ----
+
+
+async def test_a_twist_that_is_never_filled_confirms_no_stop_while_the_pose_changes(
+    base: RosProcess,
+) -> None:
+    await told(base, "twist=zero zero=false stop=false by_hand=0.3")
+    async with opened(profile(), SystemClock()) as robot:
+        await until(lambda: robot.presence().doubt != "")
+        assert robot.presence().doubt == "its velocity is zero while its position changes"
+        rest = await robot.stop(Stop("base", 1))
+        assert not rest.confirmed
+        await told(base, "by_hand=0")
+        await until(lambda: robot.presence().at_rest is True)
+
+
+async def test_a_pose_that_is_never_filled_is_no_way_of_nothing(base: RosProcess) -> None:
+    await told(base, "pose=fixed")
+    async with opened(profile(), SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is True)
+        running = asyncio.create_task(robot.do("drive", LONG))
+        await until(lambda: robot.presence().at_rest is False or running.done())
+        await asyncio.sleep(1.0)  # it drives on meanwhile
+        await told(base, "zero=false")
+        await asyncio.to_thread(base.process.send_signal, signal.SIGSTOP)
+        try:
+            with pytest.raises(RobotUnreachable, match="s; how far was not measured"):
+                await running
+        finally:
+            base.process.send_signal(signal.SIGCONT)
+
+
+async def test_what_a_relay_repeats_is_no_new_reading(base: RosProcess) -> None:
+    """It rested when that was said, and drives now."""
+    async with opened(profile(), SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is True)
+        await told(base, "stamp=old")
+        await told(base, "by_hand=0.3 zero=false stop=false")
+        await until(lambda: robot.presence().doubt == "what is reported is old, or is repeated")
+        assert robot.presence().at_rest is None
+        rest = await robot.stop(Stop("base", 1))
+        assert not rest.confirmed
+        await told(base, "stamp=live")
+        await until(lambda: robot.presence().moves)
+
+
+# ---- a stop that says that it failed ----
+
+
+async def test_what_its_own_stop_answers_is_logged_and_shown(
+    base: RosProcess, caplog: pytest.LogCaptureFixture
+) -> None:
+    await told(base, "stop=false")
+    async with opened(profile(), SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is True)
+        rest = await robot.stop(Stop("base", 1))
+    assert rest.declined == "brake circuit open"
+    said = "/base/stop answered that it failed: brake circuit open"
+    assert caplog.text.count(said) == 1
+    assert rests({"base": robot.profile}, [rest]).endswith(
+        "Base's own stop answered that it failed: brake circuit open."
+    )
 
 
 # ---- more than one that reports it ----

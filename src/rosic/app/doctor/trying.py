@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from rosic.app.adapters import robot_factory
 from rosic.app.doctor.findings import Finding, Verdict
@@ -56,6 +56,20 @@ class FallsSilent(Protocol):
             The seconds from the last message to rest, or to giving up.
         """
         ...
+
+
+class _Drive(NamedTuple):
+    """A slow drive that was ended by a stop.
+
+    Attributes:
+        rest: What came of the stop.
+        seen: It was measured to move.
+        fault: Why no velocity was sent; empty if one was.
+    """
+
+    rest: Rest
+    seen: bool
+    fault: str
 
 
 class Trial:
@@ -119,17 +133,25 @@ class Trial:
         return Finding(about, Verdict.GOOD, "resumed: it was stopped only to be measured")
 
     async def _stop(self) -> Finding:
-        moved = await self._move_until_stopped() if self._skill is not None else None
-        rest = moved or await self._apply_stop()
+        drive = await self._move_until_stopped() if self._skill is not None else None
+        rest = drive.rest if drive is not None else await self._apply_stop()
+        moved = drive is not None and drive.seen
         how = "from a slow drive" if moved else "it was not moving"
-        about = self._profile.id
-        if not rest.confirmed:
-            text = f"stop: not confirmed within {rest.seconds:.1f} s ({how})"
-            return Finding(about, Verdict.LOOK, text)
-        return Finding(about, Verdict.GOOD, f"stop: at rest after {rest.seconds:.2f} s ({how})")
+        if drive is not None and not moved:
+            how = drive.fault or "it was sent velocities, and not measured to move"
+        what = (
+            f"at rest after {rest.seconds:.2f} s"
+            if rest.confirmed
+            else f"not confirmed within {rest.seconds:.1f} s"
+        )
+        if rest.declined:
+            what += f"; its own stop answered that it failed: {rest.declined}"
+        good = rest.confirmed and not rest.declined and (drive is None or moved)
+        verdict = Verdict.GOOD if good else Verdict.LOOK
+        return Finding(self._profile.id, verdict, f"stop: {what} ({how})")
 
-    async def _move_until_stopped(self) -> Rest | None:
-        """Let it move slowly and stop it; None if it did not move."""
+    async def _move_until_stopped(self) -> _Drive:
+        """Let it move slowly and stop it."""
         order, heard = await self._claim(), set[Stage]()
         moving = asyncio.create_task(
             self._robot.execute(order, lambda report: heard.add(report.stage))
@@ -145,9 +167,10 @@ class Trial:
             rest = await self._apply_stop()
         finally:
             moving.cancel()
-            await asyncio.gather(moving, return_exceptions=True)
+            ended = await asyncio.gather(moving, return_exceptions=True)
         await self._conclude(order, Outcome(Ending.CANCELLED))
-        return rest if seen else None
+        fault = next((str(end) for end in ended if isinstance(end, RosicError)), "")
+        return _Drive(rest, seen, fault if Stage.SENT not in heard else "")
 
     async def _apply_stop(self) -> Rest:
         generation = self._robot.gate.generation + 1
@@ -172,8 +195,8 @@ class Trial:
         rest = await robot.fall_silent(order, lambda report: heard.add(report.stage))
         await self._conclude(order, Outcome(Ending.DONE))
         if Stage.RECEIVED not in heard:
-            text = "watchdog: it did not move when it was sent velocities"
-            return Finding(about, Verdict.NOT_MEASURED, text)
+            text = "watchdog: it was sent velocities, and not measured to move"
+            return Finding(about, Verdict.LOOK, text)
         return self._judged(rest)
 
     def _judged(self, rest: Rest) -> Finding:

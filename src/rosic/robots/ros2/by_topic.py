@@ -129,6 +129,8 @@ class ByTopic:
         if not resting.confirmed:
             errand.unsettled = True
             raise in_doubt(errand.side.shown, "", resting)
+        if resting.declined:
+            return Outcome(Ending.FAILED, said("it came to rest late, and not by its own stop"))
         return Outcome(Ending.FAILED, said("it came to rest only when its own stop was called"))
 
 
@@ -140,8 +142,10 @@ def _driven(stream: VelocityStream) -> str:
             "drove for {seconds:.1f} s; its odometry jumped, so how far could not be measured",
             seconds=seconds,
         )
-    if metres is None or not stream.moved:
+    if not stream.moved:
         return said("sent velocities for {seconds:.1f} s", seconds=seconds)
+    if metres is None:
+        return said("drove for {seconds:.1f} s; how far was not measured", seconds=seconds)
     return said(
         "drove for {seconds:.1f} s, {way} by its odometry",
         seconds=seconds,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from rosic.robots.ros2.faults import BadValue
 from rosic.robots.ros2.reading import Plain, Reader, compile_path
 from rosic.robots.ros2.reported_units import Scale
-from rosic.robots.ros2.rest_reading import RestReading, numbers
+from rosic.robots.ros2.rest_reading import ODOMETRY, RestReading, numbers
 from rosic.robots.ros2.text import clean_text
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.runtime import RosRuntime
     from rosic.robots.ros2.topics import Latest
 
-ODOMETRY = "nav_msgs/msg/Odometry"
 _PLACE = (
     "pose.pose.position.x",
     "pose.pose.position.y",
@@ -217,7 +216,7 @@ class Measurements:
         """Return why rest is not measured though it is heard what should show it; else empty."""
         if self._rest is None or (self._rest.source.received_ns or 0) <= self.stale_ns():
             return ""
-        return self._rest.doubt()
+        return self._rest.doubt(self.stale_ns())
 
     async def next_word(self, timeout_s: float) -> None:
         """Wait until the topic that shows rest says something, at most so long."""

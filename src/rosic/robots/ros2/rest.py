@@ -6,8 +6,9 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, NamedTuple
 
+from rosic.core.saying import said
 from rosic.errors import RosicError
-from rosic.robots.ros2.errand import check_fields
+from rosic.robots.ros2.errand import Answer, check_fields
 from rosic.robots.ros2.faults import BadName, NotSent
 from rosic.robots.ros2.topics import Quality
 
@@ -39,11 +40,13 @@ class Resting(NamedTuple):
 
     Attributes:
         moves: It was measured to move at the end; False when nothing was measured, too.
+        declined: What its own stop answered, if that was no success.
     """
 
     confirmed: bool
     seconds: float
     moves: bool = False
+    declined: str = ""
 
 
 class Brakes:
@@ -62,6 +65,7 @@ class Brakes:
         self.clock = clock
         self.calls: list[ServiceLink] = []
         self._requests: dict[ServiceLink, Values] = {}
+        self._answers: dict[ServiceLink, Answer] = {}
         self._profile = profile
         self.zeros: dict[str, Publisher] = {}
 
@@ -84,10 +88,12 @@ class Brakes:
             self.zeros[topic] = await runtime.publisher(topic, type_name, Quality(depth=1))
         stop = self._profile.stop
         if stop is not None and stop.service:
-            check_stop(runtime.types.service(stop.type).Request, stop)
+            cls = runtime.types.service(stop.type)
+            check_stop(cls.Request, stop)
             link = await runtime.service(stop.service, stop.type)
             self.calls.append(link)
             self._requests[link] = stop.request
+            self._answers[link] = Answer(cls.Response)
         for action in _actions(self._profile):
             name = f"{action}/_action/cancel_goal"
             self.calls.append(await runtime.service(name, CANCEL_GOALS))
@@ -98,12 +104,22 @@ class Brakes:
         self.zeros.clear()
         self.calls.clear()
         self._requests.clear()
+        self._answers.clear()
         for end in ends:
             await end.close()
 
     def request(self, link: ServiceLink) -> Values:
         """Return what one of the services is called with."""
         return self._requests.get(link, {})
+
+    def declined(self, link: ServiceLink, response: RosObject) -> str | None:
+        """Return what its own stop says against success, "" if nothing; None: it is another."""
+        answer = self._answers.get(link)
+        if answer is None:
+            return None
+        if answer.succeeded(response):
+            return ""
+        return answer.words(response) or said("it did not say why")
 
     def zero(self) -> None:
         """Send zero wherever velocities are sent. It waits for nobody and never raises."""
@@ -152,11 +168,15 @@ class _Attempt:
         self._quiet = quiet
         self._asking: dict[ServiceLink, asyncio.Task[bool]] = {}
         self._answered: set[ServiceLink] = set()
+        self._declined = ""
         self._settled_ns: int | None = None
         self._round_ns: int | None = None
 
     async def run(self, limit_s: float) -> Resting:
         """Go round until rest is measured, or the time is over."""
+        return (await self._run(limit_s))._replace(declined=self._declined)
+
+    async def _run(self, limit_s: float) -> Resting:
         measured, clock = self._brakes.measured, self._brakes.clock
         begun_ns = clock.monotonic_ns()
         while True:
@@ -199,14 +219,25 @@ class _Attempt:
 
     async def _call(self, link: ServiceLink) -> bool:
         try:
-            await link.call(self._brakes.request(link), timeout_s=ANSWER_WITHIN_S, urgent=True)
+            response = await link.call(
+                self._brakes.request(link), timeout_s=ANSWER_WITHIN_S, urgent=True
+            )
         except NotSent:
             return False  # nobody is there: what can be done about it is done again and again
         except RosicError as fault:
             _log.warning("while stopping: %s", fault)
             return False
+        self._hear(link, response)
         self._answered.add(link)
         return True
+
+    def _hear(self, link: ServiceLink, response: RosObject) -> None:
+        """Take in what a service answers; what speaks against it is logged once."""
+        declined = self._brakes.declined(link, response)
+        if declined and declined != self._declined:
+            _log.warning("while stopping: %s answered that it failed: %s", link.name, declined)
+        if declined is not None:
+            self._declined = declined
 
     async def _wait(self) -> None:
         """Wait for an answer or for the next measurement, a moment at most."""

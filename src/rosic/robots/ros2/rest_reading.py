@@ -7,16 +7,18 @@ from typing import TYPE_CHECKING
 
 from rosic.core.saying import said
 from rosic.robots.ros2.faults import BadName, BadValue
+from rosic.robots.ros2.pose_change import PoseChange
 from rosic.robots.ros2.reading import Plain, compile_path
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.core.robot import AtRest
     from rosic.robots.ros2.ros import RosObject
     from rosic.robots.ros2.topics import Latest
 
+ODOMETRY = "nav_msgs/msg/Odometry"
 _NS = 1_000_000_000
 
 
@@ -36,8 +38,11 @@ class RestReading:
         self.source = source
         self._clock = clock
         self._below = at_rest.below
+        self._apart = at_rest.counting_for_stops
         self._speeds = {path: compile_path(cls, path) for path in at_rest.fields}
         self._read_ns: int | None = None
+        odometry = at_rest.type == ODOMETRY
+        self._pose = PoseChange(source, at_rest.below) if odometry else None
         for path, read in self._speeds.items():
             if read.shape not in {"number", "list"}:
                 raise BadName(f"{path} of {at_rest.type} holds no number.")
@@ -51,14 +56,12 @@ class RestReading:
 
         Returns:
             None where that is not measured: a number that is missing, or is not finite, is neither
-            rest nor motion, and where several send, none of them speaks for the others.
+            rest nor motion; where several send, none of them speaks for the others; and odometry
+            that goes from place to place does not rest, whatever its velocities say.
         """
         sent_ns, born_ns = self.source.sent_ns or 0, self.source.senders.born_ns
         speeds = self._read() if sent_ns > max(since_ns, born_ns) else None
-        if speeds is None:
-            return None
-        counted = [numbers for path, numbers in speeds.items() if path not in left_out]
-        return all(abs(speed) <= self._below for numbers in counted for speed in numbers)
+        return None if speeds is None else self._rests(speeds, left_out)
 
     def age_s(self) -> float | None:
         """Return for how long rest, or the lack of it, was not measured; None: it never was."""
@@ -66,12 +69,25 @@ class RestReading:
         now_ns = self._clock.monotonic_ns()
         return None if self._read_ns is None else (now_ns - self._read_ns) / _NS
 
-    def doubt(self) -> str:
-        """Return why what is heard now measures neither rest nor motion; empty if it does."""
+    def _rests(self, speeds: Mapping[str, list[float]], left_out: Iterable[str]) -> bool:
+        counted = [entries for path, entries in speeds.items() if path not in left_out]
+        return all(abs(speed) <= self._below for entries in counted for speed in entries)
+
+    def doubt(self, stale_ns: int) -> str:
+        """Return why what is heard measures neither rest nor motion; empty if it does.
+
+        Args:
+            stale_ns: What was sent before it says nothing of now.
+        """
         if self.several():
             return said("more than one program reports it")
-        if self.source.received and self._numbers() is None:
+        message = self._message()
+        if message is not None and self._numbers(message) is None:
             return said("its velocity is missing or no number")
+        if (self.source.sent_ns or 0) <= stale_ns:
+            return said("what is reported is old, or is repeated")
+        if self._contradicted():
+            return said("its velocity is zero while its position changes")
         return ""
 
     def several(self) -> bool:
@@ -83,23 +99,38 @@ class RestReading:
 
     def _read(self) -> dict[str, list[float]] | None:
         """Return every number of the newest message, by field; None where it measures nothing."""
-        sent_ns = self.source.sent_ns
-        found = None if self.several() else self._numbers()
-        if found is not None:
-            self._read_ns = sent_ns
+        sent_ns, message = self.source.sent_ns, self._message()
+        found = None if message is None or self.several() else self._numbers(message)
+        if found is None or self._contradicted():
+            return None
+        self._read_ns = sent_ns
         return found
 
-    def _numbers(self) -> dict[str, list[float]] | None:
+    def _contradicted(self) -> bool:
+        """Tell whether the pose changes while the velocities say rest."""
         try:
-            message = self.source.message()
-            if message is None:
-                return None
+            return self._pose is not None and self._pose.contradicts(self._says_rest)
+        except BadValue:
+            return True
+
+    def _says_rest(self, message: RosObject) -> bool:
+        speeds = self._numbers(message)
+        return speeds is not None and self._rests(speeds, self._apart)
+
+    def _message(self) -> RosObject | None:
+        try:
+            return self.source.message()
+        except BadValue:
+            return None
+
+    def _numbers(self, message: RosObject) -> dict[str, list[float]] | None:
+        """Return every number that counts; None unless all of them are there, and are numbers."""
+        try:
             found = {path: numbers(read(message)) for path, read in self._speeds.items()}
         except BadValue:
             return None
-        if not all(entries and all(map(isfinite, entries)) for entries in found.values()):
-            return None
-        return found
+        whole = all(entries and all(map(isfinite, entries)) for entries in found.values())
+        return found if whole else None
 
 
 def numbers(value: Plain) -> list[float]:

@@ -260,7 +260,7 @@ class Ros2Robot:
         self._halted(resting)
         if not resting.confirmed and self._online() is False:
             self._settling.begin()
-        return Rest(stop.robot, resting.confirmed, resting.seconds)
+        return Rest(stop.robot, resting.confirmed, resting.seconds, declined=resting.declined)
 
     async def _to_rest(
         self, quiet: Callable[[], bool] = lambda: True, limit_s: float | None = None

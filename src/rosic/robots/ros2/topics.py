@@ -30,6 +30,13 @@ ON_ITS_WAY_S = 0.25
 but come only with the next heartbeat, every 3 s."""
 
 
+EARLIER_AT_MOST = 5
+EARLIER_EVERY_NS = 100_000_000
+STAMP = slice(4, 12)
+"""Where seconds and nanoseconds stand in a message that begins with a header: behind the four bytes
+that say how it is encoded."""
+
+
 @dataclass(frozen=True)
 class Quality:
     """Quality of service, as far as a profile has to know it.
@@ -181,7 +188,7 @@ class Subscription:
             ) from error
 
 
-class _Heard(NamedTuple):
+class Heard(NamedTuple):
     """A message, when it came, and when it was sent, both on the runtime's clock."""
 
     received_ns: int
@@ -190,7 +197,10 @@ class _Heard(NamedTuple):
 
 
 class Latest(Subscription):
-    """The newest message of a topic; whatever came before is gone.
+    """The newest message of a topic, and a few from a moment before.
+
+    One that bears the time of the one before it (``header.stamp``) is no new one, however often a
+    relay repeats it: it was sent when that was.
 
     Attributes:
         received: How many have come so far.
@@ -208,7 +218,9 @@ class Latest(Subscription):
         self.received = 0
         self.senders = Senders()
         self._on_new = on_new
-        self._newest: _Heard | None = None
+        self._stamped = _is_stamped(cls)
+        self._earlier: deque[Heard] = deque(maxlen=EARLIER_AT_MOST)
+        self._newest: Heard | None = None
         self._decoded: tuple[bytes, RosObject] | None = None
         self._waiting: set[asyncio.Future[None]] = set()
 
@@ -250,6 +262,18 @@ class Latest(Subscription):
             self._decoded = (content, self._decode(content))
         return self._decoded[1]
 
+    def earlier(self) -> tuple[Heard, ...]:
+        """Return some of the messages before the newest, the last of them last."""
+        return tuple(self._earlier)
+
+    def decoded(self, heard: Heard) -> RosObject:
+        """Return one of them.
+
+        Raises:
+            BadValue: It cannot be decoded.
+        """
+        return self._decode(heard.content)
+
     async def newer(self, than: int, *, timeout_s: float) -> int:
         """Wait until more than ``than`` messages have come, and return how many have.
 
@@ -268,8 +292,15 @@ class Latest(Subscription):
 
     def arrived(self, content: bytes, about: About) -> None:
         """Take a message; on the ROS thread."""
-        now_ns = self._runtime.now_ns()
-        self._newest = _Heard(now_ns, self.senders.take(about, now_ns), content)
+        now_ns, before = self._runtime.now_ns(), self._newest
+        sent_ns = self.senders.take(about, now_ns)
+        if before is not None:
+            if self._stamped and _repeats(content, before.content):
+                sent_ns = before.sent_ns
+            last = self._earlier[-1].received_ns if self._earlier else 0
+            if before.received_ns - last >= EARLIER_EVERY_NS:
+                self._earlier.append(before)
+        self._newest = Heard(now_ns, sent_ns, content)
         self.received += 1
         self._knock()
 
@@ -279,6 +310,18 @@ class Latest(Subscription):
                 waiting.set_result(None)
         if self._on_new is not None:
             self._on_new(self)
+
+
+def _is_stamped(cls: RosObject) -> bool:
+    """Tell whether messages of a type begin with a ``std_msgs/msg/Header``."""
+    first = next(iter(cls.get_fields_and_field_types().values()), "")
+    return bool(first == "std_msgs/Header")
+
+
+def _repeats(content: bytes, before: bytes) -> bool:
+    """Tell whether a message bears the time of another; one without any time does not."""
+    stamp = bytes(content[STAMP])
+    return any(stamp) and stamp == bytes(before[STAMP])
 
 
 class Stream(Subscription):

@@ -21,7 +21,6 @@ class Way:
     """Added up from look to look.
 
     Attributes:
-        metres: None while the robot has not said where it is, and once its odometry has jumped.
         jumped: Its odometry began anew, or went from one place to another faster than it drives: no
             way that was driven.
     """
@@ -37,7 +36,18 @@ class Way:
         self._measured = measured
         self._told_m_s = told_m_s
         self._at = measured.place()
-        self.metres = None if self._at is None else 0.0
+        self._metres = None if self._at is None else 0.0
+        self._meant_m = 0.0
+
+    @property
+    def metres(self) -> float | None:
+        """How far, if that can be told.
+
+        None while the robot has not said where it is, once its odometry has jumped, and as long as
+        it says that it moves and its place never changes: nobody fills that in.
+        """
+        fixed = self._metres == 0.0 and self._meant_m > SLACK_M
+        return None if fixed else self._metres
 
     def look(self) -> None:
         """Take in where it is now."""
@@ -46,7 +56,9 @@ class Way:
             return
         past_m = 0.0 if before is None else hypot(now.x_m - before.x_m, now.y_m - before.y_m)
         self.jumped = before is not None and self._jumps(past_m, before, now)
-        self.metres = None if self.jumped else (self.metres or 0.0) + past_m
+        self._metres = None if self.jumped else (self._metres or 0.0) + past_m
+        if before is not None:
+            self._meant_m += now.speed_m_s * (now.at_ns - before.at_ns) / _NS
         self._at = now
 
     def _jumps(self, past_m: float, before: Placed, now: Placed) -> bool:
