@@ -141,13 +141,19 @@ async def test_a_robot_that_is_not_measured_to_move_is_looked_at_and_stays_stopp
 async def test_a_robot_whose_rest_several_report_is_not_moved(
     tmp_path: Path, omni: Simulated
 ) -> None:
-    before = len(omni.actuations("omni"))
     types, domain = TypeRegistry([ODOMETRY]), omni.graph.domain_id
-    config = load_config(write_config(tmp_path, OMNI))
+    before, found = 0, list[Finding]()
     async with await RosRuntime.open(types, node_name="second", domain_id=domain) as second:
         odometry = await second.publisher("/omni/odom", ODOMETRY)
         telling = asyncio.create_task(tell_again_and_again(odometry))
-        found = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
+        for number in range(5):  # where the processors are busy, the second may be found late
+            before = len(omni.actuations("omni"))
+            (folder := tmp_path / str(number)).mkdir()
+            config = load_config(write_config(folder, OMNI))
+            found = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
+            assert found[0].verdict is Verdict.LOOK
+            if len(found) == 1:
+                break
         telling.cancel()
 
     text = "whether it rests is not measured: more than one program reports it; it was not moved"

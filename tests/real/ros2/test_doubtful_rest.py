@@ -89,6 +89,22 @@ async def test_what_a_relay_repeats_is_no_new_reading(base: RosProcess) -> None:
         await until(lambda: robot.presence().moves)
 
 
+# ---- what is measured too seldom ----
+
+
+async def test_what_was_sent_is_said_though_it_was_not_measured(base: RosProcess) -> None:
+    await told(base, "hz=0.7")
+    slow = replace(profile(), rest_timeout_s=5.0)
+    async with opened(slow, SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is None)
+        await until(lambda: robot.presence().at_rest is True)
+        outcome = await robot.do("drive", LONG)
+    assert outcome.ending is Ending.FAILED
+    sent, _, ended = outcome.note.partition("; ")
+    assert float(sent.removeprefix("sent velocities for ").removesuffix(" s")) > 0.5
+    assert ended.startswith(("then its motion was not measured", "then it was not heard")), ended
+
+
 # ---- a stop that says that it failed ----
 
 

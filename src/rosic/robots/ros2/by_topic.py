@@ -143,7 +143,7 @@ def _driven(stream: VelocityStream) -> str:
             seconds=seconds,
         )
     if not stream.moved:
-        return said("sent velocities for {seconds:.1f} s", seconds=seconds)
+        return said("sent velocities for {seconds:.1f} s", seconds=stream.sent_s)
     if metres is None:
         return said("drove for {seconds:.1f} s; how far was not measured", seconds=seconds)
     return said(

@@ -31,12 +31,13 @@ class VelocityStream:
         moved: The robot was measured to move.
         seconds: For how long it was driven, as far as is known: to the last message that was sent
             in time and, where the robot's side fell silent, to its last word.
+        sent_s: For how long velocities were sent.
         way: How far it went.
     """
 
     def __init__(self, errand: Errand, publisher: Publisher, values: Values, pace: Pace) -> None:
         self.moved = False
-        self.seconds = 0.0
+        self.seconds = self.sent_s = 0.0
         self.way = Way(errand.side.measured, told_m_s(values))
         self._errand = errand
         self._publisher = publisher
@@ -128,4 +129,5 @@ class VelocityStream:
     def _ended(self, broken: Break | None, last_ns: int) -> None:
         unknown = {Cause.SILENT, Cause.UNMEASURED}
         silent_s = broken.seconds if broken is not None and broken.cause in unknown else 0.0
-        self.seconds = max(0.0, (last_ns - self._begun_ns) / _NS - silent_s)
+        self.sent_s = (last_ns - self._begun_ns) / _NS
+        self.seconds = max(0.0, self.sent_s - silent_s)
