@@ -326,3 +326,13 @@ def test_what_could_be_better_is_no_error(tmp_path: Path) -> None:
     assert read.errors == []
     [advice] = read.advice
     assert "'drive' is sent over a topic, which does not acknowledge." in str(advice)
+
+
+def test_an_axis_that_is_driven_and_not_measured_is_named(tmp_path: Path) -> None:
+    text = spoil("{ linear.x: $speed }", "{ linear.x: $speed, angular.z: 0.1 }")
+    text = spoil(", twist.twist.angular.z", "", text)
+    read = read_profile(write(tmp_path, text))
+    assert read.errors == []
+    [advice] = read.advice
+    assert "'drive' sends angular.z, which 'at_rest' does not measure" in str(advice)
+    assert "Add the field that ends in angular.z" in str(advice)

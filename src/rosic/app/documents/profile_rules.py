@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from rosic.app.documents.profile_benchmarks import expected
 from rosic.app.documents.profile_forms import BOUNDS, FORMS, HIDDEN
 from rosic.app.documents.profile_poses import meant, moved, of_trajectory
+from rosic.app.documents.profile_rest import unseen_axes
 from rosic.app.documents.profile_types import fitting_booleans, of_one_type, said_stop, watched
 from rosic.app.documents.shape import Finding, Rules
 from rosic.app.documents.source import Place, nearest
@@ -378,6 +379,7 @@ def advice(profile: Profile) -> Iterator[Finding]:
             "'stop' is missing: a stop only cancels the goals of this robot's actions.",
             "Name the robot's own stop service; if it has none, write cancel_only: true.",
         )
+    yield from unseen_axes(profile)
     for name, skill in profile.skills.items():
         topic = skill.topic
         if skill.kind is SkillClass.MOTION and topic is not None and topic.stream_hz == 0:

@@ -1,0 +1,36 @@
+"""Whether what shows rest covers every axis that a skill can drive along, or about."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Final
+
+from rosic.app.documents.shape import Finding
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rosic.core.robot import Profile
+
+_AXIS: Final = re.compile(r"(?:^|\.)((?:linear|angular)\.[xyz])$")
+
+
+def unseen_axes(profile: Profile) -> Iterator[Finding]:
+    """Say which axes a skill sends velocities along while rest is measured along others alone."""
+    if profile.at_rest is None:
+        return
+    seen = _axes(profile.at_rest.fields)
+    for name, skill in profile.skills.items():
+        if skill.topic is None or not seen:
+            continue
+        for axis in sorted(_axes(skill.topic.message) - seen):
+            yield Finding(
+                ("at_rest", "field"),
+                f"'{name}' sends {axis}, which 'at_rest' does not measure: a stop could be "
+                "confirmed while it still moves so.",
+                f"Add the field that ends in {axis}, separated by a comma.",
+            )
+
+
+def _axes(paths: Iterable[str]) -> set[str]:
+    return {found[1] for path in paths if (found := _AXIS.search(path))}
