@@ -164,6 +164,8 @@ def _state(profile: Profile, presence: Presence, holder: str, stopped_by: str | 
             parts.append(unmeasured(presence))
     elif presence.doing:
         parts.append(said("doing {what}", what=named_of(profile, presence.doing)))
+    elif presence.moves:
+        parts.append(said("moves"))
     elif presence.at_rest:
         parts.append(said("at rest"))
     elif rest_unmeasured(profile, presence):

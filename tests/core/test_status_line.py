@@ -1,0 +1,23 @@
+"""What one line says of whether a robot moves."""
+
+from __future__ import annotations
+
+import pytest
+
+from rosic.core.robot import Link, Presence, Profile
+from rosic.core.words import status_line
+
+AGV = Profile(id="agv", link=Link(kind="ros2", namespace="/agv"))
+
+
+@pytest.mark.parametrize(
+    ("presence", "line"),
+    [
+        (Presence(online=True, at_rest=False), "agv: moves · free"),
+        (Presence(online=True, at_rest=False, doing="go"), "agv: doing go · free"),
+        (Presence(online=True, at_rest=False, holds=True), "agv: free"),
+        (Presence(online=True, at_rest=True), "agv: at rest · free"),
+    ],
+)
+def test_it_says_that_a_robot_moves_by_nobodys_order(presence: Presence, line: str) -> None:
+    assert status_line(AGV, presence, holder="", stopped_by=None, waiting=0) == line
