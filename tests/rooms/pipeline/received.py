@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator, Sequence
     from random import Random
 
+    from rosic.contracts.store import Store
     from rosic.messengers.telegram.listener import Listener
     from rosic.stores.latch import MemoryLatch
 
@@ -159,7 +160,7 @@ class Receiving:
 
 @asynccontextmanager
 async def receiving(
-    store: MemoryStore | None = None, latch: MemoryLatch | None = None
+    store: Store | None = None, latch: MemoryLatch | None = None
 ) -> AsyncIterator[Receiving]:
     """Let a gateway with memory robots listen; Ada is an admin, Bo an operator, without limits."""
     line = Batches()
