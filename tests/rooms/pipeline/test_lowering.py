@@ -54,6 +54,13 @@ async def test_a_default_above_ones_limit_is_lowered_to_it_and_said() -> None:
         assert "as much as your limit allows (distance <= 1 m)" in told
 
 
+async def test_a_task_stays_within_ones_limit_as_an_order_of_ones_own_does() -> None:
+    async with lab(rules(student=STUDENT), {"Bo": "student"}) as place:
+        await asks(place, "/task omni move")
+        await place.quiet()
+        assert arguments() == [METRE]
+
+
 async def test_what_was_said_above_the_limit_is_refused_as_ever() -> None:
     async with lab(rules(student=STUDENT), {"Bo": "student"}) as place:
         told = await asks(place, "omni move 1.5 m")

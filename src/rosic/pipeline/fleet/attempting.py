@@ -32,6 +32,8 @@ from rosic.pipeline.alerts.running import ByRule
 from rosic.pipeline.cards import Card, stop_button
 from rosic.pipeline.fleet import words_fleet as words
 from rosic.pipeline.fleet.reading import step_for
+from rosic.pipeline.lowering import Lowering
+from rosic.pipeline.requesting import Requesting
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -111,6 +113,7 @@ class Attempting:
         self._rooms = rooms
         self._hands = hands
         self._clock = clock
+        self._lowering = Lowering(rooms, Requesting(rooms, clock), clock)
 
     def check_author(self, author: PrincipalId) -> Caller:
         """Return whoever a task acts for.
@@ -139,7 +142,8 @@ class Attempting:
         """
         rooms = self._rooms
         caller = self.check_author(task.author)
-        line = step_for(rooms, doing.robot, said.lines[doing.step])
+        # What nobody said stays within their limits, as in an order of their own.
+        line, _ = self._lowering.of(caller, step_for(rooms, doing.robot, said.lines[doing.step]))
         request = self._request(doing, line, said, attempt_id(task, doing.attempt))
         complete = rooms.container.complete
         permits = rooms.organiser.admit(
