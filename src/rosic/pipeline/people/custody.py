@@ -15,7 +15,7 @@ from rosic.errors import NotPermitted, NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words, words_access
-from rosic.pipeline.people.names import BY_ID, Names, sure
+from rosic.pipeline.people.names import BY_ID, Names, asked_again, sure
 from rosic.pipeline.people.powers import LOCK, PEOPLE
 from rosic.pipeline.replies import LEAVE
 
@@ -67,7 +67,7 @@ class Custody:
         if asked.act != agreed:
             self._check_revocable(found)
             yes = Button(words_access.REVOKE, f"/revoke {found.id}", act=agreed)
-            return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+            return Reply(asked_again(asked.act, question), ((yes, Button(words.LEAVE_IT, LEAVE)),))
         written = await self._end_for_good(found, by)
         self._notices.revoked(found, by)
         return Reply(words.noted(words_keys.revoked(found.name), written=written))

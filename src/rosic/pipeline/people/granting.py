@@ -15,7 +15,7 @@ from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words, words_asking
 from rosic.pipeline.people.invitation_line import read_grant
-from rosic.pipeline.people.names import MOST_OFFERED, Names, by_id_button, sure
+from rosic.pipeline.people.names import MOST_OFFERED, Names, asked_again, by_id_button, sure
 from rosic.pipeline.replies import LEAVE
 
 if TYPE_CHECKING:
@@ -131,7 +131,7 @@ class Granting:
         if given.lasts_s is None and asked.act != agreed:
             yes = Button(words_asking.give_label(), f"/grant {found.id} {rest}", act=agreed)
             question = words_asking.give_question(found.name, given.words)
-            return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+            return Reply(asked_again(asked.act, question), ((yes, Button(words.LEAVE_IT, LEAVE)),))
         grants = await self._write(by, found, given)
         return self._told(by, found, grants)
 

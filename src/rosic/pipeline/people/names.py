@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.core.language import clean_name
 from rosic.core.language.suggestions import MOST_SUGGESTIONS, did_you_mean
 from rosic.core.message import Button
-from rosic.core.saying import joined
+from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.people import words
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 BY_ID: Final = b"by its id"
 """What a button carries that means one person, whoever else may be called like that id."""
+CHANGED: Final = said("Nothing was done yet: something has changed here since you were asked.")
 SURE_BYTES: Final = 16
 MOST_OFFERED = 8
 
@@ -105,6 +106,11 @@ def by_id_button(person: Principal, command: str, *more: str) -> Button:
     """Return the button that means one of several; what else it says stands in its label."""
     label = joined(", ", (words.told_apart(person.name, person.roles), *more))
     return Button(label, command, act=BY_ID)
+
+
+def asked_again(act: bytes, question: str) -> str:
+    """Return a question, and why it is asked once more of somebody who has agreed to it."""
+    return joined("\n", (CHANGED, question)) if act not in {b"", BY_ID} else question
 
 
 def sure(*about: object) -> bytes:

@@ -15,7 +15,7 @@ from rosic.organiser.rolebook import MOST_ROLES
 from rosic.pipeline.desk import Reply
 from rosic.pipeline.office import check_private
 from rosic.pipeline.people import words, words_asking, words_roles
-from rosic.pipeline.people.names import sure
+from rosic.pipeline.people.names import asked_again, sure
 from rosic.pipeline.people.powers import FOR_GOOD_NS
 from rosic.pipeline.people.role_line import MAY, OFF, check_name, read_role, said_line
 from rosic.pipeline.replies import LEAVE
@@ -81,7 +81,7 @@ class Rolemaking:
             before, affected = self._book.own.get(name), self._check(by, name, role)
             yes = Button(words_roles.MAKE_IT, f"/role {name} {MAY} {what}", act=agreed)
             question = words_roles.question(name, role, before, self._names(affected))
-            return Reply(question, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+            return Reply(asked_again(asked.act, question), ((yes, Button(words.LEAVE_IT, LEAVE)),))
         async with self._registry.changes.turn() as turn:
             affected = self._check(by, name, role)
             now_ns = self._registry.clock.wall_ns()

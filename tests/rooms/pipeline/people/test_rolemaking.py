@@ -216,6 +216,19 @@ async def test_roles_are_spoken_of_in_private_only() -> None:
         assert not own(place)
 
 
+async def test_a_tap_after_the_rules_have_changed_says_why_it_is_asked_again() -> None:
+    async with house() as place:
+        question = await place.line(ADA, GUEST)
+        first = place.shown(ADA, "Make it so")
+        await make(place, "/role other may omni:wave")
+        told = await place.press_again(ADA, *first)
+        changed = "Nothing was done yet: something has changed here since you were asked."
+        assert told == f"{changed}\n{question}"
+        assert "guest" not in own(place)
+        await place.press(ADA, "Make it so")
+        assert "guest" in own(place)
+
+
 async def test_what_cannot_be_written_changes_nothing() -> None:
     store = BrokenStore()
     place = House(store)
