@@ -42,7 +42,7 @@ profile = "omni"
 STOPPED = re.compile(r"stop: at rest after (\d+\.\d\d) s \(from a slow drive\)")
 BARKED = re.compile(
     r"watchdog: (at rest|not seen at rest) (\d+\.\d\d) s after the last message; "
-    r"the profile says 0.5 s"
+    r"the profile says 0.5 s(, and 0.5 s to come to rest is usual: good|: too late; .*)"
 )
 
 pytestmark = [pytest.mark.usefixtures("omni"), pytest.mark.limit(240)]
@@ -77,6 +77,7 @@ def watched(finding: Finding) -> tuple[str, float]:
     """Return what a finding says of the watchdog: how it ended, and the seconds."""
     said = BARKED.fullmatch(finding.text)
     assert said is not None, finding.text
+    assert said[3].endswith("good") == (finding.verdict is Verdict.GOOD)
     return said[1], float(said[2])
 
 

@@ -209,6 +209,11 @@ class Trial:
             f"the profile says {stated_s:g} s"
         )
         good = rest.confirmed and not late
+        text += (
+            f", and {BRAKING_S:g} s to come to rest is usual: good"
+            if good
+            else ": too late; have its driver stop it sooner, or say in watchdog_s how long it takes"
+        )
         return Finding(self._profile.id, Verdict.GOOD if good else Verdict.LOOK, text)
 
     async def _claim(self) -> Order:
