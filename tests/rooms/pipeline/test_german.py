@@ -129,3 +129,29 @@ def test_every_skill_that_ships_has_a_german_title_that_may_be_typed() -> None:
 def test_what_a_robot_says_is_read_in_ones_own_units(said: str, read: str) -> None:
     assert in_units_of(said, Imperial(None)) == read
     assert in_units_of(said, GERMAN) == said
+
+
+@pytest.mark.parametrize(
+    ("german", "english"),
+    [
+        ("noch einmal", "again"),
+        ("Rückgängig", "undo"),
+        ("wunsch omni 1h morgen 9:00 bis 17:00", "wish omni 1h morgen 9:00 bis 17:00"),
+    ],
+)
+def test_what_a_german_button_says_is_understood_when_it_is_typed(
+    german: str, english: str
+) -> None:
+    assert meant(german) == meant(english)
+    assert isinstance(meant(german)[0], Errand)  # type: ignore[index]
+
+
+async def test_a_right_is_asked_for_and_a_task_is_given_in_german_alone() -> None:
+    async with Place().open() as place:
+        await place.say("/language de", account=VI, chat=VI)
+        told = await place.say("bitten omni move für 1h", account=VI, chat=VI)
+        assert "Ich habe gefragt (Ada): move mit omni, für 1 h" in told
+        place.robot("omni").work_s = 1.0
+        await place.say("aufgabe omni fahre 1 m dann wave")
+        await place.clock.advance(5.0)
+        assert "fahre 1 m; wave" in await place.say("/tasks")

@@ -22,12 +22,17 @@ FLEET = tuple(
 CHATS = {"A": ADA, "B": BO, "V": VI}
 _WORD = re.compile(r"(?<![\w/:*-])[A-Za-zÄÖÜäöüß]{2,}(?![\w:*])")
 _FIELD = re.compile(r"\{[^}]*\}")
-# What is typed stays as it is: after a slash, and between quotation marks.
+# What is typed, after a slash and between quotation marks, says nothing of what the code says.
 _TYPED = re.compile(r"/\S+(?: [^\s.,·)]+)*|\"[^\"]*\"")
 # In both languages, or names of this place.
 _NAMES = frozenset(
     "ada bo vi omni yumi kuka iiwa crazyflie stop clip admin english".split()  # noqa: SIM905
 )
+# What has to be typed in English still.
+_ENGLISH_ONLY = frozenset(
+    "speed units robot none imperial may off with me strategy battery localised once".split()  # noqa: SIM905
+)
+_QUOTED = re.compile(r"\"([^\"]*)\"")
 # Words of profiles: German sentences have them where they show what to type.
 _IN_PROFILES = frozenset(
     word.casefold()
@@ -113,6 +118,16 @@ B warten
 V omni fahre 1 m
 V /me
 V bitten omni move
+V bitten
+A bitten
+A aufgabe
+A aufgabe omni fahre 10 cm dann fahre 10 cm
+A wunsch
+A wunsch omni
+A wunsch omni 1h morgen 9:00 bis 17:00
+A zeiten omni irgendwann
+A noch einmal
+A rückgängig
 A verlauf omni akku
 A verlauf omni
 A weg omni
@@ -150,6 +165,18 @@ def words_of(text: str) -> set[str]:
     return {word.casefold() for word in _WORD.findall(_TYPED.sub(" ", text))}
 
 
+def _typed_here(quoted: str) -> bool:
+    """Whether somebody typed what is quoted, in part if it is long."""
+    return quoted.replace("\N{DIVISION SLASH}", "/").removesuffix(" …") in SCRIPT
+
+
+def read_of(text: str) -> set[str]:
+    """Return the words that somebody reads: what they are to type, too, and not what they typed."""
+    text = _QUOTED.sub(lambda quoted: "" if _typed_here(quoted[1]) else quoted[0], text)
+    typed = {word.casefold() for part in _TYPED.findall(text) for word in _WORD.findall(part)}
+    return words_of(text) | (typed - _ENGLISH_ONLY)
+
+
 def english() -> frozenset[str]:
     """Return the words that the code says in English, and that German never uses."""
     said, german = set[str](), set[str]()
@@ -168,7 +195,7 @@ def unsaid_in(outbound: Outbound, words: frozenset[str]) -> list[str]:
         for button in row
         if button.label.strip("/") != button.command.lstrip("/?!")
     ]
-    found = [word for text in (outbound.text, *labels) for word in words_of(text) & words]
+    found = [word for text in (outbound.text, *labels) for word in read_of(text) & words]
     points = [p for text in (outbound.text, *labels)
               for p in re.findall(r"\d\.\d+ ?[a-zA-Z%°]+", _TYPED.sub(" ", text))]  # fmt: skip
     return [*found, *points]

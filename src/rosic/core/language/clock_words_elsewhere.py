@@ -47,6 +47,7 @@ _GERMAN: Final = {
 }
 
 _SHOWN: Final = {
+    "today": said("today"),
     "tomorrow": said("tomorrow"),
     "now": said("now"),
     "every": said("every"),
@@ -55,6 +56,7 @@ _SHOWN: Final = {
     "tue": said("tue"),
     "for": said("for"),
     "until": said("until"),
+    "to": said("to"),
     "min": said("min"),
     "Mon": said("Mon"),
     "Tue": said("Tue"),

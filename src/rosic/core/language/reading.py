@@ -26,6 +26,7 @@ from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.language.vocabulary import Callee, Vocabulary
 from rosic.core.language.words import (
     ALIASES,
+    ALIASES_OF_TWO,
     ALONG_ELSEWHERE,
     ERRANDS,
     EVERYTHING,
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
 
 MOST_WORDS = 32
-REQUEST_INFORMATION = ["request", "information"]
 LONGEST_PAYLOAD = 64
 CONTINUE = "continue"
 
@@ -116,8 +116,9 @@ class LineReader:
         verb = _VERBS.get(word)
         if verb is not None:
             return verb(self, None, at + 1)
-        if self._low[at:] == REQUEST_INFORMATION:  # the paper's own words, Algorithm 7
-            return Errand(REQUEST_INFORMATION[1], "")
+        two = ALIASES_OF_TWO.get(tuple(self._low[at:])) if len(self._low) == at + 2 else None
+        if two is not None:
+            return Errand(two, "")
         if word in ERRANDS and (slash or word not in self._vocabulary.longest_skill):
             return Errand(word, self._rest(at + 1))
         return self._unaddressed(at, slash=slash)

@@ -33,6 +33,7 @@ ALIASES: dict[str, str] = {
     "freigeben": "resume",
     "nochmal": "again",
     "zurücknehmen": "undo",
+    "rückgängig": "undo",
     "buchen": "book",
     "wunsch": "wish",
     "warten": "wait",
@@ -72,6 +73,11 @@ ALIASES: dict[str, str] = {
     "weitermachen": "continue",
     "pausieren": "pause",
     "strategie": "strategy",
+}
+# Of two words, and nothing after them: as a button says it, and the paper (Algorithm 7).
+ALIASES_OF_TWO: dict[tuple[str, ...], str] = {
+    ("noch", "einmal"): "again",
+    ("request", "information"): "information",
 }
 PAGE_ALIASES: dict[str, str] = {
     "alarme": "alarms",

@@ -6,6 +6,7 @@ that robot: what its users asked of it is shown to nobody else (I11).
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Final, TypeVar
 
 import msgspec
@@ -40,6 +41,7 @@ SHOWN: Final = 10
 NAMED_AT_MOST: Final = 5
 AT_ONCE_NS: Final = 1_000_000_000
 TASK: Final = "task "
+_STEP: Final = re.compile(r"(.+), step (\d+) of (\d+)")
 """What stands behind an order that belongs to a task, in the record's own English."""
 MORE: Final = 50
 LONGEST: Final = 300
@@ -198,10 +200,21 @@ def _asked(entry: HistoryEntry, vocabulary: Vocabulary) -> str:
     if origin.values is None or compiled is None:
         return named_once(_one_line(origin.title))
     words = show(vocabulary, entry.robot, compiled.skill, _known(compiled, origin.values))
-    _, between, origin_of = origin.title.rpartition(BETWEEN)
-    task = origin_of.removeprefix(TASK) if between and origin_of.startswith(TASK) else ""
-    parts = [joined(": ", (shown, words)), said("task {task}", task=task) if task else ""]
+    parts = [joined(": ", (shown, words)), _task_of(origin.title)]
     return joined(BETWEEN, filter(None, parts))
+
+
+def _task_of(title: str) -> str:
+    """Return of which task, and which step of it, an order was; empty: of none."""
+    _, between, origin_of = title.rpartition(BETWEEN)
+    if not between or not origin_of.startswith(TASK):
+        return ""
+    task = origin_of.removeprefix(TASK)
+    found = _STEP.fullmatch(task)
+    if found is None:
+        return said("task {task}", task=task)
+    number, step, steps = found.groups()
+    return said("task {task}, step {step} of {steps}", task=number, step=step, steps=steps)
 
 
 def _known(compiled: CompiledSkill, values: Mapping[str, Argument]) -> dict[str, Argument]:

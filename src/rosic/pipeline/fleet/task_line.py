@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 LONGEST_LINE = 2_000
 THEN = " then "
+THENS: Final = frozenset({"then", "dann"})
 FULL = 100.0
 
 
@@ -50,9 +51,9 @@ class Wish(msgspec.Struct):
         said: list[list[str]] = [[]]
         for word in self.words[after:]:
             bare = word.rstrip(";")
-            if bare and bare.casefold() != "then":
+            if bare and bare.casefold() not in THENS:
                 said[-1].append(bare)
-            if bare != word or word.casefold() == "then":
+            if bare != word or word.casefold() in THENS:
                 said.append([])
         lines = tuple(" ".join(step) for step in said if step)
         if not lines:

@@ -35,6 +35,7 @@ LASTS_S: Final = 3600.0
 DIGEST_BYTES: Final = 16
 LONGEST_LINE: Final = 200
 _FOR: Final = "for"
+_FOR_ELSEWHERE: Final = frozenset({"für"})
 
 
 class Places(msgspec.Struct, frozen=True, kw_only=True):
@@ -155,7 +156,7 @@ def read_tail(text: str) -> tuple[str, float | None]:
     line = clean(text).replace("\n", " ").strip()
     check_length(line, LONGEST_LINE)
     raw = line.split()
-    low = [fold_word(word).casefold() for word in raw]
+    low = [_FOR if word in _FOR_ELSEWHERE else word for word in map(_folded, raw)]
     if _FOR not in low:
         return " ".join(raw), None
     at = len(low) - 1 - low[::-1].index(_FOR)
@@ -163,6 +164,10 @@ def read_tail(text: str) -> tuple[str, float | None]:
     if not used or used < len(low) - at - 1:
         raise NotUnderstood(words.no_length(_FOR, " ".join(low[at + 1 :][:1])))
     return " ".join(raw[:at]), seconds
+
+
+def _folded(word: str) -> str:
+    return fold_word(word).casefold()
 
 
 def _least_role(rights: Rights, name: str, places: Places) -> str:
