@@ -65,7 +65,10 @@ class Patience:
             task.cancel()
             await asyncio.wait((task,))
             found = task.result()
-            raise cancelled from (None if found is None else found.__cause__ or found)
+            # Cut off and written all the same is what a store says without a cause.
+            raise cancelled from (
+                found.__cause__ if isinstance(found, asyncio.CancelledError) else found
+            )
         finally:
             patience.cancel()
         if not task.done():

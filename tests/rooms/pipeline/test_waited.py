@@ -11,9 +11,9 @@ async def test_what_waited_while_its_robot_was_stopped_moves_nothing_after_a_res
     async with Place(store).open() as place:
         place.chat.say("kuka1 wave")
         place.chat.say("omni wave")
-        await place.clock.advance(0.5)
+        await place.clock.advance(0.3)  # within the second that it may wait for the record
         place.chat.say("stop omni")
-        await place.clock.advance(0.5)
+        await place.clock.advance(0.3)
         place.chat.say("resume omni", account=BO, chat="2")
         await place.quiet()
         assert not place.robot("omni").gate.latched

@@ -191,8 +191,11 @@ async def test_but_a_stop_is_obeyed(standing: Standing) -> None:
 
 async def test_a_strangers_stop_changes_nothing() -> None:
     async with Place().open() as place:
-        greeting = "Hello. I work for people I know, and I do not know you yet. Ask the admin here."
-        assert await place.say("stop", account=STRANGER, chat="9") == greeting
+        told = (
+            "I do not know you, so I stopped nothing. Use the stop button of the robot itself, or "
+            "ask the admin here."
+        )
+        assert await place.say("stop", account=STRANGER, chat="9") == told
         assert await place.say("stop", account=STRANGER, chat="9") == ""
         assert not place.robot("omni").gate.latched
 

@@ -212,7 +212,8 @@ class Trial:
         text += (
             f", and {BRAKING_S:g} s to come to rest is usual: good"
             if good
-            else ": too late; have its driver stop it sooner, or say in watchdog_s how long it takes"
+            else ": too late; have its driver stop it sooner, or say in watchdog_s how long "
+            "it takes"
         )
         return Finding(self._profile.id, Verdict.GOOD if good else Verdict.LOOK, text)
 

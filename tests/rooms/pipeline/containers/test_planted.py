@@ -167,6 +167,7 @@ async def use(ward: Ward, planted: list[str]) -> None:
             said, chat, kind = ways(text, account, group)[place % 6]
             ward.chat.say(said, account=account, chat=chat, kind=kind)
         if place % 40 == 0:
+            await ward.quiet()  # what waits for the disk would be refused after a second
             await ward.clock.advance(1)
     await ward.quiet()
     ward.chat.say("stop", account=people[0][1], chat=people[0][1])
