@@ -267,7 +267,7 @@ FAULTS = (
     Fault(
         name="I7 a claim that nobody carries out is left open",
         file="container/container.py",
-        guard="                self._disown(orders)\n",
+        guard="                self._disown(orders, NEVER_BEGUN)\n",
         without="                pass\n",
         caught_by=(
             f"{EDGES}::test_a_claim_under_way_when_the_gateway_closes_is_known_not_to_have_moved",

@@ -80,7 +80,7 @@ OF_CANCELLING = (
     ),
     Fault(
         name="whoever may move a robot may resume it, whoever stopped it",
-        file="organiser/refusing.py",
+        file="organiser/why_stopped.py",
         guard="own = stops[robot].own == principal",
         without="own = True",
         caught_by=(f"{OWN_STOP}::test_a_stop_of_everything_stays_though_ones_own_robot_is_among_it",),

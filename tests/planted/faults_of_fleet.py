@@ -147,7 +147,7 @@ OF_TASKS = (
     ),
     Fault(
         name="people are told to resume a robot that must stay stopped",
-        file="organiser/refusing.py",
+        file="organiser/why_stopped.py",
         guard="        if barred is not None:\n",
         without="        if False:\n",
         caught_by=(f"{ROBOTS}::test_nobody_is_offered_to_resume_what_has_to_stay_stopped",),

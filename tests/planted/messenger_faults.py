@@ -34,9 +34,9 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="L2 a stop waits for what strangers sent before it",
-        file="messengers/telegram/listener.py",
-        guard="by_rank = sorted(ranked, key=itemgetter(0, 1))",
-        without="by_rank = sorted(ranked, key=itemgetter(1))",
+        file="messengers/telegram/reading.py",
+        guard="(rank := self._rank(update)) != KNOWN:",
+        without="(rank := self._rank(update)) != KNOWN and False:",
         caught_by=(f"{STEPS}::test_what_strangers_sent_is_read_last",),
     ),
     Fault(
@@ -133,8 +133,8 @@ MESSENGER_FAULTS = (
     Fault(
         name="what is said to another bot is taken for ours",
         file="messengers/telegram/mapping.py",
-        guard="if replied not in",
-        without="if False and replied not in",
+        guard="if to_another and",
+        without="if False and to_another and",
         caught_by=("tests/real/telegram/test_groups.py",),
     ),
     Fault(

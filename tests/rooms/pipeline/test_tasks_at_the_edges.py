@@ -71,7 +71,7 @@ async def test_a_task_that_is_cancelled_while_it_is_claimed_moves_nothing() -> N
     async with warehouse(store).open() as here:
         await here.say("/task w1 wave")
         await here.say("/task cancel 1")
-        await heard(here)
+        await here.quiet()  # within the second that a claim may wait for the record
         store.ready.set()
         await heard(here)
         assert here.acted("w1") == 0
