@@ -74,9 +74,7 @@ MESSENGER_FAULTS = (
         file="messengers/telegram/mapping.py",
         guard='shared = message.chat.type in {"supergroup", "channel"}',
         without="shared = False",
-        caught_by=(
-            f"{TWO_BOTS}::test_a_small_group_counts_for_each_bot_and_a_supergroup_for_both",
-        ),
+        caught_by=(f"{TWO_BOTS}::test_all_who_are_in_a_supergroup_share_its_numbers",),
     ),
     Fault(
         name="429 what is under way does not count for Telegram's limits",

@@ -256,7 +256,7 @@ async def test_a_cut_link_holds_and_is_found_again(
         await set_fault(onlooker, "omni", "link", value=True)
         outcome = await asyncio.wait_for(running, 60 * pace())
         assert outcome.ending is Ending.FAILED
-        assert outcome.note == "link lost, holding"
+        assert outcome.note.startswith("link lost, holding")
         await until(lambda: omni.presence().online is True)
         assert omni.presence().at_rest is True
 

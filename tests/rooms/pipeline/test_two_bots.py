@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import time
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import msgspec
 import pytest
 
 from rosic.app.gateway import Gateway, Settings
@@ -17,6 +19,7 @@ from rosic.core.identity import Address
 from rosic.core.record import Fact
 from rosic.core.robot import Busy
 from rosic.errors import StoreFault
+from rosic.messengers.telegram import mapping, wire
 from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.settings import read_settings
 from rosic.robots.memory import MemoryRobot
@@ -126,6 +129,16 @@ async def test_what_both_bots_hear_in_a_group_is_one_command(kind: str) -> None:
             bot.give(bot.message(ADA, "omni wave", **in_group(kind)))
         await place.settled()
     assert Counted.told == ["wave"]
+
+
+@pytest.mark.parametrize(("kind", "account"), [("group", "42"), ("supergroup", "")])
+def test_all_who_are_in_a_supergroup_share_its_numbers(kind: str, account: str) -> None:
+    message = {"message_id": 7, "date": 1, "text": "omni wave"} | in_group(kind)
+    message["from"] = {"id": ADA, "is_bot": False, "first_name": "Ada"}
+    update = wire.parse(msgspec.Raw(json.dumps({"update_id": 1, "message": message}).encode()))
+    inbound = mapping.read(update, "abot", mapping.Received(10**18, 0, "42"))
+    assert inbound is not None
+    assert inbound.account == account
 
 
 async def test_in_a_small_group_every_other_line_second_or_person_is_another_command() -> None:
