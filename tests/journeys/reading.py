@@ -53,7 +53,8 @@ _LINES: Final = (
     (
         End.REFUSED,
         (
-            r"is busy:|commands waiting already|was stopped before this could begin|is stopped"
+            r"is busy:|commands waiting already|was stopped before this could begin"
+            r"|(?:is|are) stopped"
             r"|is taken by|has already acted on a later command|Somebody else has"
             r"|I cannot write down what is decided"
         ),
