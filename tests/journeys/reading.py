@@ -54,7 +54,7 @@ _LINES: Final = (
         End.REFUSED,
         (
             r"is busy:|commands waiting already|was stopped before this could begin"
-            r"|(?:is|are) stopped"
+            r"|(?:is|are) stopped|What came before this was broken off"
             r"|is taken by|has already acted on a later command|Somebody else has"
             r"|I cannot write down what is decided"
         ),

@@ -58,4 +58,4 @@ async def test_it_is_not_done_again_and_not_said_to_be_refused(
         ]
         ended = [reply.last for reply in replies if reply.last]
         assert ended == [(End.UNKNOWN,) * robots], [reply.text for reply in replies]
-        await place.ask(place.bo, text, "is stopped")
+        await place.ask(place.bo, text, "is stopped" if robots == 1 else "are stopped")

@@ -35,9 +35,9 @@ SIMULATION = "rosic.robots.ros2.simulation"
 FOREVER_S = 60.0
 
 
-def link_lost() -> tuple[str, ...]:
+def link_lost(lost_s: float = 0.0) -> tuple[str, ...]:
     """Return how long robots wait for a sign of life: as long as is usual, on a free machine."""
-    return ("--link-lost", f"{LINK_LOST_S * patience():.2f}")
+    return ("--link-lost", f"{lost_s or LINK_LOST_S * patience():.2f}")
 
 
 class Simulated:
@@ -45,13 +45,16 @@ class Simulated:
 
     Attributes:
         process: That process.
+        link_lost_s: How long they wait for a sign of life.
     """
 
     def __init__(self, graph: RosGraph, folder: Path, *robots: str) -> None:
         self.graph = graph
         self._file = folder / f"actuations-{'-'.join(robots)}"
+        self.link_lost_s = LINK_LOST_S * patience()
+        lost = link_lost(self.link_lost_s)
         self.process: RosProcess = graph.start(
-            "-m", SIMULATION, "--actuations", self._file, *link_lost(), *robots, timeout_s=120.0
+            "-m", SIMULATION, "--actuations", self._file, *lost, *robots, timeout_s=120.0
         )
 
     def actuations(self, robot: str) -> list[str]:
