@@ -160,7 +160,7 @@ async def test_what_changes_while_it_goes_is_not_sent(tmp_path: Path) -> None:
 
         async def meanwhile(outbound: Outbound) -> str:
             if outbound.attachment is not None:
-                there.write_bytes(LARGE[:-1] + b"?")
+                there.write_bytes(LARGE[:-1] + bytes([LARGE[-1] ^ 1]))
             return await honest(outbound)
 
         ward.chat.send = meanwhile  # type: ignore[method-assign]
