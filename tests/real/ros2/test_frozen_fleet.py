@@ -42,6 +42,9 @@ FROZEN_S = 2.5
 BROKEN_WITHIN_S = 1.5
 WATCHED_S = 3.0
 READ_WITHIN_S = 30.0
+NOT_HEARD = "then it was not heard for 1."
+# What a machine does that gives this process no processor for as long as a robot's watchdog waits.
+STOOD_STILL = "then ROSIC itself stood still"
 _NS = 1_000_000_000
 TOUR = Mission(
     name="tour", do=(Part(on="base1", steps=("drive 0.2 m/s 20 s", "drive -0.2 m/s 20 s")),)
@@ -98,11 +101,11 @@ class Chat:
         """Return what is known of a robot."""
         return self.gateway.robots[name].presence()
 
-    async def reads(self, words: str) -> None:
-        """Wait until the chat shows something."""
+    async def reads_that_it_ended(self) -> None:
+        """Wait until the chat shows that a stream was broken off."""
         end_s = time.monotonic() + READ_WITHIN_S * pace()
-        while words not in self.shown:
-            assert time.monotonic() < end_s, f"nobody read {words!r}: {self.shown}"
+        while NOT_HEARD not in self.shown and STOOD_STILL not in self.shown:
+            assert time.monotonic() < end_s, f"nobody read that it ended: {self.shown}"
             await asyncio.sleep(0.05)
 
     async def drives(self, *names: str) -> None:
@@ -153,11 +156,12 @@ async def test_one_of_a_common_start_that_was_frozen_is_driven_no_further(
         here.messenger.say("/together bases drive 0.2 m/s 20 s")
         await here.drives(*NAMES)
         broken_ns = await freeze(bases["base1"])
-        await here.reads("then it was not heard for 1.")
+        await here.reads_that_it_ended()
         await asyncio.sleep(WATCHED_S)
         assert bases["base1"].sent_after(broken_ns) == []
-        assert bases["base2"].sent_after(broken_ns), "the other is its own affair"
-        assert here.shown.count("then it was not heard") == 1
+        if STOOD_STILL not in here.shown:
+            assert bases["base2"].sent_after(broken_ns), "the other is its own affair"
+            assert here.shown.count("then it was not heard") == 1
 
 
 async def test_a_mission_whose_robot_was_frozen_waits_for_a_person(bases: dict[str, Base]) -> None:
@@ -165,7 +169,7 @@ async def test_a_mission_whose_robot_was_frozen_waits_for_a_person(bases: dict[s
         here.messenger.say("/mission start tour")
         await here.drives("base1")
         broken_ns = await freeze(bases["base1"])
-        await here.reads("then it was not heard for 1.")
+        await here.reads_that_it_ended()
         await asyncio.sleep(WATCHED_S)
         assert bases["base1"].sent_after(broken_ns) == [], "neither this step nor the next"
         assert bases["base2"].sent_after(0) == []

@@ -125,22 +125,22 @@ async def test_a_flood_neither_grows_memory_nor_takes_the_loop(
     stop = await runtime.service("/omni/stop", "std_srvs/srv/Trigger")
     await listened_to(peer, "count", 1)
     await wait_until(stop.ready, "/omni/stop", 30)
-    before, waits = resident_mib(), list[float]()
+    before, late = resident_mib(), list[float]()
     peer.say("flood 4")
     flood = asyncio.create_task(asyncio.to_thread(peer.expect, "sent"))
     now = asyncio.get_running_loop().time
     while not flood.done():
-        asked = now()
         await stop.call({}, timeout_s=30, urgent=True)
-        waits.append(now() - asked)
+        slept = now()
         await asyncio.sleep(0.05)
+        late.append(now() - slept - 0.05)
     sent = int(await flood)
     await _value(latest, -1)
     slow = patience()
     assert sent > 10_000 / slow
     assert latest.received > 1_000 / slow
     assert resident_mib() - before < 10
-    assert sorted(waits)[len(waits) // 2] < 0.25 * slow
+    assert sorted(late)[len(late) // 2] < 0.1 * slow
 
 
 async def test_every_word_a_robot_says_is_heard(runtime: RosRuntime, peer: RosProcess) -> None:
