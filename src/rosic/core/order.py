@@ -196,6 +196,7 @@ class Rest(msgspec.Struct, frozen=True, gc=False):
         seconds: From the stop reaching the adapter to rest, or to giving up.
         note: How it rests when it is not simply standing: ``landed``.
         declined: What its own stop answered, if that was no success.
+        unanswered: Its own stop did not answer, or is not there; what was measured was measured.
     """
 
     robot: RobotId
@@ -203,3 +204,4 @@ class Rest(msgspec.Struct, frozen=True, gc=False):
     seconds: float
     note: str = ""
     declined: str = ""
+    unanswered: bool = False

@@ -225,7 +225,7 @@ def rests(profiles: Mapping[str, Profile], found: Iterable[Rest]) -> str:
             )
         else:
             missing.append(_unconfirmed(shown))
-    answers = [_declined(profiles[rest.robot].shown, rest) for rest in rests if rest.declined]
+    answers = [_own_stop(profiles[rest.robot].shown, rest) for rest in rests if _odd(rest)]
     return joined("", ("STOP: ", joined(" ", [*missing, *confirmed, *answers])))
 
 
@@ -251,7 +251,14 @@ def _unconfirmed(shown: str) -> str:
     return said("{shown} has not confirmed the stop. Use its own stop button.", shown=shown)
 
 
-def _declined(shown: str, rest: Rest) -> str:
+def _odd(rest: Rest) -> bool:
+    """Tell whether something has to be said of its own stop; a robot not at rest is said enough."""
+    return bool(rest.declined) or (rest.unanswered and rest.confirmed)
+
+
+def _own_stop(shown: str, rest: Rest) -> str:
+    if not rest.declined:
+        return said("{shown}'s own stop did not answer.", shown=shown)
     return said(
         "{shown}'s own stop answered that it failed: {words}.",
         shown=shown,

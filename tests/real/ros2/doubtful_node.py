@@ -7,9 +7,11 @@ input, each answered by ``ok``; ``velocities`` is answered by how many came that
     pose     true, fixed (never filled)
     stamp    live, none, old (the last message is repeated as it was)
     joints   full, empty (no velocities)
-    stop     true, false (the service says so, and the base drives on)
+    stop     true, false (the service says so, and the base drives on), hangs (it never answers, and
+             the base drives on)
     zero     true, false (a velocity of zero is not obeyed either, and there is no watchdog)
     hz       how often odometry comes
+    battery  what it says of its charge
     by_hand  a velocity that nobody sent
 """
 
@@ -36,10 +38,10 @@ WATCHDOG_S = 0.5
 class Base:
     """Under /base: cmd_vel, odom, joints, battery, stop."""
 
-    def __init__(self, node: RosObject) -> None:
+    def __init__(self, node: RosObject, stopping: RosObject) -> None:
         self.says = {
             "twist": "true", "pose": "true", "stamp": "live", "joints": "full", "stop": "true",
-            "zero": "true", "hz": "20", "by_hand": "0",
+            "zero": "true", "hz": "20", "by_hand": "0", "battery": "0.8",
         }  # fmt: skip
         self.velocities = 0
         self._node = node
@@ -50,7 +52,7 @@ class Base:
         self._joints = node.create_publisher(sensors.JointState, "joints", 10)
         self._battery = node.create_publisher(sensors.BatteryState, "battery", 10)
         node.create_subscription(Twist, "cmd_vel", self._take, 10)
-        node.create_service(Trigger, "stop", self._stop)
+        stopping.create_service(Trigger, "stop", self._stop)
         node.create_timer(STEP_S, self._step)
 
     def take(self, words: list[str]) -> None:
@@ -67,6 +69,8 @@ class Base:
             self._speed_m_s = twist.linear.x
 
     def _stop(self, _request: RosObject, response: RosObject) -> RosObject:
+        while self.says["stop"] == "hangs":
+            time.sleep(STEP_S)
         response.success = self.says["stop"] == "true"
         if response.success:
             self._speed_m_s = 0.0
@@ -98,27 +102,31 @@ class Base:
         full = self.says["joints"] == "full"
         joints = sensors.JointState(name=["wheel"], velocity=[speed_m_s] if full else [])
         self._joints.publish(joints)
-        self._battery.publish(sensors.BatteryState(percentage=0.8))
+        self._battery.publish(sensors.BatteryState(percentage=float(self.says["battery"])))
 
 
 def main() -> None:
     names = [word for word in sys.argv[1:] if "=" not in word]
     signals: Any = import_module("rclpy.signals")
     rclpy.init(args=[], signal_handler_options=signals.SignalHandlerOptions.NO)
-    node = rclpy.create_node(names[0] if names else "base", namespace="/base")
-    base = Base(node)
+    name = names[0] if names else "base"
+    node = rclpy.create_node(name, namespace="/base")
+    stopping = rclpy.create_node(f"{name}_stop", namespace="/base")
+    base = Base(node, stopping)
     base.take(sys.argv[1:])
     over = threading.Event()
 
-    def spin() -> None:
+    def spin(spun: RosObject) -> None:
         executors: Any = import_module("rclpy.executors")
         executor = executors.SingleThreadedExecutor()
-        executor.add_node(node)
+        executor.add_node(spun)
         while not over.is_set():
             executor.spin_once(timeout_sec=0.1)
 
-    spinning = threading.Thread(target=spin)
-    spinning.start()
+    # A stop that hangs keeps nothing else from going on.
+    threads = [threading.Thread(target=spin, args=(spun,)) for spun in (node, stopping)]
+    for spinning in threads:
+        spinning.start()
     sys.stdout.write("ready\n")
     sys.stdout.flush()
     for line in sys.stdin:
@@ -126,8 +134,11 @@ def main() -> None:
         sys.stdout.write(f"ok {base.velocities}\n")
         sys.stdout.flush()
     over.set()
-    spinning.join()
+    base.take(["stop=true"])
+    for spinning in threads:
+        spinning.join()
     node.destroy_node()
+    stopping.destroy_node()
     rclpy.try_shutdown()
 
 

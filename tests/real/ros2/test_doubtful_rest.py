@@ -123,6 +123,26 @@ async def test_what_its_own_stop_answers_is_logged_and_shown(
     )
 
 
+async def test_of_a_stop_that_never_answers_is_said_so_though_zero_brought_it_to_rest(
+    base: RosProcess,
+) -> None:
+    await told(base, "stop=hangs")
+    async with opened(profile(), SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is True)
+        running = asyncio.create_task(robot.do("drive", LONG))
+        await until(lambda: robot.presence().at_rest is False or running.done())
+        rest = await robot.stop(Stop("base", 1))
+        await running
+        assert rest.confirmed
+        assert rests({"base": robot.profile}, [rest]).endswith(
+            " s). Base's own stop did not answer."
+        )
+        await told(base, "stop=true")
+        await until(lambda: robot.presence().at_rest is True)
+        again = await robot.stop(Stop("base", 2))
+    assert not again.unanswered
+
+
 # ---- more than one that reports it ----
 
 

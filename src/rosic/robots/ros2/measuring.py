@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from contextlib import suppress
 from math import hypot, isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,6 +26,8 @@ _PLACE = (
     "twist.twist.linear.y",
 )
 AWAKE_EVERY_S = 0.25
+_OFTEN = 10
+"""After so many more it is known how often something comes."""
 _TEXT_BYTES = 200
 _NS = 1_000_000_000
 
@@ -217,6 +220,26 @@ class Measurements:
         if self._rest is None or (self._rest.source.received_ns or 0) <= self.stale_ns():
             return ""
         return self._rest.doubt(self.stale_ns())
+
+    async def every_s(self, within_s: float) -> float | None:
+        """Listen to what shows rest; return how many seconds apart it comes, None: not twice.
+
+        Args:
+            within_s: Listen for so long at most.
+        """
+        if self._rest is None:
+            return None
+        source = self._rest.source
+        begun, begun_ns = 0, 0
+        with suppress(TimeoutError):
+            async with asyncio.timeout(within_s):
+                begun = await source.newer(source.received, timeout_s=within_s)
+                begun_ns = source.received_ns or 0
+                while source.received < begun + _OFTEN:
+                    await source.newer(source.received, timeout_s=within_s)
+        if not begun or source.received == begun:
+            return None
+        return ((source.received_ns or 0) - begun_ns) / _NS / (source.received - begun)
 
     async def next_word(self, timeout_s: float) -> None:
         """Wait until the topic that shows rest says something, at most so long."""

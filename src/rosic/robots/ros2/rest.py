@@ -41,12 +41,14 @@ class Resting(NamedTuple):
     Attributes:
         moves: It was measured to move at the end; False when nothing was measured, too.
         declined: What its own stop answered, if that was no success.
+        unanswered: It has a stop of its own, which has not answered, or is not there.
     """
 
     confirmed: bool
     seconds: float
     moves: bool = False
     declined: str = ""
+    unanswered: bool = False
 
 
 class Brakes:
@@ -107,6 +109,11 @@ class Brakes:
         self._answers.clear()
         for end in ends:
             await end.close()
+
+    @property
+    def own(self) -> ServiceLink | None:
+        """The robot's own stop, if it has one."""
+        return next(iter(self._requests), None)
 
     def request(self, link: ServiceLink) -> Values:
         """Return what one of the services is called with."""
@@ -174,7 +181,10 @@ class _Attempt:
 
     async def run(self, limit_s: float) -> Resting:
         """Go round until rest is measured, or the time is over."""
-        return (await self._run(limit_s))._replace(declined=self._declined)
+        resting = await self._run(limit_s)
+        own = self._brakes.own
+        unanswered = own is not None and own not in self._answered
+        return resting._replace(declined=self._declined, unanswered=unanswered)
 
     async def _run(self, limit_s: float) -> Resting:
         measured, clock = self._brakes.measured, self._brakes.clock

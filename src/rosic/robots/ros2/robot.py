@@ -249,6 +249,10 @@ class Ros2Robot:
             self._errand = None
         return Rest(self.profile.id, resting.confirmed, resting.seconds)
 
+    async def rest_every_s(self, within_s: float) -> float | None:
+        """Listen at most so long to what shows rest; return how many seconds apart it comes."""
+        return await self._measured.every_s(within_s)
+
     async def stop(self, stop: Stop) -> Rest:
         """Latch, then apply everything that could stop it until rest is measured."""
         self.gate.apply_stop(stop)
@@ -260,7 +264,13 @@ class Ros2Robot:
         self._halted(resting)
         if not resting.confirmed and self._online() is False:
             self._settling.begin()
-        return Rest(stop.robot, resting.confirmed, resting.seconds, declined=resting.declined)
+        return Rest(
+            stop.robot,
+            resting.confirmed,
+            resting.seconds,
+            declined=resting.declined,
+            unanswered=resting.unanswered,
+        )
 
     async def _to_rest(
         self, quiet: Callable[[], bool] = lambda: True, limit_s: float | None = None
