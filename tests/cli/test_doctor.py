@@ -9,7 +9,9 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.app.config import load_config
-from rosic.app.doctor.examination import examine
+from rosic.app.desk.control import Answer
+from rosic.app.desk.operating import NOT_KEPT
+from rosic.app.doctor.examination import examine, verdict_of
 from rosic.app.doctor.findings import Finding, Verdict
 from rosic.app.doctor.machine import SLOW_MS, examine_clock, examine_disk
 from rosic.app.doctor.trying import Trial, slow_arguments, streaming_skill, try_robot
@@ -18,6 +20,7 @@ from rosic.app.placing.gates import stops_of
 from rosic.app.start import latch_of
 from rosic.core.gate import Gate
 from rosic.core.record import Stopped
+from rosic.errors import RobotOffline
 from rosic.robots.simulated.robot import SimulatedRobot
 from rosic.stores.database import DatabaseStore
 from rosic.system import SystemClock, SystemEntropy
@@ -26,7 +29,8 @@ from tests.cli.running import gateway, rosic, write_config, write_neighbours
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rosic.core.order import Rest, Stop
+    from rosic.contracts.robot import Tell
+    from rosic.core.order import Order, Rest, Stop
 
 
 def test_the_disk_is_measured_and_left_as_it_was(tmp_path: Path) -> None:
@@ -149,10 +153,11 @@ async def test_a_trial_that_did_not_go_well_leaves_the_robot_stopped(tmp_path: P
     await robot.open(print)
     try:
         trial = Trial(omni, robot, store, latch, clock, SystemEntropy())
-        *_, stop, _, after = [found async for found in trial.run()]
+        *_, stop, watchdog, after = [found async for found in trial.run()]
     finally:
         await robot.close()
     assert stop.verdict is Verdict.LOOK
+    assert watchdog.text == "watchdog: its stop was not confirmed, so it was not moved again"
     assert after == Finding(
         "omni",
         Verdict.LOOK,
@@ -161,6 +166,34 @@ async def test_a_trial_that_did_not_go_well_leaves_the_robot_stopped(tmp_path: P
     assert stops_of(latch.read(), {"omni": 1})["omni"] == (1, True)
     await store.close()
     await latch.close()
+
+
+async def test_a_trial_that_breaks_off_says_whether_the_robot_stays_stopped(
+    tmp_path: Path,
+) -> None:
+    config, clock = load_config(write_config(tmp_path)), SystemClock()
+    omni = load_profile(shipped_profiles()["omni"], link="simulated")
+    latch = latch_of(config)
+    store = DatabaseStore(config.data, clock=clock, kept=latch.kept)
+    await store.open()
+    robot = GoesAway(omni, Gate.new("omni"), clock)
+    await robot.open(print)
+    try:
+        trial = Trial(omni, robot, store, latch, clock, SystemEntropy())
+        *_, gone, after = [found async for found in trial.run()]
+    finally:
+        await robot.close()
+    assert gone == Finding("omni", Verdict.LOOK, "omni is not there.")
+    assert after.text == "it stays stopped, also after a start, until somebody says: resume omni"
+    await store.close()
+    await latch.close()
+
+
+class GoesAway(SimulatedRobot):
+    """It is not there any more when its watchdog is to be measured."""
+
+    async def fall_silent(self, _order: Order, _tell: Tell) -> Rest:
+        raise RobotOffline("omni is not there.")
 
 
 class NeverSeenAtRest(SimulatedRobot):
@@ -199,6 +232,21 @@ def test_with_a_running_gateway_the_robot_is_only_stopped(tmp_path: Path) -> Non
         assert "resume omni" in ran.out
         assert "not measured: watchdog" in ran.out
         assert "stopped by" in rosic("status", "omni", "-c", config).out
+
+
+@pytest.mark.parametrize(
+    ("told", "well"),
+    [
+        ("STOP sent to omni.", True),
+        ("STOP: omni at rest (0.05 s).", True),
+        ("STOP: omni has not confirmed the stop. Use its own stop button.", False),
+        ("STOP: omni at rest (1.05 s). omni's own stop did not answer.", False),
+        ("STOP: omni at rest (0.05 s). omni's own stop answered that it failed: no.", False),
+        (str(NOT_KEPT), False),
+    ],
+)
+def test_what_the_gateway_says_of_a_stop_is_judged(told: str, well: bool) -> None:
+    assert (verdict_of(Answer(told)) is Verdict.GOOD) == well
 
 
 def test_a_robot_that_is_not_in_the_file_is_a_sentence(tmp_path: Path) -> None:

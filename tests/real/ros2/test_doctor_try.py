@@ -122,6 +122,8 @@ async def test_a_watchdog_slower_than_its_profile_says_is_looked_at(
     how, seconds = watched(watchdog)
     assert how == "at rest"
     assert 1.8 < seconds < 3.0 * patience()
+    written = float(watchdog.text.rpartition(", or write watchdog_s: ")[2])
+    assert 0.0 <= written - seconds <= 0.1
 
 
 async def test_a_robot_that_is_not_measured_to_move_is_looked_at_and_stays_stopped(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,10 +22,14 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from rosic.app.config import Config
+    from rosic.app.desk.control import Answer
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
 
 ROS_LINK = "ros2"
+SENT = "STOP sent to "
+AT_REST = re.compile(r"\ASTOP: .* \(\d+\.\d\d s\)\.\Z", re.DOTALL)
+"""One robot, confirmed, of whose own stop nothing has to be said."""
 
 log = logging.getLogger("rosic.doctor")
 
@@ -94,9 +99,14 @@ async def _asked(config: Config, name: str) -> AsyncIterator[Finding]:
         yield Finding(name, Verdict.LOOK, f"there is no such robot; there are: {known}")
         return
     async for answer in ask_gateway(config.data, Ask(Verb.STOP, (name,)), log.warning):
-        good = answer.good and "not confirmed" not in answer.text
-        yield Finding(name, Verdict.GOOD if good else Verdict.LOOK, answer.text)
+        yield Finding(name, verdict_of(answer), answer.text)
     text = f"by the running gateway; it stays stopped until somebody says: resume {name}"
     yield Finding(name, Verdict.GOOD, text)
     text = "watchdog: the gateway has the robot; end it first, then try again"
     yield Finding(name, Verdict.NOT_MEASURED, text)
+
+
+def verdict_of(answer: Answer) -> Verdict:
+    """Judge what a gateway says of the stop of one robot."""
+    well = answer.text.startswith(SENT) or AT_REST.search(answer.text) is not None
+    return Verdict.GOOD if answer.good and well else Verdict.LOOK

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from math import ceil
 from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from rosic.app.adapters import robot_factory
@@ -33,6 +34,10 @@ if TYPE_CHECKING:
 THERE_WITHIN_S = 5.0
 # Others who report the same are found, and are heard, within this.
 DOUBTED_WITHIN_S = 3.0
+# What shows rest is listened to for so long, and has to come so many times within its deadline.
+LISTENED_S = 6.0
+TIMES_WITHIN = 1.5
+ROUGHLY_S = 0.1
 MOVING_WITHIN_S = 2.0
 UP_TO_SPEED_S = 0.5
 LIVES_S = 10.0
@@ -43,6 +48,8 @@ SLOW_RAD_S = 0.2
 STREAM_S = 2.0
 # Coming to rest takes a moment after the watchdog has barked, even from a slow drive.
 BRAKING_S = 0.5
+# What a profile may say.
+WATCHDOG_AT_MOST_S = 5.0
 
 
 @runtime_checkable
@@ -55,6 +62,15 @@ class FallsSilent(Protocol):
         Returns:
             The seconds from the last message to rest, or to giving up.
         """
+        ...
+
+
+@runtime_checkable
+class TellsHowOften(Protocol):
+    """A robot link that can tell how often what shows rest is heard."""
+
+    async def rest_every_s(self, within_s: float) -> float | None:
+        """Listen, at most so long, and return how many seconds apart it comes; None: not twice."""
         ...
 
 
@@ -91,39 +107,55 @@ class Trial:
         self._clock = clock
         self._entropy = entropy
         self._skill = streaming_skill(profile)
+        self._confirmed = False
 
     async def run(self) -> AsyncIterator[Finding]:
         """Measure, one thing after another."""
+        hindered = await self._hindered()
+        if hindered is not None:
+            yield hindered
+            return
         about = self._profile.id
-        await self._until(lambda: self._robot.presence().online is True, THERE_WITHIN_S)
-        if self._robot.presence().online is False:
-            text = f"{self._profile.shown} is not there; nothing was measured"
+        before, good = self._robot.gate.generation, True
+        try:
+            for measure in (self._stop, self._watchdog):
+                measured = await measure()
+                yield measured
+                good = good and measured.verdict is not Verdict.LOOK
+            if good:
+                yield await self._go_on()
+        except RosicError as error:
+            yield Finding(about, Verdict.LOOK, str(error))
+            good = False
+        if not good and self._robot.gate.generation > before:
+            text = f"it stays stopped, also after a start, until somebody says: resume {about}"
             yield Finding(about, Verdict.LOOK, text)
-            return
-        if self._robot.gate.latched:
+
+    async def _hindered(self) -> Finding | None:
+        """Return why it is not moved; None where nothing speaks against it."""
+        about, robot = self._profile.id, self._robot
+        await self._until(lambda: robot.presence().online is True, THERE_WITHIN_S)
+        if robot.presence().online is False:
+            text = f"{self._profile.shown} is not there; nothing was measured"
+            return Finding(about, Verdict.LOOK, text)
+        if robot.gate.latched:
             text = f"{self._profile.shown} is stopped, so it was not moved; resume it first"
-            yield Finding(about, Verdict.NOT_MEASURED, text)
-            return
-        if self._profile.at_rest is not None:
-            await self._until(lambda: bool(self._robot.presence().doubt), DOUBTED_WITHIN_S)
-        doubt = self._robot.presence().doubt
+            return Finding(about, Verdict.NOT_MEASURED, text)
+        if self._profile.at_rest is None:
+            return None
+        seldom = await self._seldom()
+        if seldom:
+            return Finding(about, Verdict.LOOK, f"{seldom}; it was not moved")
+        await self._until(lambda: bool(robot.presence().doubt), DOUBTED_WITHIN_S)
+        doubt = robot.presence().doubt
         if doubt:
             text = f"whether it rests is not measured: {doubt}; it was not moved"
-            yield Finding(about, Verdict.LOOK, text)
-            return
-        measured = await self._stop()
-        yield measured
-        good = measured.verdict is not Verdict.LOOK
-        measured = await self._watchdog()
-        yield measured
-        yield await self._go_on(good=good and measured.verdict is not Verdict.LOOK)
-
-    async def _go_on(self, *, good: bool) -> Finding:
-        """Undo the stop of this trial, on disk first; after one that went badly it is left."""
-        about = self._profile.id
-        if not good:
-            text = f"it stays stopped, also after a start, until somebody says: resume {about}"
             return Finding(about, Verdict.LOOK, text)
+        return None
+
+    async def _go_on(self) -> Finding:
+        """Undo the stop of this trial, on disk first."""
+        about = self._profile.id
         generation, at_ns = self._robot.gate.generation, self._clock.wall_ns()
         cid = command_id(OPERATOR, RESUME, about, str(generation), str(at_ns))
         await self._store.write(
@@ -131,6 +163,24 @@ class Trial:
         )
         await self._latch.write(about, generation, latched=False)
         return Finding(about, Verdict.GOOD, "resumed: it was stopped only to be measured")
+
+    async def _seldom(self) -> str:
+        """Say what to write where what shows rest comes more rarely than the profile allows."""
+        at_rest, robot = self._profile.at_rest, self._robot
+        if at_rest is None or not isinstance(robot, TellsHowOften):
+            return ""
+        every_s = await robot.rest_every_s(LISTENED_S)
+        if every_s is None:
+            return f"at_rest: {at_rest.topic} was not heard twice within {LISTENED_S:g} s"
+        if every_s * TIMES_WITHIN <= at_rest.within_s:
+            return ""
+        text = (
+            f"at_rest: heard every {every_s:.2g} s; within_s {at_rest.within_s:g} is too short: "
+            f"write within_s: {enough_s(every_s):.1f}"
+        )
+        if every_s * TIMES_WITHIN > self._profile.link.heartbeat_s:
+            text += f", and heartbeat_s: {enough_s(every_s):.1f} in link"
+        return text
 
     async def _stop(self) -> Finding:
         drive = await self._move_until_stopped() if self._skill is not None else None
@@ -146,7 +196,10 @@ class Trial:
         )
         if rest.declined:
             what += f"; its own stop answered that it failed: {rest.declined}"
-        good = rest.confirmed and not rest.declined and (drive is None or moved)
+        elif rest.unanswered:
+            what += "; its own stop did not answer"
+        answered = not rest.declined and not rest.unanswered
+        good = rest.confirmed and answered and (drive is None or moved)
         verdict = Verdict.GOOD if good else Verdict.LOOK
         return Finding(self._profile.id, verdict, f"stop: {what} ({how})")
 
@@ -175,6 +228,7 @@ class Trial:
     async def _apply_stop(self) -> Rest:
         generation = self._robot.gate.generation + 1
         rest = await self._robot.stop(Stop(self._profile.id, generation))
+        self._confirmed = rest.confirmed
         self._store.note(
             Stopped(
                 robot=self._profile.id, generation=generation, principal=OPERATOR,
@@ -188,6 +242,9 @@ class Trial:
         about, robot = self._profile.id, self._robot
         if self._skill is None:
             return Finding(about, Verdict.NOT_MEASURED, "watchdog: no skill streams a velocity")
+        if not self._confirmed:
+            text = "watchdog: its stop was not confirmed, so it was not moved again"
+            return Finding(about, Verdict.NOT_MEASURED, text)
         if not isinstance(robot, FallsSilent):
             text = "watchdog: this link cannot fall silent on purpose"
             return Finding(about, Verdict.NOT_MEASURED, text)
@@ -209,12 +266,13 @@ class Trial:
             f"the profile says {stated_s:g} s"
         )
         good = rest.confirmed and not late
-        text += (
-            f", and {BRAKING_S:g} s to come to rest is usual: good"
-            if good
-            else ": too late; have its driver stop it sooner, or say in watchdog_s how long "
-            "it takes"
-        )
+        if good:
+            text += f", and {BRAKING_S:g} s to come to rest is usual: good"
+        else:
+            text += ": too late; have its driver stop it sooner"
+            wanted_s = ceil(10 * rest.seconds) / 10
+            if rest.confirmed and wanted_s <= WATCHDOG_AT_MOST_S:
+                text += f", or write watchdog_s: {wanted_s:.1f}"
         return Finding(self._profile.id, Verdict.GOOD if good else Verdict.LOOK, text)
 
     async def _claim(self) -> Order:
@@ -289,6 +347,11 @@ async def try_robot(
     finally:
         await latch.close()
         await store.close()
+
+
+def enough_s(every_s: float) -> float:
+    """Return a deadline that leaves room for one message lost, to half a second."""
+    return ceil(4 * every_s - ROUGHLY_S) / 2
 
 
 def streaming_skill(profile: Profile) -> Skill | None:

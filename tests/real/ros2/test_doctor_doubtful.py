@@ -1,0 +1,131 @@
+"""What `rosic doctor --try` says of robots that report too seldom, or whose own stop is no good."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.app.config import load_config
+from rosic.app.doctor.findings import Finding, Verdict
+from rosic.app.doctor.trying import try_robot
+from rosic.system import SystemClock, SystemEntropy
+
+if TYPE_CHECKING:
+    from rosic.testing.ros2.graph import RosGraph, RosProcess
+
+NODE = Path(__file__).with_name("doubtful_node.py")
+PLACE = """
+[[messenger]]
+kind = "terminal"
+
+[[principal]]
+name = "Ada"
+address = "terminal:1"
+role = "admin"
+
+[[robot]]
+profile = "./base.yaml"
+"""
+BASE = """
+id: base
+title: Base
+link: {{ kind: ros2, namespace: /base }}
+stop: {{ service: /base/stop, zero: /base/cmd_vel }}
+watchdog_s: 0.5
+at_rest:
+  {{ topic: /base/odom, type: nav_msgs/msg/Odometry, field: twist.twist.linear.x, below: 0.005,
+    within_s: {within_s} }}
+rest_timeout_s: 4
+skills:
+  drive:
+    class: motion
+    parameters:
+      linear: {{ unit: m/s, min: -0.5, max: 0.5 }}
+      duration: {{ unit: s, min: 0.1, max: 60 }}
+    topic:
+      name: /base/cmd_vel
+      type: geometry_msgs/msg/Twist
+      message: {{ linear.x: $linear }}
+      stream_hz: 20
+telemetry:
+  battery:
+    {{ topic: /base/battery, type: sensor_msgs/msg/BatteryState, field: percentage, unit: "%" }}
+"""
+
+
+@pytest.fixture
+def base(graph: RosGraph) -> RosProcess:
+    return graph.start(NODE)
+
+
+async def told(base: RosProcess, line: str) -> int:
+    """Tell the base something; return how many velocities it has had so far."""
+    base.say(line)
+    return int(await asyncio.to_thread(base.expect, "ok"))
+
+
+async def tried(folder: Path, within_s: float = 1.0) -> list[Finding]:
+    """Try the base; return everything that was found."""
+    (folder / "base.yaml").write_text(BASE.format(within_s=within_s))
+    (folder / "rosic.toml").write_text(PLACE)
+    config = load_config(folder / "rosic.toml")
+    return [f async for f in try_robot(config, "base", SystemClock(), SystemEntropy())]
+
+
+async def test_a_robot_that_reports_too_seldom_is_not_moved_and_what_to_write_is_said(
+    base: RosProcess, tmp_path: Path
+) -> None:
+    await told(base, "hz=0.7")
+
+    [seldom] = await tried(tmp_path, within_s=0.5)
+
+    assert seldom.verdict is Verdict.LOOK
+    said = re.fullmatch(
+        r"at_rest: heard every (\d\.\d) s; within_s 0\.5 is too short: write within_s: (\d\.\d); "
+        r"it was not moved",
+        seldom.text,
+    )
+    assert said, seldom.text
+    assert 1.3 <= float(said[1]) <= 1.6
+    assert float(said[2]) in {3.0, 3.5}
+    assert await told(base, "velocities") == 0
+
+
+async def test_what_is_written_then_is_enough(base: RosProcess, tmp_path: Path) -> None:
+    await told(base, "hz=0.7")
+
+    stop, _watchdog, _ = await tried(tmp_path, within_s=3.0)
+
+    assert stop.verdict is Verdict.GOOD, stop.text
+    assert await told(base, "velocities") > 0
+
+
+async def test_a_stop_that_never_answers_is_looked_at(base: RosProcess, tmp_path: Path) -> None:
+    """Zeros bring it to rest; what stops it where somebody else sends velocities is not known."""
+    await told(base, "stop=hangs")
+
+    stop, watchdog, stays = await tried(tmp_path)
+
+    assert stop.verdict is Verdict.LOOK
+    assert re.fullmatch(
+        r"stop: at rest after \d\.\d\d s; its own stop did not answer \(from a slow drive\)",
+        stop.text,
+    ), stop.text
+    assert watchdog.verdict is Verdict.GOOD
+    assert stays.text.startswith("it stays stopped")
+
+
+async def test_a_stop_that_says_that_it_failed_is_looked_at(
+    base: RosProcess, tmp_path: Path
+) -> None:
+    await told(base, "stop=false")
+
+    stop, _, stays = await tried(tmp_path)
+
+    assert stop.verdict is Verdict.LOOK
+    assert "; its own stop answered that it failed: brake circuit open (from" in stop.text
+    assert stays.text.startswith("it stays stopped")
