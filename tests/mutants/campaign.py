@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "src" / "rosic"
+PATH = os.pathsep.join((str(ROOT), str(SOURCE.parent)))  # of this source, wherever it is installed
 SURVIVORS = Path(__file__).with_name("survivors.toml")
 COLLECTING_S = 600.0  # a run may take so much longer than its mutants, before the first of them
 
@@ -173,7 +174,7 @@ def _run(module: Module, order: Order, results: Path, root: Path, within_s: floa
                 f"--hypothesis-profile={PROFILE}", "-o", "faulthandler_timeout=0",
                 "-m", "not campaign", *module.tests,
             ],
-            cwd=root, env=os.environ | {ORDER: str(request), "PYTHONPATH": str(ROOT)},
+            cwd=root, env=os.environ | {ORDER: str(request), "PYTHONPATH": PATH},
             stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
         )  # fmt: skip
         try:

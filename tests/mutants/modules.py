@@ -94,10 +94,12 @@ MODULES = (
     Module("Telegram listener", "messengers/telegram/listener.py", (
         "tests/rooms/messengers/test_listener.py",
         "tests/rooms/messengers/test_listener_trouble.py",
+        "tests/rooms/messengers/test_reading.py",
     )),
     Module("Telegram reading", "messengers/telegram/reading.py", (
         "tests/rooms/messengers/test_listener.py",
         "tests/rooms/messengers/test_listener_trouble.py",
+        "tests/rooms/messengers/test_reading.py",
     )),
     Module("Telegram listening", "messengers/telegram/listening.py", (
         "tests/rooms/messengers/test_listening.py",

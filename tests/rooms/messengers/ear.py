@@ -34,7 +34,7 @@ POLL_S = 20
 
 
 class Held(NamedTuple):
-    """A poll that fails after a while."""
+    """A call that fails after a while."""
 
     error: Exception
     seconds: float
@@ -62,6 +62,9 @@ class ScriptedBot:
     async def get_me(self) -> object:
         """Say who the bot is."""
         found = self._who.pop(0)
+        if isinstance(found, Held):
+            await self._clock.sleep(found.seconds)
+            found = found.error
         if isinstance(found, Exception):
             raise found
         return found

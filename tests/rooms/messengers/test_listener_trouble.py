@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import errno
+from types import SimpleNamespace
 
 import pytest
 from telegram.error import Conflict, Forbidden, InvalidToken, NetworkError
 
 from rosic.errors import MessengerFault
-from rosic.messengers.telegram.line import polled_within_s
+from rosic.messengers.telegram.line import CALL_S, polled_within_s
 from rosic.messengers.telegram.listener import AWAKE_S
 from rosic.messengers.telegram.listening import CALM_NS, SECOND_NS
 from rosic.messengers.telegram.trouble import TooFast
@@ -53,6 +54,17 @@ async def test_what_was_sent_while_the_network_was_away_says_so_until_all_of_it_
         assert found == [("old", True), ("late", False)]
 
 
+async def test_what_was_sent_before_it_knew_who_it_is_was_sent_while_the_network_was_away() -> None:
+    away = NetworkError("away")
+    away.__cause__ = OSError(errno.ENETUNREACH, "Network is unreachable")
+    account = SimpleNamespace(username="lab_bot", can_read_all_group_messages=True)
+    while_away = Held(away, CALL_S + AWAKE_S / 2)
+    sent_s = ManualClock().wall_ns() // SECOND_NS + 5
+    ear = Ear([text(1, "old", date=sent_s)], who=[while_away, account])
+    async with ear.listening(60.0):
+        assert [inbound.network_away for inbound in ear.heard] == [True]
+
+
 @pytest.mark.parametrize("reason", ["terminated by other getUpdates request", "Webhook is active"])
 async def test_somebody_else_who_receives_is_said_once_and_motion_waits_until_it_is_calm(
     reason: str,
@@ -86,6 +98,7 @@ async def test_it_is_said_again_when_it_happens_again(caplog: pytest.LogCaptureF
         assert [asked.timeout_s for asked in ear.bot.asked][-3:] == [0, POLL_S, POLL_S]
         again, over, once_more = ear.alarms  # what the admins hear: of each, and that one ended
         assert str(again) == str(once_more) != str(over)
+        assert "Nobody else receives the messages of the bot of lab any more." in str(over)
         assert [each for each in caplog.messages if "Another program" in each]
 
 

@@ -80,7 +80,7 @@ class Reading:
 
     def begin(self) -> None:
         """Forget what an earlier run did not come to."""
-        self._unread, self._later, self._taking = [], None, False
+        self._unread, self._later = [], None
 
     @property
     def behind(self) -> bool:
