@@ -1,0 +1,22 @@
+"""All faults that are planted."""
+
+from __future__ import annotations
+
+from tests.planted.faults import FAULTS
+from tests.planted.faults_of_alerts import OF_ALERTS
+from tests.planted.faults_of_among import OF_AMONG
+from tests.planted.faults_of_breaks import OF_BREAKS
+from tests.planted.faults_of_busy import OF_BUSY
+from tests.planted.faults_of_cancelling import OF_CANCELLING
+from tests.planted.faults_of_cards import OF_CARDS
+from tests.planted.faults_of_dispatch import OF_DISPATCH
+from tests.planted.faults_of_fleet import OF_FLEET, OF_TASKS
+from tests.planted.faults_of_keeping import OF_KEEPING
+from tests.planted.faults_of_orders import OF_ORDERS
+from tests.planted.faults_of_telling import OF_TELLING
+from tests.planted.messenger_faults import MESSENGER_FAULTS
+
+ALL = (
+    *FAULTS, *OF_ORDERS, *OF_DISPATCH, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *OF_AMONG, *OF_FLEET,
+    *OF_TASKS, *OF_KEEPING, *OF_BREAKS, *OF_CANCELLING, *OF_BUSY, *MESSENGER_FAULTS,
+)  # fmt: skip
