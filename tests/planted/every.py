@@ -13,10 +13,12 @@ from tests.planted.faults_of_dispatch import OF_DISPATCH
 from tests.planted.faults_of_fleet import OF_FLEET, OF_TASKS
 from tests.planted.faults_of_keeping import OF_KEEPING
 from tests.planted.faults_of_orders import OF_ORDERS
+from tests.planted.faults_of_reading import OF_READING
 from tests.planted.faults_of_telling import OF_TELLING
 from tests.planted.messenger_faults import MESSENGER_FAULTS
 
 ALL = (
     *FAULTS, *OF_ORDERS, *OF_DISPATCH, *OF_CARDS, *OF_TELLING, *OF_ALERTS, *OF_AMONG, *OF_FLEET,
-    *OF_TASKS, *OF_KEEPING, *OF_BREAKS, *OF_CANCELLING, *OF_BUSY, *MESSENGER_FAULTS,
+    *OF_TASKS, *OF_KEEPING, *OF_BREAKS, *OF_CANCELLING, *OF_BUSY, *OF_READING,
+    *MESSENGER_FAULTS,
 )  # fmt: skip

@@ -162,6 +162,18 @@ async def test_in_a_small_group_every_other_line_second_or_person_is_another_com
     assert sorted(Counted.told) == ["look", *["wave"] * 4]
 
 
+async def test_in_a_small_group_the_same_line_after_a_restart_is_another_command() -> None:
+    """Of what was said before, nobody counts any more; the second in which it was said remains."""
+    Counted.told.clear()
+    store, now_s = MemoryStore(), int(time.time())
+    for date_s in (now_s - 1, now_s):
+        async with bots(store) as place:
+            for bot in (place.first, place.second):
+                bot.give(bot.message(ADA, "omni wave", date=date_s, **in_group("group")))
+            await place.settled()
+    assert Counted.told == ["wave", "wave"]
+
+
 async def test_a_small_group_with_one_bot_is_known_by_its_own_numbers() -> None:
     """Nothing is taken for something else there, also where we begin anew between two lines."""
     Counted.told.clear()

@@ -1,0 +1,121 @@
+"""Guards of how what arrives is read: in which order, how long, and by which of several bots."""
+
+from __future__ import annotations
+
+from tests.planted.faults import Fault
+
+READING = "tests/rooms/messengers/test_reading.py"
+STEPS = "tests/rooms/pipeline/test_steps.py"
+HUNG = "tests/rooms/pipeline/test_hung.py"
+IN_GROUPS = "tests/rooms/pipeline/people/test_codes_in_groups.py"
+TWO_BOTS = "tests/rooms/pipeline/test_two_bots.py"
+
+OF_READING = (
+    Fault(
+        name="L2 nothing is fetched while what strangers sent is read",
+        file="messengers/telegram/reading.py",
+        guard="self._later = group.create_task(self._read_on(window))",
+        without="await self._read_on(window)",
+        caught_by=(f"{STEPS}::test_what_takes_longest_to_read_is_not_waited_for",),
+    ),
+    Fault(
+        name="what strangers sent is confirmed before it is read",
+        file="messengers/telegram/reading.py",
+        guard="                window.expect(number)\n",
+        without="",
+        caught_by=(f"{READING}::test_what_strangers_sent_is_not_confirmed_before_it_is_read",),
+    ),
+    Fault(
+        name="what an earlier run left unread keeps the next from reading",
+        file="messengers/telegram/listener.py",
+        guard="            self.reading.begin()\n",
+        without="",
+        caught_by=(f"{READING}::test_nothing_is_lost_whenever_a_run_is_cut_off",),
+    ),
+    Fault(
+        name="L2 what came is followed before what nobody in particular sent is read",
+        file="messengers/telegram/reading.py",
+        guard=" and (not self._unread or self._unread[0].rank == STRANGER):",
+        without=":",
+        caught_by=(
+            f"{STEPS}::test_a_stop_of_nobody_is_found_before_anything_that_came_with_it_is_followed",
+            f"{READING}::test_those_known_here_wait_for_what_nobody_sent_as_a_stop_may_be_in_it",
+        ),
+    ),
+    Fault(
+        name="L2 what is read beside the polling lets half of an answer be followed",
+        file="messengers/telegram/reading.py",
+        guard="if not self._taking and (",
+        without="if (",
+        caught_by=(
+            f"{READING}::test_what_comes_while_strangers_are_read_is_searched_before_it_is_followed",
+        ),
+    ),
+    Fault(
+        name="L2 a hundred that are held up hide a stop",
+        file="messengers/telegram/listener.py",
+        guard="            window.relieve()\n",
+        without="            pass\n",
+        caught_by=(f"{READING}::test_a_hundred_that_are_held_up_hide_no_stop_behind_them",),
+    ),
+    Fault(
+        name="I10 whoever said something waits for the disk for as long as it hangs",
+        file="container/patience.py",
+        guard="await asyncio.wait((task, patience), return_when=asyncio.FIRST_COMPLETED)",
+        without="await asyncio.wait((task,))",
+        caught_by=(f"{HUNG}::test_what_moves_nothing_does_not_wait_longer_either",),
+    ),
+    Fault(
+        name="I10 each order waits anew for a record that hangs",
+        file="container/patience.py",
+        guard="        if self._late:\n",
+        without="        if False:\n",
+        caught_by=(f"{HUNG}::test_while_something_is_late_nothing_else_waits",),
+    ),
+    Fault(
+        name="I7 what is claimed too late is left open",
+        file="container/patience.py",
+        guard="            disown()\n",
+        without="            pass\n",
+        caught_by=(f"{HUNG}::test_what_is_claimed_too_late_is_disowned_and_never_done",),
+    ),
+    Fault(
+        name="a code is good that a group read in a message that is not followed",
+        file="pipeline/unfollowed_messages.py",
+        guard="burnt = not private and await self._showed_a_code(messenger, inbound)",
+        without="burnt = False",
+        caught_by=(IN_GROUPS,),
+    ),
+    Fault(
+        name="of several codes that a group was shown one is burnt",
+        file="pipeline/people/joining.py",
+        guard="while (found := self._enrolment.leaked(text, inbound.sender)) is not None:\n",
+        without="if (found := self._enrolment.leaked(text, inbound.sender)) is not None:\n",
+        caught_by=(IN_GROUPS,),
+    ),
+    Fault(
+        name="I1 a line of a small group is done once for each bot that hears it",
+        file="messengers/telegram/reading.py",
+        guard="            inbound = self._alike.named(inbound)\n",
+        without="            pass\n",
+        caught_by=(f"{TWO_BOTS}::test_what_both_bots_hear_in_a_group_is_one_command",),
+    ),
+    Fault(
+        name="I1 in a small group the same in another second is the same line",
+        file="messengers/telegram/window.py",
+        guard="inbound.sender.account, str(inbound.sent_ns), inbound.text)",
+        without="inbound.sender.account, inbound.text)",
+        caught_by=(
+            f"{TWO_BOTS}::test_in_a_small_group_the_same_line_after_a_restart_is_another_command",
+        ),
+    ),
+    Fault(
+        name="I1 in a small group the same once more in a second is the same line",
+        file="messengers/telegram/window.py",
+        guard="{numbers.index(inbound.message)}",
+        without="0",
+        caught_by=(
+            f"{TWO_BOTS}::test_in_a_small_group_every_other_line_second_or_person_is_another_command",
+        ),
+    ),
+)
