@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
+from rosic.app.documents.profiles import shipped_profiles
 from rosic.app.founding import Founding, found, zone_here
 from rosic.cli.entry import main
 from rosic.errors import ConfigurationError
@@ -112,6 +113,26 @@ def test_what_cannot_be_simulated_is_said_before_the_next_question(folder: Path)
     assert [(robot.id, robot.link.kind) for robot in config.robots] == [
         ("omni", "simulated"), ("rover", "ros2"),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("simulated", "There is no simulated machine called 'table'."),
+        ("bus", "There is no robot link of the kind 'bus'."),
+    ],
+)
+def test_a_file_of_a_robot_that_cannot_be_reached_is_asked_for_again(
+    folder: Path, kind: str, said: str
+) -> None:
+    rover = shipped_profiles()["rover"].read_text()
+    table = rover.replace("kind: ros2", f"kind: {kind}").replace("id: rover", "id: table")
+    (folder / "table.yaml").write_text(table)
+    ran = rosic("init", "--no-telegram", stdin="\n\n\n./table.yaml\nomni\n\n", cwd=folder)
+
+    assert (ran.status, ran.err) == (0, "")
+    assert said in ran.out
+    assert [robot.id for robot in load_config(folder / "rosic.toml").robots] == ["omni"]
 
 
 def test_where_nothing_can_be_simulated_it_is_not_asked(folder: Path) -> None:

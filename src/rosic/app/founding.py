@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from rosic.contracts.clock import Clock
+    from rosic.core.robot import Profile
 
 TOKEN_FILE = "telegram-token.txt"  # noqa: S105 - the name of a file
 ROBOTS = "robots"
@@ -102,31 +103,46 @@ def is_file(robot: str) -> bool:
     return robot.endswith(SUFFIXES) or "/" in robot
 
 
-def check_robots(names: tuple[str, ...]) -> None:
-    """See that these are profiles that ship, or files that are good profiles.
+def check_robots(names: tuple[str, ...], clock: Clock, link: str = "") -> None:
+    """See that these are profiles that ship, or files, of robots that can be reached from here.
+
+    Args:
+        names: As they were typed.
+        clock: The machine's.
+        link: How they are reached, whatever their profiles say.
 
     Raises:
-        ConfigurationError: The first that is none.
+        ConfigurationError: The first that is none, and why.
     """
     shipped = shipped_profiles()
     for name in names:
         if is_file(name):
-            errors = check_profile(Path(name).expanduser())
-            if errors:
-                raise errors[0]
+            check_reached(load_profile(Path(name).expanduser(), link=link), name, clock)
         elif name not in shipped:
             hint = f"{nearest(name, shipped)} A file of your own is named ./{name}.yaml."
             raise ConfigurationError(f"No profile is called {name!r}.", hint=hint)
+        elif link:
+            check_reached(load_profile(shipped[name], link=link), name, clock)
+        elif not can_be_simulated(name, clock):
+            check_reached(load_profile(shipped[name]), name, clock)
 
 
-def check_simulated(robot: str, clock: Clock) -> None:
-    """See that a robot can be simulated here, for it is no good to learn that at the end.
+def check_reached(profile: Profile, where: str, clock: Clock) -> None:
+    """See that a start could make the link to a robot, for it is no good to learn that at the end.
 
     Raises:
-        ConfigurationError: It cannot; names those that can.
+        ConfigurationError: It could not.
     """
-    path = Path(robot).expanduser() if is_file(robot) else shipped_profiles()[robot]
-    demand_good(load_profile(path, link=SIMULATED), robot_factory(SIMULATED), clock)
+    demand_good(profile, robot_factory(profile.link.kind), clock, where)
+
+
+def can_be_simulated(name: str, clock: Clock) -> bool:
+    """Tell whether a robot that ships can be simulated here."""
+    try:
+        check_reached(load_profile(shipped_profiles()[name], link=SIMULATED), name, clock)
+    except ConfigurationError:
+        return False
+    return True
 
 
 def check_zone(name: str) -> None:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 from rosic.app.documents.profiles import shipped_profiles
 from rosic.app.founding import (
     Founding,
+    can_be_simulated,
     check_absent,
     check_account,
     check_robots,
-    check_simulated,
     check_token,
     check_zone,
     found,
@@ -165,10 +165,7 @@ def _robots(options: argparse.Namespace, ask: Questions, drafts: dict[str, str])
 
 
 def _check(options: argparse.Namespace, robots: tuple[str, ...]) -> None:
-    check_robots(robots)
-    if options.link == LINKS[0]:
-        for robot in robots:
-            check_simulated(robot, SystemClock())
+    check_robots(robots, SystemClock(), options.link or "")
 
 
 def _named(said: str) -> tuple[str, ...]:
@@ -181,7 +178,7 @@ def _link(
     """Return how robots are reached, and which of them cannot be reached so."""
     if options.link is not None:
         return str(options.link), ()
-    real = tuple(robot for robot in robots if not _can_be_simulated(robot))
+    real = tuple(robot for robot in robots if not can_be_simulated(robot, SystemClock()))
     for robot in real:
         ask.say(f"{robot} cannot be simulated here: it is looked for on ROS 2.")
     if robots and len(real) == len(robots):
@@ -191,14 +188,6 @@ def _link(
     if not robots or ask.yes(question, default=True):
         return LINKS[0], real
     return LINKS[1], ()
-
-
-def _can_be_simulated(robot: str) -> bool:
-    try:
-        check_simulated(robot, SystemClock())
-    except ConfigurationError:
-        return False
-    return True
 
 
 def _admin(options: argparse.Namespace, ask: Questions, *, has_telegram: bool) -> Address | None:
