@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from rosic.app.documents.profiles import check_profile
 from rosic.app.finding.discovering import LOOK_S, discover
+from rosic.app.finding.drafting import NO_REST
 from rosic.app.finding.neighbours import MIXED
 from rosic.system import SystemClock
 
@@ -62,7 +63,9 @@ def _write(path: Path, text: str) -> int:
         print(f"{path} cannot be written ({error.strerror}).", file=sys.stderr)
         return 1
     print(f"Written: {path}")
-    mixed = (line.removeprefix("# ") for line in text.splitlines() if line.startswith(MIXED))
-    for wrong in (*mixed, *check_profile(path)):
+    notes = (
+        line.removeprefix("# ") for line in text.splitlines() if line.startswith((MIXED, NO_REST))
+    )
+    for wrong in (*notes, *check_profile(path)):
         print(f"  look at: {wrong}")
     return 0

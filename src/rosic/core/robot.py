@@ -132,13 +132,19 @@ class AtRest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 class Telemetry(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One value the robot reports; only the newest is kept."""
+    """One value the robot reports; only the newest is kept.
+
+    Attributes:
+        full: What a share, with the unit ``%``, is reported as when it is whole: 100 for a battery
+            that says 0 to 100, against the definition of its message.
+    """
 
     topic: str = ""
     type: str = ""
     field: str = ""
     unit: str = ""
     alert_below: float | None = None
+    full: float = 1.0
 
 
 class Camera(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -104,6 +104,17 @@ async def test_what_is_written_then_is_enough(base: RosProcess, tmp_path: Path) 
     assert await told(base, "velocities") > 0
 
 
+async def test_a_battery_in_per_cent_is_pointed_out(base: RosProcess, tmp_path: Path) -> None:
+    await told(base, "battery=15")
+
+    battery, stop, *_ = await tried(tmp_path)
+
+    assert battery.verdict is Verdict.LOOK
+    assert battery.text.startswith("battery: it reports more than 1, and ROS defines a fraction")
+    assert battery.text.endswith("write full: 100 in its telemetry")
+    assert stop.verdict is Verdict.GOOD
+
+
 async def test_a_stop_that_never_answers_is_looked_at(base: RosProcess, tmp_path: Path) -> None:
     """Zeros bring it to rest; what stops it where somebody else sends velocities is not known."""
     await told(base, "stop=hangs")

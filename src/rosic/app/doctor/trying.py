@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from rosic.app.adapters import robot_factory
 from rosic.app.doctor.findings import Finding, Verdict
+from rosic.app.documents.profile_rest import enough_s
 from rosic.app.documents.profiles import known_units
 from rosic.app.placing.gates import stops_of
 from rosic.app.start import latch_of
@@ -37,7 +38,6 @@ DOUBTED_WITHIN_S = 3.0
 # What shows rest is listened to for so long, and has to come so many times within its deadline.
 LISTENED_S = 6.0
 TIMES_WITHIN = 1.5
-ROUGHLY_S = 0.1
 MOVING_WITHIN_S = 2.0
 UP_TO_SPEED_S = 0.5
 LIVES_S = 10.0
@@ -66,11 +66,19 @@ class FallsSilent(Protocol):
 
 
 @runtime_checkable
-class TellsHowOften(Protocol):
-    """A robot link that can tell how often what shows rest is heard."""
+class TellsHowItReports(Protocol):
+    """A robot link that can tell how its robot reports."""
 
     async def rest_every_s(self, within_s: float) -> float | None:
-        """Listen, at most so long, and return how many seconds apart it comes; None: not twice."""
+        """Listen to what shows rest, at most so long; return how many seconds apart it comes.
+
+        Returns:
+            None where it was not heard twice.
+        """
+        ...
+
+    def guessed(self) -> tuple[str, ...]:
+        """Return which values were taken for per cent, as they are no fractions of 1."""
         ...
 
 
@@ -116,6 +124,12 @@ class Trial:
             yield hindered
             return
         about = self._profile.id
+        for value in self._guessed():
+            text = (
+                f"{value}: it reports more than 1, and ROS defines a fraction of 1: read as per "
+                f"cent, which is not known again after a start; write full: 100 in its telemetry"
+            )
+            yield Finding(about, Verdict.LOOK, text)
         before, good = self._robot.gate.generation, True
         try:
             for measure in (self._stop, self._watchdog):
@@ -164,10 +178,14 @@ class Trial:
         await self._latch.write(about, generation, latched=False)
         return Finding(about, Verdict.GOOD, "resumed: it was stopped only to be measured")
 
+    def _guessed(self) -> tuple[str, ...]:
+        self._robot.presence()  # reads everything
+        return self._robot.guessed() if isinstance(self._robot, TellsHowItReports) else ()
+
     async def _seldom(self) -> str:
         """Say what to write where what shows rest comes more rarely than the profile allows."""
         at_rest, robot = self._profile.at_rest, self._robot
-        if at_rest is None or not isinstance(robot, TellsHowOften):
+        if at_rest is None or not isinstance(robot, TellsHowItReports):
             return ""
         every_s = await robot.rest_every_s(LISTENED_S)
         if every_s is None:
@@ -347,11 +365,6 @@ async def try_robot(
     finally:
         await latch.close()
         await store.close()
-
-
-def enough_s(every_s: float) -> float:
-    """Return a deadline that leaves room for one message lost, to half a second."""
-    return ceil(4 * every_s - ROUGHLY_S) / 2
 
 
 def streaming_skill(profile: Profile) -> Skill | None:

@@ -203,6 +203,7 @@ BOUNDS: Final[dict[Field, Bounds]] = {
     (Files, "max_mb"): Bounds(0.001, 2_000),
     (ReceiptSource, "within_s"): Bounds(0.1, 600),
     (Benchmark, "late"): Bounds(1.01, 1000),
+    (Telemetry, "full"): Bounds(1, 1000),
     (AtRest, "below"): Bounds(1e-6, 10),
     (AtRest, "within_s"): Bounds(0.1, 60),
     (Skill, "lifetime_s"): Bounds(0.1, 3600),

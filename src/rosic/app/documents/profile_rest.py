@@ -1,8 +1,9 @@
-"""Whether what shows rest covers every axis that a skill can drive along, or about."""
+"""What shows rest: which axes it covers of those that a skill drives along, and its deadline."""
 
 from __future__ import annotations
 
 import re
+from math import ceil
 from typing import TYPE_CHECKING, Final
 
 from rosic.app.documents.shape import Finding
@@ -34,3 +35,8 @@ def unseen_axes(profile: Profile) -> Iterator[Finding]:
 
 def _axes(paths: Iterable[str]) -> set[str]:
     return {found[1] for path in paths if (found := _AXIS.search(path))}
+
+
+def enough_s(every_s: float) -> float:
+    """Return an `AtRest.within_s` for what comes so often: one message may be lost, to 0.5 s."""
+    return ceil(4 * every_s - 0.1) / 2

@@ -45,6 +45,8 @@ def profile_rules(units: UnitTable) -> Rules:
         yield from _unit(made.unit, units)
         if bool(made.topic) != bool(made.type) or bool(made.topic) != bool(made.field):
             yield Finding((), "A reported value needs topic, type and field, or none of them.")
+        if made.full != 1.0 and made.unit != "%":
+            yield Finding(("full",), "'full' is of a share: it needs the unit %.")
 
     def words(made: Profile) -> Iterator[Finding]:
         fault = clash([made], units)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections import defaultdict
 from typing import TYPE_CHECKING, TypeAlias
 
 from rosic.app.finding.drafting import JOINTS, ODOMETRY, Seen, drafted, robot_id
+from rosic.app.finding.listening import listened
 from rosic.app.finding.looking_at import TYPES, looked_at
 from rosic.app.finding.neighbours import drives, homes, mixed
 from rosic.errors import ConfigurationError, RosicError
@@ -59,6 +61,7 @@ async def discover(
         for name in left_out(found, robots):
             skip(name)
         robots = [await looked_at(runtime, robot) for robot in robots]
+        robots = list(await asyncio.gather(*(listened(runtime, clock, robot) for robot in robots)))
     finally:
         await runtime.close()
     if not robots:

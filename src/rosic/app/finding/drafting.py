@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import yaml
 
+from rosic.app.documents.profile_rest import enough_s
 from rosic.app.finding import drafting_others as others
 
 if TYPE_CHECKING:
@@ -41,6 +42,10 @@ STREAMING = """\
 # rosic doctor -c rosic.toml --try {robot}
 """
 
+NO_REST = "# Left out of at_rest:"
+WITHIN_S = 1.0
+"""What at_rest.within_s is unless it is said."""
+
 # Ending of a field's name to its unit and careful bounds in it.
 UNITS: dict[str, tuple[str, float, float]] = {
     "_rad_s": ("rad/s", 0.1, 0.5),
@@ -56,6 +61,20 @@ NUMBERS = re.compile(r"(?:double|float|float32|float64|u?int(?:8|16|32|64))\Z")
 WHOLE = re.compile(r"u?int(?:8|16|32|64)\Z")
 
 
+class Reported(NamedTuple):
+    """What was heard of its topics while it was looked at.
+
+    Attributes:
+        every_s: How many seconds apart what shows rest came, by topic.
+        no_rest: Why a topic that could show rest shows none.
+        per_cent: Batteries that say 100 where their message is defined to say 1.
+    """
+
+    every_s: Mapping[str, float] = {}
+    no_rest: Mapping[str, str] = {}
+    per_cent: frozenset[str] = frozenset()
+
+
 class Seen(NamedTuple):
     """What one robot offers on the graph: names to types.
 
@@ -66,6 +85,7 @@ class Seen(NamedTuple):
         stand: Where it was on its map; None if it did not say.
         limbs: Joints of its trajectory controllers, by the name of the action.
         mixed: The line that says that it is more than one robot; empty if it does not seem so.
+        reported: What was heard of it.
     """
 
     namespace: str
@@ -76,6 +96,7 @@ class Seen(NamedTuple):
     stand: Stand | None = None
     limbs: Mapping[str, Limbs] = {}
     mixed: str = ""
+    reported: Reported = Reported()
 
 
 def robot_id(namespace: str) -> str:
@@ -115,6 +136,8 @@ def drafted(seen: Seen, fields: Fields) -> str:
 
 def _notes(seen: Seen) -> Iterable[str]:
     """Say what has to be filled in, for the robots that are known better than by names."""
+    for topic, why in sorted(seen.reported.no_rest.items()):
+        yield f"{NO_REST} {topic}: {why}.\n"
     kinds = set(seen.actions.values())
     if others.NAVIGATE in kinds:
         where = "where it stands now" if seen.stand else "0, 0, as it did not say where it is"
@@ -159,14 +182,24 @@ def _joints(seen: Seen) -> dict[str, Any] | None:
 
 
 def _at_rest(seen: Seen) -> dict[str, Any] | None:
-    for name in _of(seen.said, ODOMETRY):
+    for kind in (ODOMETRY, JOINTS):
+        for name in _of(seen.said, kind):
+            if name in seen.reported.no_rest:
+                continue
+            every_s = seen.reported.every_s.get(name, 0.0)
+            within_s = enough_s(every_s)
+            return rest_of(name, kind) | ({"within_s": within_s} if within_s > WITHIN_S else {})
+    return None
+
+
+def rest_of(topic: str, kind: str) -> dict[str, Any]:
+    """Return how rest is measured by a topic."""
+    field = "velocity"
+    if kind == ODOMETRY:
         # Nobody sees from here whether it flies: what only rises or sinks does not rest.
         axes = ("linear.x", "linear.y", "linear.z", "angular.z")
         field = ", ".join(f"twist.twist.{axis}" for axis in axes)
-        return {"topic": name, "type": ODOMETRY, "field": field, "below": 0.005}
-    for name in _of(seen.said, JOINTS):
-        return {"topic": name, "type": JOINTS, "field": "velocity", "below": 0.005}
-    return None
+    return {"topic": topic, "type": kind, "field": field, "below": 0.005}
 
 
 def _telemetry(seen: Seen) -> dict[str, Any]:
@@ -175,6 +208,8 @@ def _telemetry(seen: Seen) -> dict[str, Any]:
         telemetry["battery"] = {
             "topic": name, "type": BATTERY, "field": "percentage", "unit": "%", "alert_below": 20,
         }  # fmt: skip
+        if name in seen.reported.per_cent:
+            telemetry["battery"]["full"] = 100
         break
     # A localisation says on a map where it is, but not again and again: that is the 'pose'.
     for name in () if LOCATED in seen.said.values() else _of(seen.said, ODOMETRY):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import atan2
 from typing import TYPE_CHECKING, Any, Final
 
-from rosic.app.finding.drafting import JOINTS, LOCATED, Seen
+from rosic.app.finding.drafting import BATTERY, JOINTS, LOCATED, ODOMETRY, Seen
 from rosic.app.finding.drafting_others import FOLLOW, NAVIGATE, Limbs, Stand
 from rosic.errors import RosicError
 from rosic.robots.ros2.topics import Quality
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rosic.robots.ros2.runtime import RosRuntime
 
 GET_PARAMETERS: Final = "rcl_interfaces/srv/GetParameters"
-TYPES: Final = (LOCATED, JOINTS, GET_PARAMETERS)
+TYPES: Final = (BATTERY, LOCATED, JOINTS, ODOMETRY, GET_PARAMETERS)
 HEARD_WITHIN_S: Final = 1.5
 KEPT: Final = Quality(reliable=True, latched=True, depth=1)
 VOLATILE: Final = Quality(reliable=False, depth=1)

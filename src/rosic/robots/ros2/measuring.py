@@ -87,7 +87,7 @@ class Measurements:
             if entry.topic:
                 source = await self._source(runtime, entry.topic, entry.type)
                 read = compile_path(runtime.types.message(entry.type), entry.field)
-                scale = Scale(entry.unit, f"{name} of {self._profile.id}")
+                scale = Scale(entry.unit, f"{name} of {self._profile.id}", entry.full)
                 self._values.append(_Value(name, source, read, scale))
         at_rest = self._profile.at_rest
         if at_rest is None:
@@ -220,6 +220,10 @@ class Measurements:
         if self._rest is None or (self._rest.source.received_ns or 0) <= self.stale_ns():
             return ""
         return self._rest.doubt(self.stale_ns())
+
+    def guessed(self) -> tuple[str, ...]:
+        """Return which values were taken for per cent, as they are no fractions of 1."""
+        return tuple(value.name for value in self._values if value.scale.guessed)
 
     async def every_s(self, within_s: float) -> float | None:
         """Listen to what shows rest; return how many seconds apart it comes, None: not twice.

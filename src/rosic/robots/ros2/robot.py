@@ -253,6 +253,10 @@ class Ros2Robot:
         """Listen at most so long to what shows rest; return how many seconds apart it comes."""
         return await self._measured.every_s(within_s)
 
+    def guessed(self) -> tuple[str, ...]:
+        """Return which values are read as per cent though the profile says nothing of it."""
+        return self._measured.guessed()
+
     async def stop(self, stop: Stop) -> Rest:
         """Latch, then apply everything that could stop it until rest is measured."""
         self.gate.apply_stop(stop)
