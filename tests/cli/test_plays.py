@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import signal
 import subprocess
+import time
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
@@ -226,6 +227,32 @@ def test_drones_that_hover_are_ready_for_a_common_start_and_for_tasks() -> None:
     told, _, summary = done.out.partition(SUMMARY)
     assert told.count(": formation, 0.60 m line: accepted") == 3
     assert "Task 1: done, 1 of 1 step done." in summary
+
+
+@pytest.mark.limit(300)
+async def test_drones_go_on_hovering_where_a_busy_machine_has_no_processor_for_a_moment(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """However fast a play is, the process stands still no faster than it does."""
+
+    async def script(stage: Stage) -> None:
+        drones = [stage.world.machines[name] for name in ("cf1", "cf2", "cf3")]
+        await stage.says("Search leader", "crazyflies takeoff 1 m", hears="accepted")
+        await stage.quiet()
+        for _ in range(3):
+            stand_still(0.4)
+            await stage.clock.sleep(1.0)
+        assert [drone.note for drone in drones] == ["", "", ""]
+        assert all(drone.holding for drone in drones)
+
+    hovering = play_named("swarm")._replace(script=script)
+    assert await play(hovering, Wish(plain=True, fast=True), SystemClock(), SystemEntropy()) == 0
+    assert "link lost" not in capsys.readouterr().out
+
+
+def stand_still(seconds: float) -> None:
+    """Take the machine's time, in which nothing else in this process is done."""
+    time.sleep(seconds)
 
 
 @pytest.mark.limit(300)

@@ -14,11 +14,14 @@ class BriskClock:
     Args:
         clock: The real one.
         factor: At least 1.
+
+    Attributes:
+        factor: The same.
     """
 
     def __init__(self, clock: Clock, factor: float) -> None:
         self._clock = clock
-        self._factor = factor
+        self.factor = factor
         self._wall_ns = clock.wall_ns()
         self._began_ns = clock.monotonic_ns()
 
@@ -32,7 +35,7 @@ class BriskClock:
 
     async def sleep(self, seconds: float) -> None:
         """Wait for so long on this clock."""
-        await self._clock.sleep(seconds / self._factor)
+        await self._clock.sleep(seconds / self.factor)
 
     def _past_ns(self) -> int:
-        return int((self._clock.monotonic_ns() - self._began_ns) * self._factor)
+        return int((self._clock.monotonic_ns() - self._began_ns) * self.factor)

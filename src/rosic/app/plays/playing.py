@@ -232,9 +232,12 @@ def gateway_of(
 ) -> Gateway:  # fmt: skip
     """Make the gateway of a play, and put its machines into the world of that clock."""
     chats, seat = ends
-    world = theatre_of(clock).world
+    theatre = theatre_of(clock)
+    if isinstance(clock, BriskClock):
+        # For how long a busy machine has no processor for this process is no faster than it is.
+        theatre.link_lost_s *= clock.factor
     for machine in told.machines():
-        world.add(machine)
+        theatre.world.add(machine)
     sitting = wish.role or told.people[0].name
     people = [
         Seed(

@@ -22,7 +22,7 @@ from rosic.robots.simulated.machines.crazyflie import Crazyflie
 from rosic.robots.simulated.machines.omni import Omni
 from rosic.robots.simulated.scenery.plan import plan_of, pose_of
 from rosic.robots.simulated.scenery.scene import robot_scene
-from rosic.robots.simulated.theatre import LINK_LOST_S, theatre_of
+from rosic.robots.simulated.theatre import theatre_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Mapping
@@ -137,12 +137,13 @@ class SimulatedRobot:
         tell(Report(Stage.RECEIVED))
         self._theatre.wake()
         looked_ns, late = self._clock.monotonic_ns(), False
+        lost_ns = self._theatre.link_lost_s * 1e9
         while activity.running:
             if start_s is not None or activity.stage != WAITING:
                 tell(Report(Stage.RUNNING, activity.fraction, activity.stage))
             await self._clock.sleep(REST_EVERY_S)
             now_ns = self._clock.monotonic_ns()
-            late, looked_ns = late or now_ns - looked_ns > LINK_LOST_S * 1e9, now_ns
+            late, looked_ns = late or now_ns - looked_ns > lost_ns, now_ns
         return self._outcome(order, activity, late=late)
 
     def _outcome(self, order: Order, activity: Activity, *, late: bool) -> Outcome:

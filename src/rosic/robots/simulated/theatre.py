@@ -22,9 +22,15 @@ class Theatre:
 
     At rest nothing runs: a gateway with six simulated robots idles. It does not keep its clock
     alive, but its robots do: the world ends with the last of them and whoever owns the clock.
+
+    Attributes:
+        world: The machines.
+        link_lost_s: When nobody could have stopped them for so long, by the clock, they hold or
+            land by themselves.
     """
 
     def __init__(self, clock: Clock) -> None:
+        self.link_lost_s = LINK_LOST_S
         self._stepped_s: float | None = None
         self.world: World = build_world()
         self._clock: Clock = proxy(clock)  # a value that holds its key is never let go
@@ -70,9 +76,9 @@ class Theatre:
 
         The machines are in this process: when it stands still, so does whoever gives stops.
         """
-        if self._stepped_s is None or now_s - self._stepped_s <= LINK_LOST_S:
+        if self._stepped_s is None or now_s - self._stepped_s <= self.link_lost_s:
             return
-        lost_s = self._stepped_s + LINK_LOST_S
+        lost_s = self._stepped_s + self.link_lost_s
         self.world.step(lost_s)
         for machine in self.world.machines.values():
             if machine.moving:
