@@ -235,6 +235,8 @@ CASES = [
          "say: { class: task, parameters: { text: { text: true } }, #!\n"
          "    service: { name: /a, type: a/srv/B, request: { data: $text } } }",
          "Free text never goes into a topic, service or action.", base=DIALOGUE),
+    Case("full of what is no share", '    unit: "%"\n', '    unit: V\n    full: 100 #!\n',
+         "'full' is of a share: it needs the unit %."),
     Case("half a reported value", "    field: percentage\n", "",
          "A reported value needs topic, type and field, or none of them."),
 ]  # fmt: skip

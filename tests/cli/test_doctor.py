@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import signal
+import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
@@ -24,7 +26,7 @@ from rosic.errors import RobotOffline
 from rosic.robots.simulated.robot import SimulatedRobot
 from rosic.stores.database import DatabaseStore
 from rosic.system import SystemClock, SystemEntropy
-from tests.cli.running import gateway, rosic, write_config, write_neighbours
+from tests.cli.running import ROSIC, environment, gateway, rosic, write_config, write_neighbours
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -247,6 +249,23 @@ def test_with_a_running_gateway_the_robot_is_only_stopped(tmp_path: Path) -> Non
 )
 def test_what_the_gateway_says_of_a_stop_is_judged(told: str, well: bool) -> None:
     assert (verdict_of(Answer(told)) is Verdict.GOOD) == well
+
+
+def test_ctrl_c_in_a_trial_says_that_the_robot_may_stay_stopped(tmp_path: Path) -> None:
+    config = write_config(tmp_path)
+    asked = [*ROSIC, "doctor", "-c", str(config), "--try", "omni"]
+    with subprocess.Popen(  # noqa: S603 - our own command
+        asked, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment()
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if line.startswith("ROS 2"):
+                break
+        process.send_signal(signal.SIGINT)
+        said = process.stdout.read()
+        assert process.wait(60) == 130
+    assert "Broken off." in said
+    assert said.endswith("say: resume omni\n")
 
 
 def test_a_robot_that_is_not_in_the_file_is_a_sentence(tmp_path: Path) -> None:

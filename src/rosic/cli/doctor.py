@@ -20,6 +20,9 @@ ABOUT = """Measure this machine: its disk, record and clocks; look for ROS 2; ch
 the messengers. With --try, one robot moves slowly for a moment, and its stop and its watchdog are
 measured: have free space around it."""
 
+LEFT = """Broken off. Whatever was under way was ended. Where {robot} had been stopped, it stays
+stopped, also after a start: see rosic status, and say: resume {robot}"""
+
 
 def run(arguments: Sequence[str]) -> int:
     """Examine. Return 0 if all is good, 1 if something should be looked at.
@@ -45,7 +48,12 @@ def run(arguments: Sequence[str]) -> int:
     config = load_config(found) if found is not None else None
     if config is not None and options.config is None:
         print(f"{Finding(CONFIG, Verdict.GOOD, 'found here; what it names is looked at, too')}")
-    return asyncio.run(_examine(config, options.tried))
+    try:
+        return asyncio.run(_examine(config, options.tried))
+    except KeyboardInterrupt:
+        if options.tried:
+            print(LEFT.format(robot=options.tried), flush=True)
+        raise
 
 
 async def _examine(config: Config | None, tried: str) -> int:
