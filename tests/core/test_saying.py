@@ -74,7 +74,7 @@ def test_decimals_have_a_comma_where_they_are_read_with_one() -> None:
     assert in_language(way, Imperial(None)) == "4.92 ft"
     assert in_language(measured("12.5 N", 12.5, "N"), german) == "12,5 N"
     assert in_language(measured("22.5 deg", 22.5, "deg"), german) == "22,5 Grad"
-    assert in_language(said("{hint}, else {default:g}", hint="x", default=0.25), german) == (
+    assert in_language(said("{hint}, else {default}", hint="x", default=0.25), german) == (
         "x, sonst 0,25"
     )
     assert str(way) == "1.50 m"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import msgspec
 
 from rosic.container import words_container as words
+from rosic.core.language.option_words import decimals_typed
 from rosic.core.limits import parse_limit
 from rosic.core.record import Fact, Letter
 from rosic.errors import NotUnderstood, OutOfBounds
@@ -32,10 +33,12 @@ SPEEDS: Final = ("m/s", "rad/s")
 SLOW: Final = 0.1  # of a skill's highest speed: while it is not known how slow somebody wants it
 LONGEST: Final = 64
 
-NOTHING: Final = frozenset({"", "none", "off", "nothing", "default", "auto"})
+NOTHING: Final = frozenset(
+    {"", "none", "off", "nothing", "default", "auto", "keiner", "keine", "keins", "aus", "nichts"}
+)
 UNITS: Final[Mapping[str, frozenset[str]]] = {
-    METRIC: frozenset({METRIC, "si", "m", "metre", "metres", "meter", "meters"}),
-    IMPERIAL: frozenset({IMPERIAL, "us", "ft", "foot", "feet", "inch", "inches"}),
+    METRIC: frozenset({METRIC, "metrisch", "si", "m", "metre", "metres", "meter", "meters"}),
+    IMPERIAL: frozenset({IMPERIAL, "us", "ft", "foot", "feet", "inch", "inches", "fuß", "fuss"}),
 }
 
 Languages: TypeAlias = Mapping[str, tuple[str, ...]]
@@ -220,7 +223,7 @@ class PreferenceBook:
         if wanted in NOTHING:
             return self._change(principal, speed="")
         try:
-            rule = parse_limit(f"{SPEED} <= {wanted}")
+            rule = parse_limit(f"{SPEED} <= {decimals_typed(wanted)}")
         except ValueError:
             raise NotUnderstood(words.HOW_FAST) from None
         if not rule.unit:

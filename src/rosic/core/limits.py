@@ -15,7 +15,7 @@ import msgspec
 from rosic.core.authority import Scope
 from rosic.core.language.common_names import known_name
 from rosic.core.language.units import NONE
-from rosic.core.measures import shown_unit
+from rosic.core.measures import bound_in_words, measured, shown_unit
 from rosic.core.saying import figure, joined, said
 
 if TYPE_CHECKING:
@@ -36,6 +36,9 @@ _LIMIT = re.compile(
     r"(?P<number>[+-]?(?:\d{1,18}(?:\.\d{0,18})?|\.\d{1,18})(?:[eE][+-]?\d{1,3})?)(?P<unit>.*)\Z"
 )
 _WORDS = re.compile(r"(\s+|[<>]=?|[≤≥=])")
+_QUANTITY = re.compile(
+    r"(?P<number>[+-]?(?:\d{1,18}(?:\.\d{0,18})?|\.\d{1,18})(?:[eE][+-]?\d{1,3})?)\s*(?P<unit>\D*)"
+)
 _JOINT = said("and")
 _AT_LEAST = frozenset({">=", "≥"})
 _EXACT = "="
@@ -198,8 +201,8 @@ def _fit(
                 limits=limits,
                 name=name,
                 skill=skill,
-                least=f"{own_min:g}",
-                most=f"{own_max:g} {parameter.unit}".rstrip(),
+                least=bound_in_words(own_min, parameter.unit, upper=False, with_unit=False),
+                most=bound_in_words(own_max, parameter.unit, upper=True),
             )
         )
     return Limit(name, low, high, limits)
@@ -210,13 +213,30 @@ def _with_slack(bound: float, side: int) -> float:
 
 
 def limit_in_words(said_limit: str) -> str:
-    """Return a limit as people read it: ``speed <= 0.2 m/s``, in their language."""
-    return joined("", map(_word, _WORDS.split(said_limit)))
+    """Return a limit as people read it: ``speed <= 0.2 m/s``, in their language and units."""
+    words = _WORDS.split(said_limit)
+    shown: list[str] = []
+    while words:
+        word = words.pop(0)
+        if not word.lstrip("+-.")[:1].isdigit():
+            shown.append(_word(word))
+        elif len(words) > 1 and words[0].isspace() and words[1] != "and":
+            shown.append(quantity_in_words(f"{word} {words[1]}"))
+            del words[:2]
+        else:
+            shown.append(quantity_in_words(word))
+    return joined("", shown)
+
+
+def quantity_in_words(text: str) -> str:
+    """Return a number and its unit, as they were written, as people read them: ``0.2 m/s``."""
+    found = _QUANTITY.fullmatch(text.strip())
+    if found is None:
+        return figure(text)
+    return measured(text.strip(), float(found["number"]), found["unit"])
 
 
 def _word(word: str) -> str:
-    if word.lstrip("+-.")[:1].isdigit():
-        return figure(word)
     return _JOINT if word == "and" else known_name(shown_unit(word))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import ceil, floor, log10
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
@@ -31,6 +32,7 @@ _IMPERIAL = {
 _WORDS = {"deg": said("deg"), "deg/s": said("deg/s")}
 """Units that are written as a word, and so as another one in other languages."""
 
+_DIGITS, _SLIP = 3, 1e-9
 _QUANTITY = re.compile(
     r"(?<![\w.,])(-?[0-9]{1,12}(?:\.[0-9]{1,12})?) "
     r"(mm/s|cm/s|km/h|m/s|mm|cm|dm|km|kg|m|°C)(?![\w/])"
@@ -57,6 +59,35 @@ def measured(text: str, value: float, symbol: str) -> str:
         return joined("", (figure(text.removesuffix(symbol)), _WORDS[symbol]))
     name, factor, offset = other
     return figure(text, f"{round(value * factor + offset, 2):g} {name}")
+
+
+def number_in_units(value: float, symbol: str) -> str:
+    """Return a number with two decimals in the reader's units; its unit is said elsewhere."""
+    _, factor, offset = _IMPERIAL.get(symbol, ("", 1.0, 0.0))
+    return figure(f"{value:.2f}", f"{value * factor + offset:.2f}")
+
+
+def bound_in_words(value: float, symbol: str, *, upper: bool, with_unit: bool = True) -> str:
+    """Return one of two bounds as it is read; in other units it is rounded inwards.
+
+    Args:
+        value: In the unit of the profile.
+        symbol: Of that unit.
+        upper: Whether it is the upper of the two.
+        with_unit: Whether the unit stands behind it.
+    """
+    number = f"{value:g}"
+    shown = joined(" ", filter(None, (figure(number), shown_unit(symbol) if with_unit else "")))
+    other = _IMPERIAL.get(symbol)
+    if other is None:
+        return shown
+    name, factor, offset = other
+    there = value * factor + offset
+    step = 10.0 ** (floor(log10(abs(there))) + 1 - _DIGITS) if there else 1.0
+    inward = (floor if upper else ceil)(there / step + (_SLIP if upper else -_SLIP)) * step
+    imperial = f"{inward:.{_DIGITS}g}"
+    unit = f" {name}" if with_unit else ""
+    return figure(f"{number} {symbol}" if with_unit else number, f"{imperial}{unit}")
 
 
 def in_units_of(text: str, catalogue: Catalogue | None) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from rosic.core.language.cleaning import quote
 from rosic.core.language.common_names import shown_name
 from rosic.core.language.numerals import read_numeral
-from rosic.core.measures import measured
+from rosic.core.measures import bound_in_words, measured
 from rosic.core.saying import joined, said
 from rosic.errors import NotUnderstood, OutOfBounds
 
@@ -68,9 +68,13 @@ def _one(name: str, parameter: Parameter, value: float | str, units: UnitTable) 
                                  name=shown_name(name), value=quote(str(value))))  # fmt: skip
     if low is None or high is None or not low <= number <= high:
         raise OutOfBounds(
-            said("{name} must be from {low:g} to {high:g} {unit}.",
-                 name=shown_name(name), low=low or 0.0, high=high or 0.0, unit=parameter.unit)
-        )  # fmt: skip
+            said(
+                "{name} must be from {low} to {high}.",
+                name=shown_name(name),
+                low=bound_in_words(low or 0.0, parameter.unit, upper=False, with_unit=False),
+                high=bound_in_words(high or 0.0, parameter.unit, upper=True),
+            )
+        )
     return number
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.authority import RESUME
 from rosic.core.language.cleaning import echo
 from rosic.core.language.common_names import shown_name
-from rosic.core.measures import measured, shown_unit
+from rosic.core.measures import bound_in_words, measured
 from rosic.core.saying import figure, filled, joined, said, titled
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ MAY_NOT_COMMAND = said("You do not have permission to send and receive commands.
 INFORMATION = said("Here's the information you requested.")
 NO_INFORMATION = said("You do not have permission to access this information.")
 
+RESUME_SAID = said("resume")
 REST_UNMEASURED = said("whether it rests is not measured")
 NOTHING_VISIBLE = said(
     "There is no robot here for you yet. The admin of this place can change that."
@@ -85,6 +87,8 @@ def named(skill: Skill) -> str:
 def named_of(profile: Profile, skill: str) -> str:
     """Return the name of one of a robot's skills in a sentence, by its id."""
     found = profile.skills.get(skill)
+    if found is None and skill == RESUME:
+        return RESUME_SAID
     return skill.replace("_", " ") if found is None or not found.titles else named(found)
 
 
@@ -105,19 +109,17 @@ def parameter_hint(name: str, parameter: Parameter) -> str:
         return joined("", (shown_name(name), " (", choices, ")"))
     if parameter.text:
         return shown_name(name)
-    unit = joined("", (" ", shown_unit(parameter.unit))) if parameter.unit else ""
+    least, most, unit = parameter.min or 0.0, parameter.max or 0.0, parameter.unit
     hint = said(
-        "{name} {min:g} to {max:g}{unit}",
+        "{name} {least} to {most}",
         name=shown_name(name),
-        min=parameter.min,
-        max=parameter.max,
-        unit=unit,
+        least=bound_in_words(least, unit, upper=False, with_unit=False),
+        most=bound_in_words(most, unit, upper=True),
     )
-    return (
-        hint
-        if parameter.default is None
-        else said("{hint}, else {default:g}", hint=hint, default=parameter.default)
-    )
+    if not isinstance(parameter.default, int | float):
+        return hint
+    default = bound_in_words(parameter.default, unit, upper=True, with_unit=False)
+    return said("{hint}, else {default}", hint=hint, default=default)
 
 
 UNSTOPPABLE = said("cannot be stopped from here: stay beside it")

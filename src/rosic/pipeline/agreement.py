@@ -17,6 +17,7 @@ from rosic.core.order import Request
 from rosic.core.saying import joined, said
 from rosic.core.words import NAMED_AT_MOST
 from rosic.errors import Expired, Refusal
+from rosic.pipeline.order_label import label_of
 from rosic.pipeline.replies import ASK_FIRST, MARKS
 
 if TYPE_CHECKING:
@@ -109,7 +110,8 @@ class Agreements:
             return button
         first = lines[0]
         named = self.named(first) if len(lines) == 1 and isinstance(first, Do) else command
-        label = named if button.label == command else button.label
+        plain = button.label == command
+        label = label_of(named, rooms.vocabulary) if plain else button.label
         return replace(button, label=label, command=f"{mark}{named}", act=self._digest(parts))
 
     def check(self, caller: Caller, lines: Sequence[Line], act: bytes) -> None:

@@ -54,6 +54,8 @@ TYPED: Final = {
     "mission": said("/mission"),
     "alerts": said("/alerts"),
     "mute": said("/mute"),
+    "share": said("/share"),
+    "shelf": said("/shelf"),
 }
 
 
@@ -72,6 +74,14 @@ _LABELLED: Final = {
     "cancel booking": said("cancel booking"),
     "take over": said("take over"),
 }
+_SET: Final = {
+    "units": said("units"),
+    "metric": said("metric"),
+    "imperial": said("imperial"),
+    "speed": said("speed"),
+    "robot": said("robot"),
+    "none": said("none"),
+}
 _TIMED: Final = frozenset({"book", "wish"})
 
 
@@ -83,7 +93,13 @@ def offered(command: str) -> str:
         if words in _LABELLED:
             named = shown_when(others) if words in _TIMED else others
             return joined(" ", filter(None, (_LABELLED[words], named)))
-    return command
+    typed = TYPED.get(head.removeprefix("/")) if head.startswith("/") else None
+    return command if typed is None else joined(" ", filter(None, (typed, _settings(rest))))
+
+
+def _settings(rest: str) -> str:
+    """Return the words of a setting as the reader types them: ``units imperial``."""
+    return joined(" ", (_SET.get(word) or word for word in rest.split(" ")))
 
 
 def menu_name(name: str, catalogue: Catalogue | None) -> str:

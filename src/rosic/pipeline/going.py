@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core import words
 from rosic.core.geography import GeographicFrame, TooFar, local_m
-from rosic.core.measures import measured
+from rosic.core.measures import bound_in_words, measured
 from rosic.core.message import Button
 from rosic.core.saying import said
 from rosic.errors import NotUnderstood, OutOfBounds
@@ -123,12 +123,11 @@ def way_of(profile: Profile) -> Way | None:
 
 def _outside(shown: str, place: tuple[float, float], name: str, bounds: tuple[float, float]) -> str:
     return said(
-        "For {robot} that is {x:.1f} m, {y:.1f} m, and its {name} goes from {low:g} m to "
-        "{high:g} m. Nothing was done.",
+        "For {robot} that is {x}, {y}, and its {name} goes from {low} to {high}. Nothing was done.",
         robot=shown,
-        x=place[0],
-        y=place[1],
+        x=measured(f"{place[0]:.1f} m", place[0], "m"),
+        y=measured(f"{place[1]:.1f} m", place[1], "m"),
         name=name,
-        low=bounds[0],
-        high=bounds[1],
+        low=bound_in_words(bounds[0], "m", upper=False),
+        high=bound_in_words(bounds[1], "m", upper=True),
     )

@@ -8,6 +8,7 @@ from rosic.core import words
 from rosic.core.authority import RESUME
 from rosic.core.language.common_names import shown_command, shown_name
 from rosic.core.language.stepping import beginning
+from rosic.core.measures import measured
 from rosic.core.message import Button
 from rosic.core.reach import FLEET, GRANT
 from rosic.core.robot import Slots
@@ -225,10 +226,11 @@ def _value(parameter: CompiledParameter, *, named: bool) -> str | None:
     value = beginning(parameter)
     if value is None or not parameter.is_number:
         return None if value is None else shown_name(str(value))
-    text = f"{parameter.unit.from_si(float(value)):.4g}"
+    number = parameter.unit.from_si(float(value))
+    text, symbol = f"{number:.4g}", parameter.unit.symbol
     if named:
         return joined("=", (parameter.shown, figure(text)))
-    return figure(f"{text} {parameter.unit.symbol}".rstrip())
+    return measured(f"{text} {symbol}".rstrip(), number, symbol)
 
 
 def _commands(*names: str) -> Iterator[str]:

@@ -14,9 +14,9 @@ from rosic.core.rate import Bucket, RateLimit
 from rosic.core.saying import in_language, joined, said
 from rosic.errors import Refusal, Repeated
 from rosic.pipeline.arrears import Arrears
-from rosic.pipeline.command_words import offered
 from rosic.pipeline.freshness import is_missed
 from rosic.pipeline.languages import translated
+from rosic.pipeline.order_label import label_of
 from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
@@ -82,6 +82,7 @@ class Replies:
         self._bind_act = bind
         self._authoriser = rooms.authoriser
         self._container = rooms.container
+        self._vocabulary = rooms.vocabulary
         self._teller = teller
         self._languages = teller.languages
         self._clock = clock
@@ -182,7 +183,8 @@ class Replies:
         except Repeated:
             return  # the same message was settled before
         buttons: tuple[tuple[Button, ...], ...] = tuple(
-            (Button(offered(offer), offer),) for offer in refusal.offers[:OFFERED_AT_MOST]
+            (Button(label_of(offer, self._vocabulary), offer),)
+            for offer in refusal.offers[:OFFERED_AT_MOST]
         )
         if refusal.choices:
             buttons = (tuple(Button(*choice) for choice in refusal.choices), *buttons)

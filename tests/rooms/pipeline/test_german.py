@@ -9,8 +9,9 @@ import pytest
 
 from rosic.app.documents.profiles import known_units, load_profile, shipped_profiles
 from rosic.app.languages import catalogue
-from rosic.core.language import Context, Errand, Vocabulary, hears_stop, understand
+from rosic.core.language import Context, Do, Errand, Help, Vocabulary, hears_stop, understand
 from rosic.core.language.cancelling import hears_cancel
+from rosic.core.language.help_words import EXPLAINED, PAGE_OF
 from rosic.core.language.words import ALIASES, ERRANDS, HELP_PAGES, PAGE_ALIASES, VERBS
 from rosic.core.measures import in_units_of
 from rosic.core.role_names import TYPED as TYPED_ROLES
@@ -19,6 +20,7 @@ from rosic.core.roles import DEFAULT_ROLES
 from rosic.core.saying import Imperial, in_language
 from rosic.core.words import button_label
 from rosic.pipeline.command_words import TYPED
+from rosic.pipeline.order_label import label_of
 from rosic.pipeline.times.cancelling import BOOKINGS
 from tests.rooms.pipeline.place import FLEET, VI, Place
 from tests.texts import read
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 
 GERMAN = catalogue("de")
 VOCABULARY = Vocabulary.build(FLEET, known_units())
+SHIPPED = Vocabulary.build([load_profile(shipped_profiles()["omni"])], known_units())
 
 
 def meant(line: str) -> object:
@@ -155,3 +158,79 @@ async def test_a_right_is_asked_for_and_a_task_is_given_in_german_alone() -> Non
         await place.say("aufgabe omni fahre 1 m dann wave")
         await place.clock.advance(5.0)
         assert "fahre 1 m; wave" in await place.say("/tasks")
+
+
+async def test_settings_roles_loans_and_conditions_may_be_said_in_german() -> None:
+    async with Place(fleet=tuple(SHIPPED.profiles.values())).open() as place:
+        for line, kept in (
+            ("tempo 0,2 m/s", "Highest speed: 0.2 m/s"),
+            ("Höchstgeschwindigkeit keine", "Highest speed: whatever each robot allows"),
+            ("einheiten imperial", "Units: imperial"),
+            ("einheiten metrisch", "Units: metric"),
+            ("roboter omni", "Robot, when none is named: omni"),
+            ("roboter keiner", "Robot, when none is named: none"),
+            ("zeitzone Europe/Vienna", "Time zone: Europe/Vienna"),
+        ):
+            assert "Saved" in await place.say(f"/einstellungen {line}"), line
+            assert kept in await place.say("/settings"), line
+        assert "omni:move with speed <= 0.2 m/s" in await place.say(
+            "/rolle gast darf omni:move mit tempo <= 0,2 m/s"
+        )
+        assert await place.say("/teilen bay mit Bo") == await place.say("/share bay with Bo")
+        told = await place.say(
+            "aufgabe omni fahre 1 m dann drehe links 90 grad priorität 2 akku 30 einmal"
+        )
+        assert "fahre 1 m; drehe links 90 grad" in told
+        assert "battery at least 30 %" in told
+        assert "never twice" in told
+
+
+@pytest.mark.parametrize("name", sorted(EXPLAINED - HELP_PAGES))
+def test_help_about_a_command_is_what_the_command_says_of_itself(name: str) -> None:
+    alone = (Errand(name, ""),)
+    assert meant(f"help {name}") == meant(f"/{name} help") == meant(f"{name} hilfe") == alone
+    german = next((word for word, english in ALIASES.items() if english == name), name)
+    assert meant(f"hilfe {german}") == alone
+
+
+@pytest.mark.parametrize("name", sorted(PAGE_OF))
+def test_help_about_another_command_is_its_page(name: str) -> None:
+    assert meant(f"help {name}") == (Help(PAGE_OF[name]),)
+
+
+@pytest.mark.parametrize(
+    ("offer", "german", "in_feet"),
+    [
+        ("omni move 5 m", "omni fahre 5 m", "omni move 16.4 ft"),
+        ("omni move distance=1 m speed=0.2 m/s", "omni fahre Strecke=1 m Tempo=0,2 m/s",
+         "omni move distance=3.28 ft speed=0.66 ft/s"),
+        ("omni move left", "omni fahre links", "omni move left"),
+        ("help omni", "hilfe omni", "help omni"),
+        ("/settings units metric", "/einstellungen einheiten metrisch", "/settings units metric"),
+        ("/task omni move 1 m", "/aufgabe omni move 1 m", "/task omni move 1 m"),
+        ("omni   MOVE left", "omni   MOVE left", "omni   MOVE left"),
+    ],
+)  # fmt: skip
+def test_an_offer_reads_as_its_reader_would_type_it(offer: str, german: str, in_feet: str) -> None:
+    label = label_of(offer, SHIPPED)
+    assert (label, in_language(label, GERMAN)) == (offer, german)
+    assert in_language(label, Imperial(None)) == in_feet
+    everything = Context("", frozenset(SHIPPED.profiles))
+    [by_label] = understand(german, SHIPPED, everything)
+    [by_offer] = understand(offer, SHIPPED, everything)
+    if isinstance(by_offer, Do):
+        assert isinstance(by_label, Do)
+        assert (by_label.robots, by_label.skills) == (by_offer.robots, by_offer.skills)
+        assert [(v.number, v.word.casefold()) for v in by_label.spoken if v.number] == [
+            (v.number, v.word) for v in by_offer.spoken if v.number
+        ]
+
+
+async def test_the_right_to_resume_is_named_and_asked_for_in_german() -> None:
+    async with Place().open() as place:
+        await place.say("/language de", account=VI, chat=VI)
+        await place.say("stop omni")
+        told = await place.say("freigeben omni", account=VI, chat=VI)
+        assert "Freigeben braucht das Recht" in told
+        told = await place.say("bitten omni freigeben", account=VI, chat=VI)
+        assert "Ich habe gefragt (Ada): freigeben mit omni, für 1 h" in told

@@ -28,10 +28,6 @@ _TYPED = re.compile(r"/\S+(?: [^\s.,·)]+)*|\"[^\"]*\"")
 _NAMES = frozenset(
     "ada bo vi omni yumi kuka iiwa crazyflie stop clip admin english".split()  # noqa: SIM905
 )
-# What has to be typed in English still.
-_ENGLISH_ONLY = frozenset(
-    "speed units robot none imperial may off with me strategy battery localised once".split()  # noqa: SIM905
-)
 _QUOTED = re.compile(r"\"([^\"]*)\"")
 # Words of profiles: German sentences have them where they show what to type.
 _IN_PROFILES = frozenset(
@@ -48,6 +44,9 @@ _IN_PROFILES = frozenset(
 # Who says what; [ taps the button of that label, + lets seconds pass.
 SCRIPT = """
 A hilfe
+A hilfe flotte
+A hilfe aufgabe
+A aufgabe hilfe
 A help move
 A help see
 A help share
@@ -118,6 +117,7 @@ B warten
 V omni fahre 1 m
 V /me
 V bitten omni move
+V bitten omni freigeben
 V bitten
 A bitten
 A aufgabe
@@ -142,6 +142,19 @@ A /strategy omni
 A /strategy omni careful speed=10cm/s now
 A /strategy omni careful speed=90 m/s
 A /role
+A /rolle gast darf omni:move mit tempo <= 0,2 m/s
+A /mute
+A /share
+A /teilen bay mit Bo
+A /invite
+A /grant
+A /settings einheiten krumm
+A /settings tempo 0,2 m/s
+A aufgabe omni fahre 10 cm
+A omni fahre 1 m mit 0,5 m/s
+A /settings tempo keins
+A hilfe broadcast
+A hilfe mission
 A leute
 A einladen viewer
 A einladen bediener omni
@@ -174,7 +187,7 @@ def read_of(text: str) -> set[str]:
     """Return the words that somebody reads: what they are to type, too, and not what they typed."""
     text = _QUOTED.sub(lambda quoted: "" if _typed_here(quoted[1]) else quoted[0], text)
     typed = {word.casefold() for part in _TYPED.findall(text) for word in _WORD.findall(part)}
-    return words_of(text) | (typed - _ENGLISH_ONLY)
+    return words_of(text) | typed
 
 
 def english() -> frozenset[str]:

@@ -59,6 +59,8 @@ async def test_a_task_stays_within_ones_limit_as_an_order_of_ones_own_does() -> 
         await asks(place, "/task omni move")
         await place.quiet()
         assert arguments() == [METRE]
+        lowered = "move, 1.00 m forward, as much as your limit allows (distance <= 1 m) · task 1"
+        assert any(lowered in told.outbound.text for told in place.chat.told)
 
 
 async def test_what_was_said_above_the_limit_is_refused_as_ever() -> None:

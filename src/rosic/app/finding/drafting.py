@@ -263,6 +263,7 @@ def _drive(topic: str, kind: str) -> dict[str, Any]:
     inside = "twist." if kind == STAMPED else ""
     return {
         "title": "Drive at a velocity for a while",
+        "titles": {"de": "Eine Weile mit einer Geschwindigkeit fahren"},
         "class": "motion",
         "parameters": {
             "linear": {"title": "Forward", "unit": "m/s", "min": -0.2, "max": 0.2, "default": 0},

@@ -74,6 +74,7 @@ def navigating(name: str, stand: Stand | None) -> dict[str, Any]:
     return {
         "goto": {
             "title": "Go to a point on the map",
+            "titles": {"de": "Zu einem Punkt auf der Karte fahren"},
             "class": "motion",
             "parameters": {
                 "x": {"unit": "m", "min": x - AREA_M, "max": x + AREA_M},
@@ -84,6 +85,7 @@ def navigating(name: str, stand: Stand | None) -> dict[str, Any]:
         },
         "visit": {
             "title": "Go to a place",
+            "titles": {"de": "Zu einem Ort fahren"},
             "class": "motion",
             "words": ["go", "go to"],
             "parameters": {
@@ -105,6 +107,7 @@ def following(name: str, limbs: Limbs) -> dict[str, Any]:
     return {
         "pose": {
             "title": "Go to a pose",
+            "titles": {"de": "In eine Haltung gehen"},
             "class": "motion",
             "words": ["go", "go to"],
             "parameters": {
@@ -116,6 +119,7 @@ def following(name: str, limbs: Limbs) -> dict[str, Any]:
         },
         "joint": {
             "title": "Move a joint",
+            "titles": {"de": "Ein Gelenk bewegen"},
             "class": "motion",
             "parameters": {
                 "joint": {"title": "Joint", "choices": {joint: [] for joint in limbs.positions}},
@@ -143,6 +147,7 @@ def gripping(name: str) -> dict[str, Any]:
     return {
         "gripper": {
             "title": "Open or close the gripper",
+            "titles": {"de": "Den Greifer öffnen oder schließen"},
             "class": "motion",
             "words": ["fingers"],
             "parameters": {

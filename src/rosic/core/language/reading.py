@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.compiled import CompiledRobot, CompiledSkill, merge
+from rosic.core.language.help_words import EXPLAINED, HELP_WORDS, help_named
 from rosic.core.language.lines import (
     Context,
     Do,
@@ -32,9 +33,7 @@ from rosic.core.language.words import (
     EVERYTHING,
     EVERYTHING_ELSEWHERE,
     FILLERS,
-    HELP_PAGES,
     NOTHING,
-    PAGE_ALIASES,
 )
 from rosic.core.order import Spoken
 
@@ -120,7 +119,8 @@ class LineReader:
         if two is not None:
             return Errand(two, "")
         if word in ERRANDS and (slash or word not in self._vocabulary.longest_skill):
-            return Errand(word, self._rest(at + 1))
+            alone = word in EXPLAINED and self._asks_how(at + 1)
+            return Errand(word, "" if alone else self._rest(at + 1))
         return self._unaddressed(at, slash=slash)
 
     # ---- whom ----
@@ -156,6 +156,11 @@ class LineReader:
 
     def _everybody(self) -> tuple[RobotId, ...]:
         return tuple([r for r in self._vocabulary.profiles if r in self._visible])
+
+    def _asks_how(self, at: int) -> bool:
+        """Whether the rest of a command is the one word that asks how it is said."""
+        last = len(self._low) == at + 1 and self._low[at] in HELP_WORDS
+        return last and self._callee(at)[0] is None
 
     # ---- skills ----
 
@@ -337,10 +342,9 @@ class LineReader:
         if callee is not None or at == len(self._low):
             return Help(callee.name if callee is not None else "")
         named, _ = self._callee(at)
-        page = PAGE_ALIASES.get(self._low[at], self._low[at])
-        if named is None and page in HELP_PAGES:
-            return Help(page)
-        return Help(named.name) if named is not None else self._trouble().no_such_robot(at)
+        if named is not None:
+            return Help(named.name)
+        return help_named(self._low[at]) or self._trouble().no_such_robot(at)
 
     def robots(self, _: Callee | None, __: int) -> Line:
         """Read ``robots``."""

@@ -73,6 +73,13 @@ ALIASES: dict[str, str] = {
     "weitermachen": "continue",
     "pausieren": "pause",
     "strategie": "strategy",
+    "teilen": "share",
+    "ablage": "shelf",
+    "rundruf": "broadcast",
+    "aufträge": "missions",
+    "helfen": "assist",
+    "erlauben": "approve",
+    "ablehnen": "decline",
 }
 # Of two words, and nothing after them: as a button says it, and the paper (Algorithm 7).
 ALIASES_OF_TWO: dict[tuple[str, ...], str] = {

@@ -9,9 +9,10 @@ from rosic.core.alert_rule import Severity
 from rosic.core.benchmark import DEVIATION, Kind
 from rosic.core.language import clean, inert_text
 from rosic.core.language.common_names import shown_name
+from rosic.core.measures import measured
 from rosic.core.message import Button
 from rosic.core.rule import PAUSE, REALLOCATE
-from rosic.core.saying import figure, joined, said
+from rosic.core.saying import joined, said
 from rosic.organiser.words_calendar import length
 
 if TYPE_CHECKING:
@@ -40,7 +41,8 @@ def value(condition: Condition, found: float | str | None) -> str:
         return joined(" ", (shown_name(condition.name), inert_text(found)[:80]))
     # Rounded down: what is below a fifth is never shown as a fifth.
     number = f"{floor(found * 10) / 10:g}" if condition.unit == "%" else f"{found:.2f}"
-    return joined(" ", (shown_name(condition.name), figure(f"{number} {condition.unit}".rstrip())))
+    text = f"{number} {condition.unit}".rstrip()
+    return joined(" ", (shown_name(condition.name), measured(text, found, condition.unit)))
 
 
 def deviation(kind: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language import clean, inert_text
+from rosic.core.language.option_words import option_typed
 from rosic.core.message import Button
 from rosic.core.saying import joined
 from rosic.core.words import no_robot
@@ -34,7 +35,7 @@ SHORTEST_S = 60.0
 LONGEST_S = 7 * 86_400.0
 FOLLOW, UNFOLLOW = "follow", "unfollow"
 DONE = frozenset({"done", "over"})
-OFF = frozenset({"off", "no", "end"})
+OFF = frozenset({"off", "no", "end", "aus"})
 
 
 class AmongClerk:
@@ -173,7 +174,7 @@ class AmongClerk:
         if not rest:
             return Reply(strategies.now(robot), about=robot)
         check_errand_fresh(asked.inbound, f"/strategy {asked.rest}")
-        name, *values = rest
+        name, *values = map(option_typed, rest)
         now = bool(values) and values[-1] == "now"
         if values and values[-1] in {"now", "idle"}:
             values = values[:-1]

@@ -10,6 +10,7 @@ import msgspec
 
 from rosic.core.authority import STRATEGY
 from rosic.core.identity import PrincipalId
+from rosic.core.language.option_words import parameter_typed
 from rosic.core.record import Decided, Fact
 from rosic.core.saying import joined
 from rosic.core.strategy_values import checked, spoken
@@ -136,7 +137,9 @@ class Strategies:
                 raise NotUnderstood(words.no_strategies(profile.shown))
             others = sorted(profile.strategies)
             raise NotUnderstood(words.no_such_strategy(profile.shown, name, others))
-        return Chosen(name, checked(declared, given, self._rooms.vocabulary.units))
+        known = declared.parameters
+        meant = {parameter_typed(typed, known): value for typed, value in given.items()}
+        return Chosen(name, checked(declared, meant, self._rooms.vocabulary.units))
 
     def _check_free(self, caller: Caller, robot: RobotId) -> None:
         holder = self._rooms.organiser.holder(robot)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.office import Asked
 
 EXPORT = "export"
-ME = frozenset({"me", "myself", "my data", "mydata"})
+ME = frozenset({"me", "myself", "mich", "my data", "mydata"})
 SURE = b"forget me"
 FILE = "my-data"
 

@@ -28,6 +28,9 @@ NAMES: Mapping[str, str] = {
     ROBOT: ROBOT, "default": ROBOT,
     SPEED: SPEED, "limit": SPEED, "cap": SPEED,
     ZONE: ZONE, "timezone": ZONE,
+    # In German, as the list and its example say it.
+    "sprache": LANGUAGE, "einheiten": UNITS, "roboter": ROBOT, "zeitzone": ZONE,
+    "tempo": SPEED, "höchstgeschwindigkeit": SPEED, "geschwindigkeit": SPEED, "grenze": SPEED,
 }  # fmt: skip
 
 

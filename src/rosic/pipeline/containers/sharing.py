@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.container import words_container
 from rosic.core.language.cleaning import clean_name
 from rosic.core.language.clock_words import Unclear
+from rosic.core.language.option_words import option_typed
 from rosic.core.language.when_said import Said
 from rosic.core.message import Button
 from rosic.core.saying import joined
@@ -32,9 +33,9 @@ LONGEST_LINE: Final = 300
 MOST_LINES: Final = 40
 MOST_BUTTONS: Final = 12
 LONGEST_S: Final = 366 * 86_400.0
-_WITH = re.compile(r"\s+with\s+", re.IGNORECASE)
-_FROM = re.compile(r"\s+from\s+", re.IGNORECASE)
-_FOR = re.compile(r"\s+for\s+", re.IGNORECASE)
+_WITH = re.compile(r"\s+(?:with|mit)\s+", re.IGNORECASE)
+_FROM = re.compile(r"\s+(?:from|von)\s+", re.IGNORECASE)
+_FOR = re.compile(r"\s+(?:for|für)\s+", re.IGNORECASE)
 
 
 class Sharing:
@@ -119,7 +120,7 @@ class Sharing:
         said, principal = " ".join(asked.rest.split()), asked.caller.principal
         check_length(said, LONGEST_LINE)
         first, _, rest = said.partition(" ")
-        if first.casefold() == BACK and rest and not _WITH.search(said):
+        if option_typed(first.casefold()) == BACK and rest and not _WITH.search(said):
             return await self._take_back(principal, rest)
         name, *others = _WITH.split(said, maxsplit=1)
         if not name.strip() or not others:

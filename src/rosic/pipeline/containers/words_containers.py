@@ -8,7 +8,8 @@ from rosic.container.preferences import IMPERIAL, METRIC
 from rosic.container.words_container import size
 from rosic.core.language.cleaning import quote
 from rosic.core.language.suggestions import AND
-from rosic.core.saying import figure, joined, said, said_n
+from rosic.core.limits import quantity_in_words
+from rosic.core.saying import joined, said, said_n
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -63,7 +64,7 @@ def settings(kept: Preferences, language: str, robot: str, zone: str) -> str:
         (said("Language"), language),
         (said("Units"), UNITS_SAID.get(kept.units, METRIC_SAID)),
         (said("Robot, when none is named"), robot or said("none")),
-        (said("Highest speed"), figure(speed) or said("whatever each robot allows")),
+        (said("Highest speed"), _speed(speed)),
         (said("Time zone"), zone),
     )
     return joined(
@@ -76,12 +77,16 @@ def settings(kept: Preferences, language: str, robot: str, zone: str) -> str:
     )
 
 
+def _speed(limit: str) -> str:
+    return quantity_in_words(limit) if limit else said("whatever each robot allows")
+
+
 def speed_set(speed: str, robots: Sequence[str]) -> str:
     """Return what a highest speed touches."""
     given = speed.partition("<=")[2].strip()
     return said(
         "Saved. Nothing you command goes faster than {speed}. It holds for {robots}.",
-        speed=figure(given),
+        speed=quantity_in_words(given),
         robots=joined(", ", robots),
     )
 

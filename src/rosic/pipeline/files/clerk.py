@@ -42,7 +42,10 @@ class Filing:
         self._holdings = holdings
         self._aside: Aside | None = None
         self._plain: Plain = _as_it_is
-        self.further: dict[str, Part] = {"get": self._get, "delete": self._delete}
+        self.further: dict[str, Part] = {
+            "get": self._get, "holen": self._get,
+            "delete": self._delete, "löschen": self._delete,
+        }  # fmt: skip
 
     def take_time(self, aside: Aside, plain: Plain) -> None:
         """Let large files go beside the chat."""
@@ -51,6 +54,7 @@ class Filing:
     def hand_over(self, handing: Handing) -> None:
         """Let files go to robots, and come from them."""
         self.further |= {"send": handing.send, "put": handing.put, "from": handing.fetch}
+        self.further |= {"senden": handing.send, "von": handing.fetch}
 
     async def files(self, asked: Asked) -> Reply:
         """List, hand over, delete.

@@ -6,6 +6,7 @@ What does not acknowledge is said not to; what does is compared with what was se
 
 from __future__ import annotations
 
+import re
 from functools import partial
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.office import Asked
 
 MOST_SHOWN: Final = 10
+_TO: Final = re.compile(r"(.+) (?:to|an) (.*)")
 
 
 class Ways(NamedTuple):
@@ -116,10 +118,10 @@ class Handing:
         Raises:
             Refusal: It may not, or does not fit. Nothing was done.
         """
-        name, _, said = rest.rpartition(" to ")
-        if not name:
+        found = _TO.fullmatch(rest)
+        if found is None:
             raise NotUnderstood(words.HOW, offers=("/files",))
-        robot = self._robot(asked, said)
+        name, robot = found[1], self._robot(asked, found[2])
         filed = self._holdings.files.find(asked.caller.principal, name)
         self._check(asked.caller, robot, filed)
         shown = self._profiles[robot].shown

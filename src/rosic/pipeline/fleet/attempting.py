@@ -15,7 +15,7 @@ from rosic.core.fleet.events import End
 from rosic.core.identity import command_id
 from rosic.core.life import ENGLISH, Life, wording_in
 from rosic.core.order import Ending, Outcome, Request
-from rosic.core.saying import in_language
+from rosic.core.saying import in_language, joined
 from rosic.errors import (
     FirstNeeded,
     NotPermitted,
@@ -143,7 +143,8 @@ class Attempting:
         rooms = self._rooms
         caller = self.check_author(task.author)
         # What nobody said stays within their limits, as in an order of their own.
-        line, _ = self._lowering.of(caller, step_for(rooms, doing.robot, said.lines[doing.step]))
+        step = step_for(rooms, doing.robot, said.lines[doing.step])
+        line, note = self._lowering.of(caller, step)
         request = self._request(doing, line, said, attempt_id(task, doing.attempt))
         complete = rooms.container.complete
         permits = rooms.organiser.admit(
@@ -159,7 +160,8 @@ class Attempting:
             rooms.organiser.abandon(permits)
             raise
         card = self._card(caller, (messenger, chat), request)
-        if not self._begin(order, caller, card, task, asker):
+        asked = joined(", ", filter(None, (order.words, note)))
+        if not self._begin(order, asked, caller, card, task, asker):
             return None
         return Attempt(doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits))
 
@@ -192,7 +194,9 @@ class Attempting:
         card.after = hands.ends[robot, request.text, catalogue]
         return card
 
-    def _begin(self, order: Order, caller: Caller, card: Card, task: Task, asker: Asker) -> bool:
+    def _begin(
+        self, order: Order, asked: str, caller: Caller, card: Card, task: Task, asker: Asker
+    ) -> bool:
         """RELAYCOMMAND goes on in a life of its own, unless nobody wants it any more.
 
         Between the look and the beginning nothing else happens: whoever takes the task from its
@@ -200,7 +204,7 @@ class Attempting:
         """
         hands, shown = self._hands, self._rooms.profiles[order.robot].shown
         catalogue = card.words.catalogue
-        what = in_language(order.words, catalogue)
+        what = in_language(asked, catalogue)
         title = in_language(words.order_title(f"{shown}: {what}", task), catalogue)
         life = AwaitedLife(shown, title, hands.face, self._clock.wall_ns(), card.words)
         card.show(order.cid, life)

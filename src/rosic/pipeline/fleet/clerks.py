@@ -56,7 +56,10 @@ class TaskClerk:
         self.dispatching = dispatching
         self._telling = telling
         self._acts = {"pause": self._pause, "cancel": self._cancel, "go": self._go,
-                      "resume": self._go, "retry": self._go, "done": self._was_done}  # fmt: skip
+                      "resume": self._go, "retry": self._go, "done": self._was_done,
+                      # In German.
+                      "pausieren": self._pause, "abbrechen": self._cancel,
+                      "weiter": self._go, "erledigt": self._was_done}  # fmt: skip
 
     def employ(self, office: Office) -> None:
         """Take these errands."""

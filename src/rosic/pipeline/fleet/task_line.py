@@ -166,4 +166,11 @@ _READ: dict[str, Callable[[Wish, list[str], int, Zone], bool]] = {
     "once": _once,
     "within": _within,
     "by": _by,
+    # In German.
+    "priorität": _priority,
+    "akku": _battery,
+    "verortet": _localised,
+    "einmal": _once,
+    "binnen": _within,
+    "bis": _by,
 }

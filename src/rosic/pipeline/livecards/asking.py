@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.compiled import fold
+from rosic.core.language.option_words import option_typed
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.words import FILLERS
 from rosic.core.message import Button
@@ -57,7 +58,7 @@ class CardClerk:
         """
         said = asked.rest.strip().rstrip(_ENDS).translate(_BETWEEN).split()
         verb = fold(said[0]) if said else ""
-        if verb == "off" and len(said) == 1:
+        if option_typed(verb) == "off" and len(said) == 1:
             return await self._off(asked)
         if verb == "picture" and len(said) > 1:
             return self._picture(asked, said[1:])

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.cleaning import echo
-from rosic.core.saying import figure, joined, said
+from rosic.core.measures import measured
+from rosic.core.saying import joined, said
 
 if TYPE_CHECKING:
     from rosic.core.robot import Presence, Profile
@@ -79,7 +80,7 @@ def battery(profile: Profile, presence: Presence) -> str:
     if isinstance(value, str):
         return said("battery {value}", value=value)
     shown = f"{value:.0f}" if described.unit == "%" else f"{value:.1f}"
-    shown = figure(f"{shown} {described.unit}".rstrip())
+    shown = measured(f"{shown} {described.unit}".rstrip(), value, described.unit)
     if described.alert_below is not None and value < described.alert_below:
         return said("battery {value}, low", value=shown)
     return said("battery {value}", value=shown)

@@ -14,6 +14,7 @@ from rosic.core.identity import PrincipalId
 from rosic.core.language import Vocabulary, clean
 from rosic.core.language.cleaning import fold_word
 from rosic.core.language.suggestions import did_you_mean
+from rosic.core.language.words import ALIASES
 from rosic.core.limits import limit_in_words
 from rosic.core.robot import RobotId
 from rosic.core.role_names import role_shown
@@ -141,7 +142,7 @@ def want_of(asked: Asked, rights: Rights, places: Places) -> Want:
         skill = places.skill(robots, " ".join(low[:count]))
         if skill is not None:
             return Want(robot=name, skill=skill, lasts_s=lasts_s)
-    if low[0].casefold() == RESUME:
+    if ALIASES.get(low[0].casefold(), low[0].casefold()) == RESUME:
         return Want(robot=name, skill=RESUME, lasts_s=lasts_s)
     raise _no_such_skill(name, robots, low[0], places)
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.people.powers import Powers
     from rosic.pipeline.people.registry import Registry
 
-MYSELF = frozenset({"me", "myself"})
+MYSELF = frozenset({"me", "myself", "mich"})
 
 
 class Custody:

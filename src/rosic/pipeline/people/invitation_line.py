@@ -12,6 +12,7 @@ from rosic.authoriser.invitation import CODE_TTL_S, Given, Wanted
 from rosic.core.language import clean, clean_name
 from rosic.core.language.cleaning import fold_word
 from rosic.core.language.clock_words import Unclear
+from rosic.core.language.option_words import decimals_typed, option_typed
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.when_said import Said
 from rosic.core.reach import FLEET
@@ -21,6 +22,7 @@ from rosic.core.saying import joined
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.pipeline.office import check_length
 from rosic.pipeline.people import words, words_asking
+from rosic.pipeline.people.limit_line import limit_typed
 
 if TYPE_CHECKING:
     from rosic.core.rights import Rights
@@ -36,7 +38,7 @@ _LASTS, _CODE, _CONFIRM = "for", "code", "confirm"
 _SIGNS = frozenset("<>=≤≥")
 _NUMBER = re.compile(r".*[<>=≤≥]\s*[+-]?\.?\d")
 _SCOPE = re.compile(r"[a-z0-9_*?-]+:[a-z0-9_*?-]+\Z", re.ASCII)
-_AS = re.compile(r"\s+as\s+", re.IGNORECASE)
+_AS = re.compile(r"\s+(?:as|als)\s+", re.IGNORECASE)
 
 
 def read_invitation(text: str, rights: Rights) -> Wanted:
@@ -94,7 +96,7 @@ class _Reading:
         self._walk(_raw(before))
 
     def _walk(self, raw: list[str]) -> None:
-        low = _folded(raw)
+        low = [self._meant(word) for word in _folded(raw)]
         at = 0
         while at < len(low):
             word = low[at]
@@ -124,6 +126,11 @@ class _Reading:
         elif word not in _FILLERS:
             raise self._unknown(word)
 
+    def _meant(self, word: str) -> str:
+        """Return what a word says in English; a name of this place stays what it is."""
+        named = word in self._roles or word in self._rights.fleet.skills
+        return word if named or word in self._rights.fleet.groups else option_typed(word)
+
     def _limit(self, raw: list[str], low: list[str], begin: int, scope: str = "") -> int:
         """Read ``speed <= 0.2 m/s``, perhaps of one right only; return how many words it took."""
         end = begin + 1
@@ -132,7 +139,7 @@ class _Reading:
         while end < len(low) and not self._means(low[end]) and not _begins_limit(low, end):
             end += 1
         said = " ".join([scope, low[begin], *raw[begin + 1 : end]])
-        self._limits.append(said.strip())
+        self._limits.append(limit_typed(said.strip(), self._rights.fleet))
         return end - begin
 
     def _means(self, word: str) -> bool:
@@ -158,7 +165,7 @@ class _Reading:
     def name(self, text: str) -> None:
         """Read a name; how long, and the code's time, may stand after it."""
         raw = _raw(text)
-        low = _folded(raw)
+        low = list(map(option_typed, _folded(raw)))
         ends = len(low)
         for at in range(1, len(low)):
             if low[at] in {_LASTS, _CODE} and length_said(low[at + 1 : at + 1 + LENGTH_WORDS])[1]:
@@ -214,7 +221,7 @@ def _with(said: str, word: str, other: str) -> str:
 
 
 def _raw(text: str) -> list[str]:
-    return text.replace(",", " , ").split()
+    return decimals_typed(text).replace(",", " , ").split()
 
 
 def _folded(raw: list[str]) -> list[str]:

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.core.language import clean
 from rosic.core.language.cleaning import fold_word
+from rosic.core.language.option_words import OPTIONS
 from rosic.core.reach import FLEET
 from rosic.core.role_names import role_typed
 from rosic.core.roles import Role
 from rosic.errors import NotUnderstood
 from rosic.pipeline.office import check_length
 from rosic.pipeline.people import words_roles
+from rosic.pipeline.people.limit_line import limit_typed
 
 if TYPE_CHECKING:
     from collections.abc import Container
@@ -25,14 +27,14 @@ if TYPE_CHECKING:
 LONGEST_LINE: Final = 300
 MAY, WITH, OFF = "may", "with", "off"
 _NAME = re.compile(r"[a-z][a-z0-9_-]{0,31}\Z")
-_LIMITS = re.compile(r"\s*,\s*|\s+(?:and|with)\s+", re.IGNORECASE)
-_SIGN = re.compile(r"[<>=≤≥]")
-_FILLERS = frozenset({"and", ",", "&"})
+_LIMITS = re.compile(r"\s*,\s+|,(?!\d)|(?<!\d),|\s+(?:and|with|und|mit)\s+", re.IGNORECASE)
+_FILLERS = frozenset({"and", ",", "&", "und"})
+_WITH = re.compile(r"\s(?:with|mit)\s")
 # Words that mean something else where roles are named: in /grant, /invite and here.
 _TAKEN = frozenset(
     {
         "a", "an", "and", "as", "at", "back", "code", "confirm", "everywhere", FLEET,
-        "for", "limit", MAY, OFF, "on", "the", WITH,
+        "for", "limit", MAY, OFF, "on", "the", WITH, *OPTIONS,
     }
 )  # fmt: skip
 
@@ -58,25 +60,24 @@ def check_name(name: str, fleet: Fleet) -> None:
         raise NotUnderstood(words_roles.no_name(name))
 
 
-def read_role(text: str, known: Container[str] = ()) -> Role:
+def read_role(text: str, fleet: Fleet, known: Container[str] = ()) -> Role:
     """Read what stands after ``may``. Whether it makes sense, the check of the rulebook says.
 
     Args:
         text: The words.
+        fleet: Whose parameters may be limited.
         known: The roles of this place, which other languages may have words for.
     """
-    said, _, limits = text.partition(f" {WITH} ")
+    said, *after = _WITH.split(text, maxsplit=1)
+    limits = after[0] if after else ""
     named = [fold_word(word).casefold() for word in said.replace(",", " , ").split()]
     given = [word for word in dict.fromkeys(named) if word not in _FILLERS]
     return Role(
         scopes=tuple(word for word in given if ":" in word),
         includes=tuple(role_typed(word, known) for word in given if ":" not in word),
-        limits=tuple(dict.fromkeys(_limit(each) for each in _LIMITS.split(limits) if each.strip())),
+        limits=tuple(
+            dict.fromkeys(
+                limit_typed(each, fleet) for each in _LIMITS.split(limits) if each.strip()
+            )
+        ),
     )
-
-
-def _limit(text: str) -> str:
-    """Write names small; a unit keeps its letters."""
-    sign = _SIGN.search(text)
-    end = len(text) if sign is None else sign.start()
-    return f"{text[:end].casefold()}{text[end:]}".strip()

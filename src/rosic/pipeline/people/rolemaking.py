@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.language.cleaning import fold_word
+from rosic.core.language.option_words import option_typed
 from rosic.core.message import Button
 from rosic.core.reach import FLEET
 from rosic.core.role_names import role_typed
@@ -58,13 +59,14 @@ class Rolemaking:
         name, _, rest = said.partition(" ")
         name = fold_word(name).casefold()
         verb, _, what = rest.partition(" ")
+        verb = option_typed(verb.casefold())
         meant = role_typed(name, self._book.rulebook.roles)
         if not rest:
             self._check_known(meant)
             return Reply(self._line(meant))
-        if verb.casefold() == OFF and not what:
+        if verb == OFF and not what:
             return await self._take(by, meant)
-        if verb.casefold() != MAY or not what:
+        if verb != MAY or not what:
             raise NotUnderstood(words_roles.HOW)
         return await self._make(asked, name, what)
 
@@ -75,7 +77,8 @@ class Rolemaking:
     # ---- making ----
 
     async def _make(self, asked: Asked, name: str, what: str) -> Reply:
-        role, by = read_role(what, self._book.rulebook.roles), asked.caller.principal
+        by, fleet = asked.caller.principal, self._registry.rights().fleet
+        role = read_role(what, fleet, self._book.rulebook.roles)
         agreed = sure(self._registry.rights().policy, "role", name, what)
         if asked.act != agreed:
             before, affected = self._book.own.get(name), self._check(by, name, role)

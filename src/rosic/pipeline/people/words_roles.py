@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from rosic.authoriser.words_entry import listed
 from rosic.core.language.cleaning import quote
+from rosic.core.limits import limit_in_words
 from rosic.core.role_names import role_shown
 from rosic.core.saying import joined, said
 from rosic.pipeline.people.words import can_do, roles_listed
@@ -51,7 +52,9 @@ def gives(role: Role) -> str:
     what = joined(", ", (*map(role_shown, role.includes), *role.scopes))
     if not role.limits:
         return what
-    return said("{what} with {limits}", what=what, limits=joined(", ", role.limits))
+    return said(
+        "{what} with {limits}", what=what, limits=joined(", ", map(limit_in_words, role.limits))
+    )
 
 
 def line(name: str, role: Role, *, own: bool) -> str:

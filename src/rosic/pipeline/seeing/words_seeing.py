@@ -114,11 +114,13 @@ def stayed(robot: str, words: str, *, over: bool) -> str:
 def way(words: str, metres: float, seconds: float, *, over: bool) -> str:
     """Return what a way is: of which order, how long, how far."""
     figures = {
-        "metres": figure(f"{metres:.2f}"), "seconds": figure(f"{seconds:.1f}"), "order": words,
-    }  # fmt: skip
+        "way": measured(f"{metres:.2f} m", metres, "m"),
+        "seconds": figure(f"{seconds:.1f}"),
+        "order": words,
+    }
     if over:
-        return said("way of the last order ({order}): {metres} m in {seconds} s", **figures)
-    return said("way of this order so far ({order}): {metres} m in {seconds} s", **figures)
+        return said("way of the last order ({order}): {way} in {seconds} s", **figures)
+    return said("way of this order so far ({order}): {way} in {seconds} s", **figures)
 
 
 def chart(name: str, value: str, seconds: float) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rosic.core.language.compiled import fold
 from rosic.core.language.lines import Misunderstood
+from rosic.core.language.option_words import option_typed
 from rosic.core.language.when import read_when
 from rosic.core.message import Button
 from rosic.core.robot import Slots
@@ -52,7 +53,7 @@ class Wishing:
         if not text:
             return self._list(asked.caller.principal)
         first, _, rest = text.partition(" ")
-        if fold(first) == OFF:
+        if option_typed(fold(first)) == OFF:
             return await self._off(asked.caller.principal, rest.strip())
         return await self._put(asked, text)
 

@@ -81,6 +81,20 @@ def test_what_is_understood(line: str, given: Given, code_s: float, name: str) -
     assert (wanted.given, wanted.code_ttl_s, wanted.name) == (given, code_s, name)
 
 
+@pytest.mark.parametrize(
+    ("english", "german"),
+    [
+        ("operator omni with distance <= 0.2 m for 2h code 30 min as Cy Young",
+         "Bediener omni mit Strecke <= 0,2 m für 2h code 30 min als Cy Young"),
+        ("viewer everywhere confirm", "Zuschauer überall bestätigen"),
+        ("operator with omni:move distance <= 0.2 m and distance >= 0.1 m",
+         "Bediener mit omni:move Entfernung <= 0,2 m und Strecke >= 0,1 m"),
+    ],
+)  # fmt: skip
+def test_it_may_be_said_in_german_as_the_german_help_says_it(english: str, german: str) -> None:
+    assert read_invitation(german, RIGHTS) == read_invitation(english, RIGHTS)
+
+
 def test_an_admin_may_be_asked_for_a_tap() -> None:
     assert read_invitation("viewer confirm for 2h", RIGHTS).needs_confirmation
     assert read_invitation("viewer for 2h", RIGHTS).needs_confirmation is None

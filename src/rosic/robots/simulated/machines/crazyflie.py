@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot, isfinite, pi
 from typing import TYPE_CHECKING
 
-from rosic.core.measures import measured
+from rosic.core.measures import measured, number_in_units
 from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import CannotDo, Failed, State
 from rosic.robots.simulated.machines.battery import Battery
@@ -217,10 +217,10 @@ class Crazyflie(SteppedMachine):
             self._advance(1.0 - left / whole)
             yield
         return said(
-            "at {x_m:.2f}, {y_m:.2f}, {position:.2f} m",
-            x_m=round(flight.x_m, 2) + 0.0,  # no -0.00
-            y_m=round(flight.y_m, 2) + 0.0,
-            position=flight.height.position,
+            "at {x}, {y}, {z}",
+            x=number_in_units(round(flight.x_m, 2) + 0.0, "m"),  # no -0.00
+            y=number_in_units(round(flight.y_m, 2) + 0.0, "m"),
+            z=measured(f"{flight.height.position:.2f} m", flight.height.position, "m"),
         )
 
     def _recipe_follow(self, chase: Chase) -> Recipe:

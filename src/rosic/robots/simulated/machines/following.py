@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import atan2, cos, hypot, sin
 from typing import TYPE_CHECKING
 
+from rosic.core.measures import measured
 from rosic.core.saying import said
 from rosic.robots.simulated.machines.activity import Failed
 from rosic.robots.simulated.machines.flight import NEAR_M, SPEED_LIMIT_M_S, SPEED_M_S
@@ -110,7 +111,9 @@ class Chase:
         """Return how it ended, as a sentence."""
         gap_m = self.gap_now_m(here, now_s)
         return said(
-            "followed {leader}, {gap:.2f} m behind it at the end", leader=self.leader, gap=gap_m
+            "followed {leader}, {gap} behind it at the end",
+            leader=self.leader,
+            gap=measured(f"{gap_m:.2f} m", gap_m, "m"),
         )
 
     def place(self, now_s: float) -> Place:

@@ -1,0 +1,44 @@
+"""How a button reads that offers an order: in the reader's words and units, as they may type it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language import Context, Do, understand
+from rosic.core.language.common_names import shown_command, shown_name
+from rosic.core.measures import measured
+from rosic.core.saying import joined
+from rosic.pipeline.command_words import offered
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.core.language import Vocabulary
+    from rosic.core.order import Spoken
+
+
+def label_of(offer: str, vocabulary: Vocabulary) -> str:
+    """Return how a button reads that says a command; what it says stays what it is."""
+    lines = understand(offer, vocabulary, Context("", frozenset(vocabulary.profiles)))
+    if offer.startswith("/") or len(lines) != 1 or not isinstance(lines[0], Do):
+        return offered(offer)
+    label = joined(" ", _words(lines[0], vocabulary))
+    # In English it reads as it is typed. What does not is somebody's own way of saying it.
+    return label if label == offer else offer
+
+
+def _words(line: Do, vocabulary: Vocabulary) -> Iterator[str]:
+    robot, skill = line.robots[0], line.skills[0]
+    yield line.group or robot
+    compiled = vocabulary.compiled_skill(robot, skill.id)
+    spoken = skill.id if compiled is None else compiled.spoken
+    yield shown_command(skill.id, spoken, skill.titles)
+    yield from map(_value, line.spoken)
+
+
+def _value(value: Spoken) -> str:
+    name = joined("", (shown_name(value.name), "=")) if value.name else ""
+    if value.number is None:
+        return joined("", (name, shown_name(value.word)))
+    text = f"{value.number:.12g} {value.word}".rstrip()
+    return joined("", (name, measured(text, value.number, value.word)))
