@@ -45,6 +45,7 @@ CHOICES_AT_MOST = 12
 STEPS_AT_MOST = 12
 
 
+TASK = "task"
 NOTHING_TO_DO = said("There is nothing to do again here yet.")
 
 
@@ -86,6 +87,8 @@ class Choosing:
             raise NotUnderstood(line.sentence, offers=line.offers)
         if isinstance(line, Errand) and (several := self._agreements.together(line, caller)):
             return _question(several, command, (), trail)
+        if isinstance(line, Errand) and line.verb == TASK and line.rest:
+            return _question(said("Task: {task}", task=line.rest), command, (), trail)
         if not isinstance(line, Do):
             raise NotUnderstood(NOTHING_TO_DO)
         if line.group:

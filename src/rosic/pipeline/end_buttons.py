@@ -24,6 +24,9 @@ KEPT: Final = 1_024
 AGAIN, BACK, MENU = said("Again"), said("Back"), said("Menu")
 ALL_ROBOTS: Final = "robots"
 LAST: Final = "again"
+SEVERAL: Final = "+"
+"""Between robots that are named one by one."""
+NAMED: Final = 3
 
 Row: TypeAlias = tuple[tuple[Button, ...], ...]
 Ended: TypeAlias = tuple[str, str, Catalogue | None]
@@ -49,16 +52,39 @@ class EndButtons(dict[Ended, Row]):
         row = self[ended] = (tuple(made),)
         return row
 
-    def _made(self, ended: Ended) -> Iterator[Button | None]:
-        name, text, catalogue = ended
-        labels = [in_language(label, catalogue) for label in (AGAIN, BACK, MENU)]
-        whole = self._agreements.named_for(name, text)
-        # What is too long to be carried is asked by whoever said it last here.
-        yield open_button(labels[0], f"{ASK_FIRST}{whole}") or open_button(labels[0], LAST)
-        if name in self._rooms.profiles:
-            yield open_button(labels[1], f"use {name}")
+    def of_task(self, whom: str, again: str, catalogue: Catalogue | None) -> Row:
+        """Return the row beneath the end of a task.
+
+        Args:
+            whom: The robot that had it, else whom it was for; empty: any.
+            again: What gives it anew; empty, or too long to be carried: it is not offered.
+            catalogue: Whose language its author reads.
+        """
+        labels = [in_language(label, catalogue) for label in (AGAIN, MENU)]
+        made = [open_button(labels[0], f"{ASK_FIRST}{again}") if again else None]
+        made += self._back(whom, catalogue)
+        made.append(open_button(labels[1], ALL_ROBOTS))
+        return (tuple(button for button in made if button is not None),)
+
+    def _back(self, name: str, catalogue: Catalogue | None) -> Iterator[Button | None]:
+        """Yield the way back to whom it was asked of, and a picture where one is to be had."""
+        label, profiles = in_language(BACK, catalogue), self._rooms.profiles
+        name = name.casefold()
+        if name in profiles:
+            yield open_button(label, f"use {name}")
             for seen in self._reception.sights(name)[:1]:
                 yield open_button(in_language(seen.label, catalogue), seen.command)
         elif self._rooms.vocabulary.members(name):
-            yield open_button(labels[1], f"help {name}")
-        yield open_button(labels[2], ALL_ROBOTS)
+            yield open_button(label, f"help {name}")
+        else:  # several that were named one by one: to each
+            for robot in [robot for robot in name.split(SEVERAL) if robot in profiles][:NAMED]:
+                yield open_button(profiles[robot].shown, f"use {robot}")
+
+    def _made(self, ended: Ended) -> Iterator[Button | None]:
+        name, text, catalogue = ended
+        labels = [in_language(label, catalogue) for label in (AGAIN, MENU)]
+        whole = self._agreements.named_for(name, text)
+        # What is too long to be carried is asked by whoever said it last here.
+        yield open_button(labels[0], f"{ASK_FIRST}{whole}") or open_button(labels[0], LAST)
+        yield from self._back(name, catalogue)
+        yield open_button(labels[1], ALL_ROBOTS)

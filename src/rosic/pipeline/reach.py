@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.authoriser.buttons import is_lasting
 from rosic.contracts.messenger import Messenger
 from rosic.core.message import Button, Chat, Outbound, Weight
 from rosic.pipeline.languages import translated
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
     from rosic.authoriser.authoriser import Authoriser
     from rosic.core.identity import PrincipalId
+    from rosic.core.saying import Catalogue
     from rosic.pipeline.outbox import Outbox
 
 
@@ -96,7 +98,8 @@ class Reach:
         """Tell each of them a notice in private. Return how many places that were."""
         places = 0
         weight = Weight.ALARM if notice.urgent else Weight.QUESTION
-        lasts = notice.urgent or not notice.buttons or bool(notice.matter)
+        offers = any(not is_lasting(button) for row in notice.buttons for button in row)
+        lasts = notice.urgent or not offers or bool(notice.matter)
         for principal in dict.fromkeys(people):
             for messenger, chat in self._chats(principal):
                 outbound = Outbound(chat=chat, text=notice.text, weight=weight)
@@ -115,12 +118,19 @@ class Reach:
         if notice is not None:
             self._offer(note.to, note, notice)
 
+    def read_by(self, who: PrincipalId) -> Catalogue | None:
+        """Return what somebody reads; None: English."""
+        return self._teller.languages.of(who)
+
     def _offer(self, who: PrincipalId, note: Note, notice: Notice) -> None:
         """Put the buttons of a notice under a note, bound to its reader and chat."""
         messenger, chat = note.messenger_and_chat
         lifetime_ns = int(notice.lifetime_s * 1e9)
         issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns, still=notice.still)
-        bound = tuple(tuple(issue(b, who, chat.id) for b in row) for row in notice.buttons)
+        bound = tuple(
+            tuple(b if is_lasting(b) else issue(b, who, chat.id) for b in row)
+            for row in notice.buttons
+        )
         offering = msgspec.structs.replace(note.outbound, buttons=bound)
         note.outbound = translated(offering, self._teller.languages.of(who))
         if notice.landed is not None:

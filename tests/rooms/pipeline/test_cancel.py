@@ -283,6 +283,37 @@ async def test_pause_holds_tasks_and_says_what_cannot_be_held() -> None:
         assert await place.say("continue") == "Nothing of yours is paused."
 
 
+@pytest.mark.parametrize("after_s", [0.0, 0.01, 0.06, 1.0])
+@pytest.mark.parametrize("word", ["cancel", "cancel cf2", "button"])
+async def test_what_was_paused_is_cancelled_too(word: str, after_s: float) -> None:
+    async with Place().open() as place:
+        place.robot("cf2").work_s = LONG_S
+        await place.say("/task cf2 move 1 m")
+        await place.clock.advance(1.0)
+        await place.say("pause")
+        await place.clock.advance(after_s)
+        if word == "button":
+            await place.tap(*place.button("Cancel"))
+        else:
+            await place.say(word)
+        await place.clock.advance(1.0)
+        assert await place.say("/tasks") == "No task is open."
+        assert await place.say("continue") == "Nothing of yours is paused."
+
+
+async def test_what_was_paused_stays_so_where_another_robot_is_named() -> None:
+    async with Place().open() as place:
+        place.robot("cf2").work_s = LONG_S
+        await place.say("/task cf2 move 1 m")
+        await place.clock.advance(1.0)
+        await place.say("pause")
+        await place.clock.advance(1.0)
+        before = await place.say("/tasks")
+        assert "paused" in before
+        await place.say("cancel omni")
+        assert await place.say("/tasks") == before
+
+
 async def test_cancel_booking_is_about_bookings_whatever_moves() -> None:
     async with Place().open() as place:
         await _at_work(place)

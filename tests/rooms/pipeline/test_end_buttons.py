@@ -5,10 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+from msgspec.structs import replace
 
 from rosic.authoriser.buttons import CARRIED_BYTES, is_open, open_button
+from rosic.core.fleet.task import Need, Task
 from rosic.core.message import Button, ChatKind
 from rosic.core.order import Ending, Outcome
+from rosic.organiser.zones import zone_named
+from rosic.pipeline.fleet.task_line import given_again, read_wish
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
@@ -243,3 +247,56 @@ async def test_what_nobody_saw_the_end_of_has_them_after_a_restart() -> None:
         assert _labels(place.last()[1]) == [ROW]
         await place.tap(*place.button("Again"))
         assert place.last()[1].text == "omni: move, 1.00 m forward?"
+
+
+async def test_the_end_of_a_task_has_them_and_again_gives_it_anew_once_confirmed() -> None:
+    async with Place().open() as place:
+        await place.say("/task omni wave priority 3")
+        await place.clock.advance(5.0)
+        button, under = place.button("Again")
+        assert place.chat.shown(under).text == "Task 1 (wave): done by omni."
+        assert _labels(place.chat.shown(under)) == [ROW]
+        assert button.command == "?/task omni wave priority 3"
+        assert place.acted() == 1
+        await place.tap(button, under)
+        assert place.last()[1].text == "Task: omni wave priority 3?"
+        assert place.acted() == 1, "it is asked first"
+        await place.tap(*place.button("Do it"))
+        await place.clock.advance(5.0)
+        assert place.acted() == 2
+        assert place.last()[1].text == "Task 2 (wave): done by omni."
+
+
+async def test_what_is_too_long_to_be_carried_has_no_again_that_means_something_else() -> None:
+    async with Place().open() as place:
+        await place.say("/task omni move 1 m then move 1 m then move 1 m then move 1 m then wave")
+        await place.clock.advance(30.0)
+        shown = place.last()[1]
+        assert "done by omni" in shown.text
+        assert _labels(shown) == [["Back", "Menu"]]
+
+
+@pytest.mark.parametrize(
+    ("name", "back"),
+    [("swarm", ["Back"]), ("Swarm", ["Back"]), ("cf1+cf2", ["cf1", "cf2"])],
+)
+async def test_the_end_of_several_leads_back_to_them(name: str, back: list[str]) -> None:
+    async with Place().open() as place:
+        await place.say(f"/broadcast {name} wave")
+        await place.clock.advance(5.0)
+        assert _labels(place.last()[1]) == [["Again", *back, "Menu"]]
+
+
+def test_what_gives_a_task_anew_says_all_that_was_asked_of_it() -> None:
+    line = "omni move 1 m then wave priority 3 battery 30 localised once within 300 s"
+    wish = read_wish(line, 0, zone_named("UTC"))
+    task = Task(
+        id="1", author=ADA, among=("omni",), wanted="omni", steps=2, skills=("move", "wave"),
+        priority=wish.priority, given_ns=0, expected_ns=int(wish.expected_s * 1e9),
+        once=wish.once, need=Need(wish.battery, wish.localised),
+    )  # fmt: skip
+    assert given_again(task, wish.lines(1)) == f"/task {line}"
+    anew = given_again(replace(task, wanted=""), ("wave",))
+    anybody = read_wish(anew.removeprefix("/task "), 0, zone_named("UTC"))
+    assert anybody.words == ["any", "wave"]
+    assert (anybody.priority, anybody.battery, anybody.once) == (3, 30.0, True)

@@ -314,7 +314,8 @@ async def test_what_was_not_begun_in_time_is_given_anew_and_what_was_is_seen_thr
         told = await heard(here, 70)
         assert "Task 1 (wave): failed. Why: it was not begun in time." in told
         _, shown = here.last()
-        assert [button.command for row in shown.buttons for button in row] == ["/task cancel 1"]
+        commands = [button.command for row in shown.buttons for button in row]
+        assert commands == ["/task cancel 1", "use w1", "robots"]
         here.robot("w1").online = True
         told = await here.say("/task go 1")
         assert "Task 1 was to be begun by a time that is over. Give it anew." in told

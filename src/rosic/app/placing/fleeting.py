@@ -81,7 +81,7 @@ class Fleeting:
         )  # fmt: skip
         self.help_book = HelpBook(clock.wall_ns)
         self.watching = Watching(rooms, self.dispatching, clock, self.help_book.engages)
-        self.telling = Telling(rooms, hands.reach, self.dispatching)
+        self.telling = Telling(rooms, hands.reach, self.dispatching, hands.ends)
         self.dispatching.tell = self.telling.tell
         self.dispatching.changed = self._changed
         self._usage = Usage(clock.monotonic_ns)

@@ -19,7 +19,7 @@ from rosic.pipeline.fleet.completing import refused
 from rosic.pipeline.fleet.letters import Said
 from rosic.pipeline.fleet.readiness import why_waits
 from rosic.pipeline.fleet.reading import able
-from rosic.pipeline.fleet.task_line import read_wish
+from rosic.pipeline.fleet.task_line import ANYBODY, read_wish
 from rosic.pipeline.freshness import check_errand_fresh
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ OPEN_AT_MOST: Final = 2_000
 OF_ONE_AT_MOST: Final = 500
 """So many are one person's, so that nobody keeps the others from giving any."""
 SHOWN_AT_MOST: Final = 20
-ANY: Final = frozenset({"any", "anybody", "anyone"})
+ANY: Final = frozenset({ANYBODY, "anybody", "anyone", "irgendwer"})
 ASSIGN: Final = "assign"
 
 

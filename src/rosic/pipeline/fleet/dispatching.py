@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from rosic.core.fleet import events as e
 from rosic.core.fleet.reacting import react
 from rosic.core.fleet.state import FleetState
-from rosic.core.fleet.task import HELD, OVER, RESTING, Why, idle_first
+from rosic.core.fleet.task import HELD, OVER, RESTING, State, Why, idle_first
 from rosic.core.order import Ending
 from rosic.errors import RecordUnavailable, Refusal, RosicError, Unrecognised
 from rosic.pipeline.fleet.attempting import Asker, attempt_id, end_after, end_of
@@ -155,6 +155,8 @@ class Dispatching:
     ) -> tuple[Task, ...]:
         """Pause or cancel what somebody has under way, and what of it waits for a robot.
 
+        What they have paused is cancelled, too: it is theirs still, and would go on some day.
+
         Args:
             author: Whose tasks.
             robots: Those of these robots, and those that are for nobody else; none: all.
@@ -167,7 +169,9 @@ class Dispatching:
         for _ in range(2):  # once more for what was being given, and is so when it comes to that
             for task in idle_first(t for t in self.fleet.open() if t.author == author):
                 concerns = not robots or task.robot in robots or set(task.among) <= set(robots)
-                if concerns and task.state not in RESTING and task.id not in held:
+                paused = why is Why.CANCELLED and task.state is State.PAUSED
+                holds = paused or task.state not in RESTING
+                if concerns and holds and task.id not in held:
                     held[task.id] = task
                     self.why.pop(task.id, None)
                     await self._feed(e.Held(task.id, why))

@@ -16,12 +16,15 @@ from rosic.pipeline.people.invitation_line import length_said
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from rosic.core.fleet.task import Task
     from rosic.organiser.zones import Zone
 
 LONGEST_LINE = 2_000
 THEN = " then "
 THENS: Final = frozenset({"then", "dann"})
 FULL = 100.0
+PRIORITY: Final = 1
+ANYBODY: Final = "any"
 
 
 class Wish(msgspec.Struct):
@@ -35,7 +38,7 @@ class Wish(msgspec.Struct):
 
     words: list[str]
     conditions: tuple[str, ...] = ()
-    priority: int = 1
+    priority: int = PRIORITY
     until_ns: int = 0
     expected_s: float = 0.0
     battery: float = 0.0
@@ -70,6 +73,19 @@ class Wish(msgspec.Struct):
             lines: The steps.
         """
         return " ".join(["/task", *self.words[:after], THEN.join(lines), *self.conditions])
+
+
+def given_again(task: Task, lines: Sequence[str]) -> str:
+    """Return the line that gives a task anew, as somebody types it; without when it was to be."""
+    conditions = [
+        f"priority {task.priority}" if task.priority != PRIORITY else "",
+        f"battery {task.need.battery:g}" if task.need.battery else "",
+        "localised" if task.need.localised else "",
+        "once" if task.once else "",
+        f"within {task.expected_ns / 1e9:g} s" if task.expected_ns else "",
+    ]
+    said = ["/task", task.wanted or ANYBODY, THEN.join(lines), *conditions]
+    return " ".join(filter(None, said))
 
 
 def read_wish(text: str, now_ns: int, zone: Zone) -> Wish:

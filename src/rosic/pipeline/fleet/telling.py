@@ -10,11 +10,13 @@ from rosic.core.words import label
 from rosic.organiser.words_calendar import length
 from rosic.pipeline.fleet import words_fleet as words
 from rosic.pipeline.fleet import words_late as late
+from rosic.pipeline.fleet.task_line import given_again
 
 if TYPE_CHECKING:
     from rosic.core.fleet.task import Task
     from rosic.core.identity import PrincipalId
     from rosic.core.robot import RobotId
+    from rosic.pipeline.end_buttons import EndButtons, Row
     from rosic.pipeline.fleet.dispatching import Dispatching
     from rosic.pipeline.reach import Reach
     from rosic.pipeline.rooms import Rooms
@@ -23,8 +25,11 @@ if TYPE_CHECKING:
 class Telling:
     """Says it in private, over a crash too; an order itself is shown where the task was given."""
 
-    def __init__(self, rooms: Rooms, reach: Reach, dispatching: Dispatching) -> None:
+    def __init__(
+        self, rooms: Rooms, reach: Reach, dispatching: Dispatching, ends: EndButtons
+    ) -> None:
         self._rooms = rooms
+        self._ends = ends
         self._reach = reach
         self._dispatching = dispatching
 
@@ -32,7 +37,19 @@ class Telling:
         """Say what has changed, if whoever gave the task would want to know."""
         text = self._text(before, after)
         if text:
-            self._reach.tell((after.author,), text, words.choices(after))
+            rows = (*words.choices(after), *self._row(before, after))
+            self._reach.tell((after.author,), text, rows)
+
+    def _row(self, before: Task, after: Task) -> Row:
+        """Return what stands beneath the end of a task, whichever way it ended."""
+        if after.due != before.due or not (after.over or after.state is State.FAILED):
+            return ()
+        said = self._dispatching.letters.get(after.id)
+        anew = after.over and said is not None and not after.mission
+        again = given_again(after, said.lines) if anew and said is not None else ""
+        reads = self._reach.read_by(after.author)
+        whom = before.robot or after.robot or after.wanted
+        return self._ends.of_task(whom, again, reads)
 
     def what(self, task: Task, who: PrincipalId) -> str:
         """Return what a task is about: in its author's words for them alone (I11)."""
