@@ -1,7 +1,8 @@
 """Every small change that can be made to one source file, one at a time.
 
-Only what stands in functions is changed: what stands outside of them has been run before a test
-begins. Sentences, annotations and what goes to the log stay as they are.
+Only what stands in functions is changed, and what their parameters default to: anything else that
+stands outside of them has been run before a test begins. Sentences, annotations and what goes to
+the log stay as they are.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ OPPOSITE: dict[type[ast.operator], type[ast.operator]] = {
 RENAMED = {"min": "max", "max": "min", "any": "all", "all": "any"}
 LEFT_ALONE = ("annotation", "returns", "args", "decorator_list", "type_comment", "type_params")
 FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
+NOTHING = "lambda *_, **__: None"
 REACHED = "__reached__"  # of a marked source: called with the line of each statement
 
 
@@ -41,6 +43,7 @@ class Mutant(msgspec.Struct, frozen=True):
         before, after: The source, shortened.
         nth: Of the changes in this function that read the same.
         first, last: Lines of the statement it belongs to, or of its head.
+        parameter: Whose default it changes; whoever calls the function reaches it.
     """
 
     function: str
@@ -50,6 +53,7 @@ class Mutant(msgspec.Struct, frozen=True):
     nth: int
     first: int
     last: int
+    parameter: str = ""
 
     @property
     def id(self) -> str:
@@ -115,6 +119,11 @@ def _all(tree: ast.Module) -> Iterator[tuple[Mutant, Site]]:
             key = (name, operator, before, after)
             yield Mutant(name, operator, before, after, seen[key], first, last), site
             seen[key] += 1
+        for parameter, old, statement, site in _defaults(function):
+            before, after = _short(old), _short(site.new)
+            first, last = _lines(statement)
+            operator = f"default of {parameter}"
+            yield Mutant(name, operator, before, after, 0, first, last, parameter), site
 
 
 def _functions(node: ast.AST, prefix: str) -> Iterator[tuple[ast.stmt, str]]:
@@ -136,6 +145,37 @@ def _in_function(function: ast.AST) -> Iterator[tuple[str, ast.AST, ast.stmt, Si
         yield "returns early", first, first, Site(function, "body", index, early)
     for index, statement in enumerate(function.body):
         yield from _below(function, "body", index, statement, statement)
+
+
+def _defaults(function: ast.AST) -> Iterator[tuple[str, ast.AST, ast.stmt, Site]]:
+    """Go through what parameters default to, each with the first statement of the function."""
+    assert isinstance(function, FUNCTIONS)
+    first = next((each for each in function.body if not _is_docstring(each)), function.body[0])
+    given = function.args
+    named = [*given.posonlyargs, *given.args][-len(given.defaults) :] if given.defaults else []
+    for field, parameters, values in (
+        ("defaults", named, given.defaults),
+        ("kw_defaults", given.kwonlyargs, given.kw_defaults),
+    ):
+        for index, (parameter, value) in enumerate(zip(parameters, values, strict=True)):
+            other = None if value is None else _instead(value)
+            if value is not None and other is not None:
+                located = ast.copy_location(other, value)
+                yield parameter.arg, value, first, Site(given, field, index, located)
+
+
+def _instead(default: ast.expr) -> ast.expr | None:
+    """Return another default; what is called, by its name, does nothing then."""
+    match default:
+        case ast.Constant(value=bool(value)):
+            return ast.Constant(not value)
+        case ast.Constant(value=int(value)) | ast.Constant(value=float(value)):
+            return ast.Constant(value + 1)
+        case ast.Constant(value=None):
+            return ast.Constant(...)
+        case ast.Name(id=name) | ast.Attribute(attr=name) if name == name.lower():
+            return ast.parse(NOTHING, mode="eval").body
+    return None
 
 
 def _yields(function: ast.AST) -> bool:

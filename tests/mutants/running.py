@@ -7,6 +7,7 @@ runs without the change: only if it passes as the machine is now has it noticed 
 
 from __future__ import annotations
 
+import ast
 import gc
 import os
 import resource
@@ -25,7 +26,7 @@ import msgspec
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 
-from tests.mutants.mutation import REACHED, Mutant, marked, mutants, mutated
+from tests.mutants.mutation import NOTHING, REACHED, Mutant, marked, mutants, mutated
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -324,7 +325,9 @@ def _first_failure(session: pytest.Session, items: Timed, within_s: float, beati
 
 
 def _become(functions: list[FunctionType], text: str, mutant: Mutant, source: str) -> bool:
-    """Give changed functions their new code. Return whether anything changed."""
+    """Give changed functions their new code or default. Return whether anything changed."""
+    if mutant.parameter:
+        return _take_default(functions, mutant)
     compiled = compile(mutated(text, mutant.id), source, "exec", dont_inherit=True)
     return _take_over(functions, compiled) > 0
 
@@ -340,6 +343,29 @@ def _take_over(functions: list[FunctionType], compiled: CodeType) -> int:
             function.__code__ = new
             changed += 1
     return changed
+
+
+def _take_default(functions: list[FunctionType], mutant: Mutant) -> bool:
+    """Give a parameter another default, which was made when its module was loaded."""
+    other = _do_nothing if mutant.after == NOTHING else ast.literal_eval(mutant.after)
+    changed = False
+    for function in functions:
+        code, defaults = function.__code__, function.__defaults__ or ()
+        if function.__qualname__ != mutant.function:
+            continue
+        if function.__kwdefaults__ is not None and mutant.parameter in function.__kwdefaults__:
+            function.__kwdefaults__ = function.__kwdefaults__ | {mutant.parameter: other}
+            changed = True
+        named = code.co_varnames[: code.co_argcount][code.co_argcount - len(defaults) :]
+        if mutant.parameter in named:
+            index = named.index(mutant.parameter)
+            function.__defaults__ = (*defaults[:index], other, *defaults[index + 1 :])
+            changed = True
+    return changed
+
+
+def _do_nothing(*_: object, **__: object) -> None:
+    """Stand in for whatever would be called."""
 
 
 def _codes(code: CodeType) -> Iterator[CodeType]:

@@ -133,6 +133,55 @@ def test_what_a_busy_machine_did_not_notice_is_tried_again_when_asked_for(projec
     assert [one.id for one in again.survivors()] == [one.id for one in first.survivors()]
 
 
+DEFAULTS = """
+import os
+
+def settled(path, wait=os.fsync, *, times=1, quick=False, other=None):
+    for _ in range(times):
+        wait(path)
+    return other if quick else path
+"""
+TESTS_OF_DEFAULTS = """
+from doors import settled
+
+def test_settled(monkeypatch):
+    assert settled("door", lambda path: None) == "door"
+    seen = []
+    assert settled("door", seen.append, times=2) == "door"
+    assert seen == ["door"] * 2
+    if {whole}:
+        import os, tempfile
+        with tempfile.TemporaryFile() as file:
+            assert settled(file.fileno(), quick=True) is None
+        seen.clear()
+        settled("door", seen.append)
+        assert seen == ["door"]
+        try:
+            settled(-1)
+        except (OSError, ValueError):
+            return
+        raise AssertionError("nobody waited for the disk")
+"""
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_what_a_parameter_defaults_to_is_changed_too(project: Path, *, whole: bool) -> None:
+    """Though it was made before any test began: whoever calls the function reaches it."""
+    (project / "src" / "doors.py").write_text(DEFAULTS)
+    (project / "tests" / "test_doors.py").write_text(TESTS_OF_DEFAULTS.format(whole=whole))
+    found = tried(DOORS, wanted(project), project / "src", project)
+    assert not found.failing
+    of_defaults = {r.id: r.end for r in found.results.values() if ": default of " in r.id}
+    assert of_defaults == {
+        "settled: default of wait: os.fsync -> lambda *_, **__: None": "killed"
+        if whole
+        else "survived",
+        "settled: default of times: 1 -> 2": "killed" if whole else "survived",
+        "settled: default of quick: False -> True": "killed",
+        "settled: default of other: None -> ...": "killed" if whole else "survived",
+    }
+
+
 TIRED = """
 import time
 from pathlib import Path

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.errors import ConfigurationError, StoreFault
+from rosic.stores import slots
 from rosic.stores.latch import FileLatch
 from tests.rooms.stores.test_latch import ROOM, a_latch
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from pathlib import Path
 
 
@@ -62,3 +64,46 @@ async def test_a_stop_file_may_be_the_first_thing_in_a_new_folder(tmp_path: Path
     await latch.write("omni", 4, latched=True)
     await latch.close()
     assert FileLatch(path).read()["omni"] == (4, True)
+
+
+async def test_where_there_is_no_room_a_disk_that_fails_says_nothing_else(tmp_path: Path) -> None:
+    fails = False
+
+    def wait(_descriptor: int) -> None:
+        if fails:
+            raise OSError(5, "Input/output error")
+
+    latch = FileLatch(tmp_path / "latch", robots_max=1, wait_for_disk=wait)
+    await latch.write("omni", 1, latched=True)
+    fails = True
+    with pytest.raises(StoreFault, match="no room"):
+        await latch.write("kuka1", 1, latched=True)
+    await latch.close()
+
+
+@pytest.mark.parametrize("number", range(3))
+@pytest.mark.parametrize("offset", [slots.name_offset, lambda n: slots.state_offset(n, ROOM)])
+async def test_whatever_place_was_written_over_it_is_noticed_and_mended(
+    tmp_path: Path, offset: Callable[[int], int], number: int
+) -> None:
+    latch = await a_latch(tmp_path / "latch")
+    await latch.write("drone1", 1, latched=True)
+    whole = (tmp_path / "latch").read_bytes()
+    with (tmp_path / "latch").open("r+b") as file:
+        file.seek(offset(number))
+        file.write(b"?" * slots.SLOT_BYTES)
+    assert not latch._is_whole()
+    await latch.mend()
+    assert latch._is_whole()
+    assert (tmp_path / "latch").read_bytes() == whole
+    await latch.close()
+
+
+async def test_what_is_being_written_is_not_looked_at_meanwhile(tmp_path: Path) -> None:
+    """Nor waited for: a stop is written from another thread."""
+    latch = await a_latch(tmp_path / "latch")
+    os.truncate(tmp_path / "latch", 0)
+    with latch._writing:
+        assert latch._is_whole()
+    assert not latch._is_whole()
+    await latch.close()
