@@ -9,7 +9,8 @@ input, each answered by ``ok``; ``velocities`` is answered by how many came that
     joints   full, empty (no velocities)
     stop     true, false (the service says so, and the base drives on), hangs (it never answers, and
              the base drives on)
-    zero     true, false (a velocity of zero is not obeyed either, and there is no watchdog)
+    zero     true, false (a velocity of zero is not obeyed either, and there is no watchdog), or a
+             number: only from so many zeros in a row on it is obeyed
     hz       how often odometry comes
     battery  what it says of its charge
     by_hand  a velocity that nobody sent
@@ -43,7 +44,7 @@ class Base:
             "twist": "true", "pose": "true", "stamp": "live", "joints": "full", "stop": "true",
             "zero": "true", "hz": "20", "by_hand": "0", "battery": "0.8",
         }  # fmt: skip
-        self.velocities = 0
+        self.velocities = self._zeros = 0
         self._node = node
         self._x_m = self._speed_m_s = 0.0
         self._told_s = self._said_s = float("-inf")
@@ -65,7 +66,10 @@ class Base:
     def _take(self, twist: RosObject) -> None:
         self._told_s = time.monotonic()
         self.velocities += twist.linear.x != 0.0
-        if twist.linear.x or self.says["zero"] == "true":
+        self._zeros = 0 if twist.linear.x else self._zeros + 1
+        zero = self.says["zero"]
+        obeyed = zero == "true" or (zero.isdigit() and self._zeros >= int(zero))
+        if twist.linear.x or obeyed:
             self._speed_m_s = twist.linear.x
 
     def _stop(self, _request: RosObject, response: RosObject) -> RosObject:

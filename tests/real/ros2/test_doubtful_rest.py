@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Stop
-from rosic.core.robot import AtRest
+from rosic.core.order import Ending, Outcome, Stop
+from rosic.core.robot import AtRest, StopBinding
 from rosic.core.words import rests, status_line
 from rosic.errors import RobotOffline, RobotUnreachable
 from rosic.system import SystemClock
@@ -141,6 +141,28 @@ async def test_of_a_stop_that_never_answers_is_said_so_though_zero_brought_it_to
         await until(lambda: robot.presence().at_rest is True)
         again = await robot.stop(Stop("base", 2))
     assert not again.unanswered
+
+
+async def test_of_a_stop_that_is_not_there_is_said_so(base: RosProcess) -> None:
+    await told(base, "stop=true")
+    mistyped = replace(profile(), stop=StopBinding(service="/base/halt", zero="/base/cmd_vel"))
+    async with opened(mistyped, SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is True)
+        rest = await robot.stop(Stop("base", 1))
+    assert (rest.confirmed, rest.unanswered) == (True, True)
+
+
+@pytest.mark.parametrize("own", ["", "/base/stop"])
+async def test_a_drive_that_ends_late_names_its_own_stop_only_where_that_ended_it(
+    base: RosProcess, own: str
+) -> None:
+    """Three zeros end a drive; those after them are sent once more when they did not."""
+    await told(base, "zero=5 stop=hangs")
+    stop = StopBinding(service=own, zero="/base/cmd_vel")
+    async with opened(replace(profile(), stop=stop), SystemClock()) as robot:
+        await until(lambda: robot.presence().at_rest is True)
+        outcome = await robot.do("drive", SLOWLY)
+    assert outcome == Outcome(Ending.FAILED, "it came to rest late, and not by its own stop")
 
 
 # ---- more than one that reports it ----

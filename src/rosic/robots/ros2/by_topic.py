@@ -129,7 +129,7 @@ class ByTopic:
         if not resting.confirmed:
             errand.unsettled = True
             raise in_doubt(errand.side.shown, "", resting)
-        if resting.declined or resting.unanswered:
+        if errand.side.brakes.own is None or resting.declined or resting.unanswered:
             return Outcome(Ending.FAILED, said("it came to rest late, and not by its own stop"))
         return Outcome(Ending.FAILED, said("it came to rest only when its own stop was called"))
 
