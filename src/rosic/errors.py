@@ -26,6 +26,7 @@ RosicError
 |   |-- MessengerFault     messenger adapter: the platform did not take the message
 |   |   |-- MessageGone    messenger adapter: there is no such message to change any more
 |   |   `-- ChatGone       messenger adapter: nobody can be spoken to there any more
+|   |       `-- ChatNotBegun  messenger adapter: nor yet, as nobody there has written to us
 |   `-- StoreFault         store: the record could not be written
 `-- ConfigurationError     the operator, before anything starts
 
@@ -68,8 +69,8 @@ class Refusal(RosicError):
         offers: Commands, written as the person would type them, that would be accepted instead.
         petition: The errand that asks somebody else for the right that is missing; empty when
             nobody could give it.
-        choices: What else can be tapped: a label, and the sign with which the same command is done
-            in another way.
+        choices: What else can be tapped: a label, and what it says as if typed; or the sign with
+            which the same command is done in another way.
         silent: True when the right answer is none.
         counted: True when it is in the security report already, as what it was.
     """
@@ -289,6 +290,12 @@ class ChatGone(MessengerFault):
     """
 
     code = "chat-gone"
+
+
+class ChatNotBegun(ChatGone):
+    """Nobody there has written to us yet, and a bot may not be the first. Nothing was said."""
+
+    code = "chat-not-begun"
 
 
 class StoreFault(Fault):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from pathlib import Path
 
 from rosic.app.config import check_config
 from rosic.app.documents.profiles import check_profile, load_profile
-from tests.cli.running import rosic
+from rosic.testing.telegram import FakeTelegram
+from tests.cli.running import gateway, rosic
 
 README = Path(__file__).parents[2] / "README.md"
 TEN_LINES = 10
@@ -33,6 +35,23 @@ def test_the_configuration_is_right(tmp_path: Path) -> None:
     config.write_text(block("toml"), encoding="utf-8")
     environ = {"ROSIC_TELEGRAM_TOKEN": "123456:abcdefghijklmnopqrstuvwxyz"}
     assert [str(error) for error in check_config(config, environ=environ)] == []
+
+
+async def test_whoever_has_not_written_to_the_bot_is_named_and_that_is_no_error(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "rover.yaml").write_text(block("yaml"), encoding="utf-8")
+    async with FakeTelegram() as server:
+        here = f'kind = "telegram"\napi_base = "{server.api_base}"'
+        text = block("toml").replace('kind = "telegram"', here)
+        (tmp_path / "rosic.toml").write_text(
+            text.replace("[[robot]]", '[[robot]]\nlink = "memory"'), encoding="utf-8"
+        )
+        token = {"ROSIC_TELEGRAM_TOKEN": server.token}
+        with gateway(tmp_path / "rosic.toml", token) as running:
+            todo = "Ada has not written to @rosic_test_bot yet: nothing is told there until then"
+            await asyncio.to_thread(running.wait_for, todo, log=True)
+            assert " error " not in running.err()
 
 
 def sample() -> str:

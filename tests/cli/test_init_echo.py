@@ -41,6 +41,7 @@ def test_the_token_is_not_shown(tmp_path: Path) -> None:
         os.execve(sys.executable, [sys.executable, *INIT], environment())  # noqa: S606 - ours
     try:
         said = _said(terminal, "leave empty to try without):")
+        assert "Nothing is shown while you type" in said
         os.write(terminal, f"{TOKEN}\n".encode())
         said += _said(terminal, "Start with: rosic run")
     finally:

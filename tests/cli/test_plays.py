@@ -22,8 +22,11 @@ from rosic.pictures.style import SEVERAL
 from rosic.robots.simulated.theatre import theatre_of
 from rosic.system import SystemClock, SystemEntropy
 from tests.cli.running import ROSIC, Ran, environment, rosic
+from tests.cli.terminal import rosic_at
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rosic.app.plays.stage import Stage
 
 WITHIN_S = 300.0
@@ -283,3 +286,21 @@ def test_who_and_what_is_unknown_is_said() -> None:
     assert "Nobody in this play is called 'the cat'. There are: Manager." in wrong.err
     assert rosic("demo", "opera").status == 2
     assert "say which play" in rosic("demo", "--fast").err
+
+
+def test_whoever_leaves_while_something_moves_reads_its_end_before_the_summary(
+    tmp_path: Path,
+) -> None:
+    with rosic_at(["demo", "class", "--interactive", "--plain"], tmp_path) as seat:
+        seat.wait_for("type 1 to tap it")
+        seat.wait_for("Ctrl-D leaves.")
+        seat.type("kuka1 grasp force=10")
+        seat.wait_for("approaching 0 %")
+        seat.type("", end="\x04")
+        assert seat.ended() == 0
+        told, _, summary = seat.shown.partition("What happened, by the record and by the robots")
+    assert "KUKA iiwa: stopped before it ended" in told
+    assert "KUKA iiwa at rest" in told
+    assert "1 order accepted: 1 cancelled." in summary
+    assert "doing" not in summary
+    assert "[1]" not in told.partition("STOP sent to")[2] + summary, "nobody can tap it any more"

@@ -174,7 +174,7 @@ async def test_booking_a_time(
         bo = await said.newcomer(place, place.bo)
 
         await bo.type("book", said("When, and for how long?", "Wann"))
-        tomorrow = said("book omni tomorrow 14:00 1h", "buchen omni morgen 14:00 1h")
+        tomorrow = said("Book omni, tomorrow 14:00 1h", "omni, morgen 14:00 1h buchen")
         await bo.tap(tomorrow, said("omni is yours on", "omni gehört dir"))
 
         await finished(said.picture("book"), bo, capsys)
@@ -188,10 +188,10 @@ async def test_being_refused_and_asking_to_be_next(
         ada, bo = Newcomer(place, place.ada), await said.newcomer(place, place.bo)
         await ada.type("book omni now 1h", "omni is yours")
 
-        await bo.start("", said("You do not have permission", "Du darfst keine Befehle"))
+        await bo.start("", said("not just now. omni is taken by Ada", "nur gerade nicht."))
         await bo.type("omni move 0.5 m", said("omni is taken by Ada until", "Ada"))
         await bo.tap(
-            said("wait omni", "warten omni"),
+            said("Wait for omni", "Auf omni warten"),
             said("You are number 1 in the queue for omni", "Du bist Nummer 1"),
         )
         await ada.tap("Cancel it", "omni is given back")

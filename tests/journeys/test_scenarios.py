@@ -196,7 +196,7 @@ async def _shift(here: Scenes) -> None:
     await here.asks(south, "carrier1 goto x=0 y=0", 'I do not know "carrier1"')
     task = await here.gives(north, "carrier1 goto x=-1.8 y=0 then goto x=0 y=0")
     await here.reads(north, f"task {task}, step 1 of 2")
-    await here.asks(north, f"/handover {south}", f"may move no robot for these tasks: {task}")
+    await here.asks(north, f"/handover {south}", f"may move no robot for task {task}.")
     await here.asks(north, f"/handover {night}", "is asked")
     await here.taps(night, "I take over", f"Yours now, from {north}: ")
     await here.reads(north, f"{night} has taken over")

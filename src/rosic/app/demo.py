@@ -44,12 +44,13 @@ GREETING = said(
     "  crazyflies takeoff 1 m\n"
     "  stop\n"
     "Also: status, help, help omni. Deutsch: /language de.\n"
+    "[1] before a word is a button: type 1 to tap it.\n"
     "Tab completes; Ctrl-C brings all to rest; Ctrl-D leaves."
 )
 
 LATE = said("Still under way after {seconds:.0f} s; going on.")
 AT_THE_END = said("At the end:")
-LEFT = said("Left. Nothing was kept. For real robots: rosic run")
+LEFT = said("Left. Nothing was kept. For real robots: rosic init, then rosic run")
 # Somebody's name, not a word of a sentence: in German that would need its case.
 YOU = titled("you", {"de": "Gast"})
 

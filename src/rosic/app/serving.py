@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 CHECK_WITHIN_S = 5.0
 TELEGRAM, TERMINAL = "telegram", "terminal"
 GREETING = said(
-    "Say help for what can be said here, and stop at any time; Ctrl-C stops every robot."
+    "Say help for what can be said here, and stop at any time; Ctrl-C stops every robot. "
+    "[1] before a word is a button: type 1 to tap it."
 )
 CLOSE_AT_LEAST_S = 0.5
 

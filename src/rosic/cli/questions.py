@@ -11,6 +11,7 @@ from rosic.errors import ConfigurationError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+HIDDEN = "Nothing is shown while you type or paste the next answer; Enter ends it."
 _YES = {"y": True, "yes": True, "n": False, "no": False}
 
 
@@ -70,6 +71,8 @@ class Questions:
         shown = f"{question} [{default}] " if default else f"{question} "
         try:
             hidden = secret and sys.stdin.isatty()
+            if hidden:
+                self.say(HIDDEN)
             return (getpass(shown) if hidden else input(shown)).strip() or default
         except EOFError:
             print()

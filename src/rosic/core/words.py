@@ -27,6 +27,7 @@ HELP_STOP = said(
 # The texts of the paper's Algorithm 7.
 MAY_COMMAND = said("You have permission to send and receive commands.")
 MAY_NOT_COMMAND = said("You do not have permission to send and receive commands.")
+MAY_COMMAND_LATER = said("You have permission to send commands, but not just now.")
 INFORMATION = said("Here's the information you requested.")
 NO_INFORMATION = said("You do not have permission to access this information.")
 

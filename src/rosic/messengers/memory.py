@@ -20,7 +20,7 @@ from rosic.core.message import (
     Passing,
     Standing,
 )
-from rosic.errors import ChatGone, ConfigurationError, MessageGone, MessengerFault
+from rosic.errors import ChatGone, ChatNotBegun, ConfigurationError, MessageGone, MessengerFault
 from rosic.messengers.whole import whole
 
 if TYPE_CHECKING:
@@ -91,6 +91,7 @@ class MemoryMessenger:
         self.may_pin = True
         self.down = False
         self.gone: set[str] = set()
+        self.not_begun: set[str] = set()
         self.refused = 0
         self.passed: Passed = _nobody_watches
         self.listening_since_ns = 0
@@ -360,9 +361,9 @@ class MemoryMessenger:
         self.passed = passed
 
     def _check_up(self, chat: Chat | None) -> None:
-        if chat is not None and chat.id in self.gone:
+        if chat is not None and chat.id in self.gone | self.not_begun:
             self.refused += 1
-            raise ChatGone("Nobody can be spoken to in that chat any more.")
+            raise (ChatGone if chat.id in self.gone else ChatNotBegun)("Nobody hears it there.")
         if self.down:
             raise MessengerFault("The messenger is away. The message was not delivered.")
 

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
+from itertools import takewhile
 from typing import TYPE_CHECKING, Final
 
+from rosic.core.civil import Local
 from rosic.core.language.clock_words_elsewhere import shown_when
 from rosic.core.saying import in_language, joined, said
+from rosic.organiser.words_calendar import day
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from rosic.core.saying import Catalogue
 
 # What to type. A translation is understood: it stands in `rosic.core.language.words.ALIASES`.
@@ -59,20 +65,18 @@ TYPED: Final = {
 }
 
 
-# The same where a button says it: a word, then whom it is about.
-_LABELLED: Final = {
-    "book": said("book"),
-    "wish": said("wish"),
-    "wait": said("wait"),
-    "help": said("help"),
-    "resume": said("resume"),
-    "resume all": said("resume all"),
-    "robots": said("robots"),
-    "use": said("use"),
-    "chart": said("chart"),
-    "trajectory": said("trajectory"),
-    "cancel booking": said("cancel booking"),
-    "take over": said("take over"),
+# The same where a button says it: what is done, to whom.
+_PHRASES: Final[Mapping[str, Callable[[str], str]]] = {
+    "book": lambda what: said("Book {what}", what=what),
+    "wish": lambda what: said("Wish for {what}", what=what),
+    "wait": lambda what: said("Wait for {what}", what=what),
+    "help": lambda what: said("help {what}", what=what),
+    "resume": lambda what: said("Resume {shown}", shown=what),
+    "use": lambda what: said("Choose {what}", what=what),
+    "chart": lambda what: said("Chart of {what}", what=what),
+    "trajectory": lambda what: said("Trajectory of {what}", what=what),
+    "slots": lambda what: said("Times of {what}", what=what),
+    "take over": lambda what: said("Take over {what}", what=what),
 }
 _SET: Final = {
     "units": said("units"),
@@ -82,24 +86,51 @@ _SET: Final = {
     "robot": said("robot"),
     "none": said("none"),
 }
-_TIMED: Final = frozenset({"book", "wish"})
+_ALONE: Final = {
+    "help": said("help"),
+    "wish": said("Wishes"),
+    "robots": said("Robots"),
+    "resume all": said("Resume all"),
+    "cancel booking": said("Give a time back"),
+}
+_TIMED: Final = frozenset({"book", "wish", "slots"})
+_DATE: Final = re.compile(r"(\d{4})-(\d\d)-(\d\d)\Z", re.ASCII)
 
 
-def offered(command: str) -> str:
-    """Return how a button reads that says a command: its first words in the reader's language."""
-    head, _, rest = command.partition(" ")
-    follows, _, last = rest.partition(" ")
-    for words, others in ((f"{head} {follows}", last), (head, rest)):
-        if words in _LABELLED:
-            named = shown_when(others) if words in _TIMED else others
-            return joined(" ", filter(None, (_LABELLED[words], named)))
-    typed = TYPED.get(head.removeprefix("/")) if head.startswith("/") else None
-    return command if typed is None else joined(" ", filter(None, (typed, _settings(rest))))
+def offered(command: str, named: Callable[[str], str]) -> str:
+    """Return how a button reads that says a command: as a phrase where there is one for it.
+
+    Args:
+        command: As it would be typed.
+        named: Returns how the robot or group of a name is shown; empty for any other word.
+    """
+    if command in _ALONE:
+        return _ALONE[command]
+    words = command.split(" ")
+    for many in (2, 1):
+        head, rest = " ".join(words[:many]), words[many:]
+        robots = list(takewhile(named, rest))
+        if head in _PHRASES and robots:
+            others = rest[len(robots) :]
+            when = joined(" ", map(_day_shown if head in _TIMED else str, others))
+            return _PHRASES[head](joined(", ", filter(None, (*map(named, robots), when))))
+    verb, _, follows = command.partition(" ")
+    typed = TYPED.get(verb.removeprefix("/")) if verb.startswith("/") else None
+    return command if typed is None else joined(" ", filter(None, (typed, _settings(follows))))
 
 
 def _settings(rest: str) -> str:
     """Return the words of a setting as the reader types them: ``units imperial``."""
     return joined(" ", (_SET.get(word) or word for word in rest.split(" ")))
+
+
+def _day_shown(word: str) -> str:
+    """Return a date as people say it, any other word as it is."""
+    found = _DATE.match(word)
+    if found is None:
+        return shown_when(word)
+    local = Local(*map(int, found.groups()))
+    return day(local, local)
 
 
 def menu_name(name: str, catalogue: Catalogue | None) -> str:

@@ -13,6 +13,7 @@ from rosic.core import words
 from rosic.core.language import Help, Line, Start, Status, Use
 from rosic.core.message import Attachment, Button, Chat
 from rosic.core.saying import joined, said
+from rosic.errors import RobotTaken
 from rosic.pipeline.earlier import Earlier
 from rosic.pipeline.help_menu import HelpMenu
 from rosic.pipeline.replies import ASK_FIRST, PREVIOUS, TRAIL
@@ -133,6 +134,10 @@ class Desk:
         if visible and None in hindered:
             menu = self.menu(caller.principal)
             return Reply(joined(" ", (words.MAY_COMMAND, menu.text)), menu.buttons)
+        for refusal in hindered:
+            if isinstance(refusal, RobotTaken):
+                text = joined(" ", (words.MAY_COMMAND_LATER, refusal.sentence))
+                return Reply(text, self._robots(visible))
         why = next((refusal.sentence for refusal in hindered if refusal is not None), "")
         text = joined(" ", (words.MAY_NOT_COMMAND, why or words.NOTHING_VISIBLE))
         return Reply(text, self._robots(visible))

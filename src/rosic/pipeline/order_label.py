@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rosic.core.language import Context, Do, understand
 from rosic.core.language.common_names import shown_command, shown_name
+from rosic.core.language.compiled import fold
 from rosic.core.measures import measured
 from rosic.core.saying import joined
 from rosic.pipeline.command_words import offered
@@ -21,10 +23,19 @@ def label_of(offer: str, vocabulary: Vocabulary) -> str:
     """Return how a button reads that says a command; what it says stays what it is."""
     lines = understand(offer, vocabulary, Context("", frozenset(vocabulary.profiles)))
     if offer.startswith("/") or len(lines) != 1 or not isinstance(lines[0], Do):
-        return offered(offer)
+        return offered(offer, partial(_named, vocabulary))
     label = joined(" ", _words(lines[0], vocabulary))
     # In English it reads as it is typed. What does not is somebody's own way of saying it.
     return label if label == offer else offer
+
+
+def _named(vocabulary: Vocabulary, word: str) -> str:
+    """Return how the robot or group that a word names is shown; empty if it names none."""
+    callee = vocabulary.callees.get(fold(word))
+    if callee is None:
+        return ""
+    profile = vocabulary.profiles.get(callee.name)
+    return callee.name if callee.group or profile is None else profile.shown
 
 
 def _words(line: Do, vocabulary: Vocabulary) -> Iterator[str]:

@@ -77,7 +77,7 @@ class Teller:
         self._aside: set[asyncio.Task[None]] = set()
         self._due: dict[Card, None] = {}
         self._ticking: asyncio.Task[None] | None = None
-        self.gone: Callable[[Item], None] | None = None
+        self.gone: Callable[[Item, ChatGone], None] | None = None
         self.on_buttons: Callable[[Note, str], None] = _nobody_looks
         self.subjects = Subjects()
 
@@ -158,8 +158,8 @@ class Teller:
                         await self._show_in_place(item, None)
                     else:
                         await self._speak_once(item, voice if turn is not None else None)
-                except ChatGone:
-                    self._let_go(item)
+                except ChatGone as why:
+                    self._let_go(item, why)
                 except MessengerFault as fault:
                     log.warning("not told yet: %s", fault)
                     await self._speak_again(item)
@@ -197,8 +197,8 @@ class Teller:
         for _ in range(tries):
             try:
                 await self._speak_once(item)
-            except ChatGone:
-                self._let_go(item)
+            except ChatGone as why:
+                self._let_go(item, why)
                 return
             except MessengerFault as fault:
                 log.warning("not told yet: %s", fault)
@@ -213,10 +213,10 @@ class Teller:
             self._aside.add(task)
             task.add_done_callback(self._aside.discard)
 
-    def _let_go(self, item: Item) -> None:
+    def _let_go(self, item: Item, why: ChatGone) -> None:
         """Nobody is there to be told any more: it counts as told, and is tried no further."""
         if self.gone is not None:
-            self.gone(item)
+            self.gone(item, why)
         if isinstance(item, Card):
             item.dirty, item.lines = False, ()
             told, item.untold = item.untold, ()

@@ -57,6 +57,7 @@ async def test_a_wrong_token_is_a_sentence_without_it(server: FakeTelegram) -> N
         await gateway.messenger.check()
 
     assert str(raised.value).startswith("Telegram does not accept the token of the messenger lab. ")
+    assert "api_base leads to another server" in str(raised.value)
     assert WRONG.partition(":")[2] not in everything_about(raised.value)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from rosic.core.menu import Menu, Where
 from rosic.core.message import Chat, ChatKind, Passage
-from rosic.errors import ChatGone
+from rosic.errors import ChatGone, ChatNotBegun
 from rosic.testing.telegram import FakeTelegram, Settings
 from tests.real.telegram.gateway import Gateway, to
 
@@ -124,6 +124,24 @@ async def test_where_we_were_put_out_nothing_is_tried_until_we_are_let_in(
         await gateway.hear(1)
         await gateway.messenger.send(to(ada, "done"))
     assert len(gateway.calls("sendMessage")) == 3
+
+
+@pytest.mark.parametrize("seen", [False, True], ids=["unknown", "seen in a group"])
+async def test_whoever_has_not_written_yet_is_told_once_they_have(
+    server: FakeTelegram, gateway: Gateway, ada: int, seen: bool
+) -> None:
+    bo = server.create_user("Bo", started=False)
+    if seen:
+        _group(server, ada, bot="administrator")
+    for _ in range(2):
+        with pytest.raises(ChatNotBegun):
+            await gateway.messenger.send(to(bo if seen else 1001, "done"))
+    assert len(gateway.calls("sendMessage")) == 1
+    async with gateway.listening():
+        if seen:
+            server.say(bo, bo, "/start")
+            await gateway.hear(1)
+            await gateway.messenger.send(to(bo, "done"))
 
 
 # ---- several bots in one group ----

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rosic.app.placing.people import Seed
 from rosic.core.identity import Address
-from rosic.core.message import ChatKind
+from rosic.core.message import Button, ChatKind
 from rosic.pipeline.outbox import KIND
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
@@ -83,6 +83,40 @@ async def test_if_nobody_can_be_reached_nothing_is_tried_for_ever(
         assert place.gateway.quiet
     assert (await store.open()).unfinished == ()
     assert await unsaid(store) == 0
+
+
+async def test_whoever_has_never_written_is_named_in_one_sentence(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    async with Place().open() as place:
+        place.chat.not_begun.add(ADA)
+        with caplog.at_level(logging.INFO, "rosic.telling"):
+            for _ in range(2):
+                place.gateway.furnishing.reach.tell(
+                    (who(place, ADA),), "Which?", ((Button("help", "help"),),)
+                )
+                await place.quiet()
+        [only] = caplog.records
+        assert only.getMessage() == (
+            "memory:1 has not written to memory yet: nothing is told there until then"
+        )
+        assert only.levelno == logging.WARNING
+
+
+async def test_what_somebody_has_never_written_for_goes_to_an_admin() -> None:
+    async with Place().open() as place:
+        place.chat.not_begun.add(BO)
+        before = len(place.chat.told)
+        place.gateway.furnishing.reach.tell((who(place, BO),), "omni: battery 9 %", urgent=True)
+        await place.quiet()
+        [told] = list(place.chat.told)[before:]
+        assert (told.outbound.chat.id, told.outbound.text) == (
+            ADA,
+            (
+                "Bo has not written to me yet, so I cannot reach them. They were to be told:\n"
+                "omni: battery 9 %"
+            ),
+        )
 
 
 class TwoPhones(Place):

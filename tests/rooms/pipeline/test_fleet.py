@@ -117,8 +117,8 @@ async def test_the_view_shows_every_robot_every_task_and_what_is_not_as_it_shoul
         lines = told.splitlines()
         assert lines.pop().startswith("updated 12:00:00")
         assert lines[-3:-1] == [
-            "w2: battery 12 %, low · free · heard 0 ms ago",
-            "w3: not there · free · heard 0 ms ago",
+            "w2: battery 12 %, low · not ready · heard 0 ms ago",
+            "w3: not there · not ready · heard 0 ms ago",
         ]
         assert lines[-1] == "w1: task 1 (wave) · running · heard 0 ms ago"
         message, _ = here.last()

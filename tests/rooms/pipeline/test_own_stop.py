@@ -182,7 +182,7 @@ async def test_who_may_not_resume_is_offered_what_they_may_do_and_hears_who_can(
 
         told = await place.say("omni move 1 m")
         assert told.endswith("It stays stopped until you resume it. Nothing was done.")
-        assert _labels(place) == ["resume omni"]
+        assert _labels(place) == ["Resume omni"]
 
 
 async def test_help_and_me_say_only_what_is_theirs() -> None:
@@ -202,8 +202,8 @@ async def test_several_that_are_stopped_may_be_resumed_at_once() -> None:
     async with School().open() as place:
         await place.say("stop omni kuka1")
         await place.say("resume")
-        assert _labels(place) == ["resume kuka1", "resume omni", "resume all"]
-        await _tap(place, place.button("resume all"), "1")
+        assert _labels(place) == ["Resume kuka1", "Resume omni", "Resume all"]
+        await _tap(place, place.button("Resume all"), "1")
         assert _latched(place) == []
 
 
@@ -257,7 +257,7 @@ async def test_a_group_that_is_stopped_is_named_whole_with_one_button() -> None:
             "cf1 and cf2 are stopped, by Ada, since 22:13. They stay stopped until you resume "
             "them. Nothing was done."
         )
-        assert _labels(place) == ["resume cf1 cf2"]
+        assert _labels(place) == ["Resume cf1, cf2"]
         told = await place.say("swarm move 1 m", account=STU, chat=STU)
         assert told == (
             "cf1 and cf2 are stopped, by Ada, since 22:13. Ada or Bo can resume cf1 and cf2. "
@@ -265,7 +265,7 @@ async def test_a_group_that_is_stopped_is_named_whole_with_one_button() -> None:
         )
         await _tap(place, place.button("Ask for it"))
         await place.say("swarm move 1 m")
-        assert await _tap(place, place.button("resume cf1 cf2"), ADA) == (
+        assert await _tap(place, place.button("Resume cf1, cf2"), ADA) == (
             "cf1 is ready again. cf2 is ready again."
         )
         await place.say("stop cf2", account=BO, chat=BO)
@@ -285,7 +285,7 @@ async def test_continue_resumes_what_one_has_stopped_oneself_by_the_same_rights(
         await place.say("stop omni", account=STU, chat=STU)
         assert MAY_NOT in await place.say(word, account=STU, chat=STU)
         assert (await place.say(word)).startswith("omni is stopped, by Stu, since ")
-        assert _labels(place) == ["resume omni"], "somebody else's stop is offered only"
+        assert _labels(place) == ["Resume omni"], "somebody else's stop is offered only"
         assert _latched(place) == ["omni"]
 
 
@@ -294,7 +294,7 @@ async def test_continue_asks_which_of_several_and_is_resumed_by_name() -> None:
         await place.say("stop omni kuka1")
         told = await place.say("continue")
         assert told == "Several robots are stopped. Say which one may go on."
-        assert _labels(place) == ["resume kuka1", "resume omni", "resume all"]
+        assert _labels(place) == ["Resume kuka1", "Resume omni", "Resume all"]
         assert _latched(place) == ["omni", "kuka1"]
         assert await place.say("continue kuka1") == "kuka1 is ready again."
         assert await place.say("continue kuka1") == "Nothing of yours is paused."

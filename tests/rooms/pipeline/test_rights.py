@@ -208,6 +208,9 @@ async def test_the_bot_of_the_paper_says_who_may_command() -> None:
             await turn.write(calendar.book(who(place, "Bo"), "omni", now_ns, HOUR_S, "test"))
         told = await place.say("/start", account=BO, chat=BO)
         assert "You have permission to send and receive commands. Which robot?" in told
+        told = await place.say("/start")  # it is Bo's time: whoever has the right only waits
+        assert told.startswith("You have permission to send commands, but not just now. ")
+        assert "Bo until" in told
         told = await place.say("request information", account=BO, chat=BO)
         assert told.startswith("Here's the information you requested.\n")
         assert "omni" in told

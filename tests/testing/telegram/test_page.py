@@ -6,9 +6,13 @@ import re
 from pathlib import Path
 
 import pytest
+from aiohttp import ClientSession
 
+from rosic.app.config import check_config
+from rosic.testing.telegram import Control, FakeTelegram
 from rosic.testing.telegram.control_door import VERBS
 from rosic.testing.telegram.dispatch import METHODS
+from rosic.testing.telegram.server import DEFAULT_TOKEN
 
 PAGE = (Path(__file__).parents[3] / "docs" / "fake-bot-api.md").read_text(encoding="utf-8")
 SOURCES = "".join(
@@ -26,6 +30,38 @@ async def test_the_examples_run(block: str) -> None:
     example = names["example"]
     assert callable(example)
     await example()
+
+
+def test_the_address_and_the_token_for_rosic_are_right(tmp_path: Path) -> None:
+    [block] = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    config = tmp_path / "rosic.toml"
+    config.write_text(f'{block}[[robot]]\nprofile = "omni"\nlink = "memory"\n', encoding="utf-8")
+    environ = {"ROSIC_TELEGRAM_TOKEN": DEFAULT_TOKEN}
+    assert [str(error) for error in check_config(config, environ=environ)] == []
+    assert f"ROSIC_TELEGRAM_TOKEN={DEFAULT_TOKEN} rosic run" in block
+    [ready] = re.findall(r"^ready (\S+)$", PAGE, re.MULTILINE)
+    assert f'api_base = "{ready}/bot"' in block
+    assert f"Without it that is `{DEFAULT_TOKEN}`" in PAGE
+
+
+async def test_what_is_given_to_press_and_put_update_over_http_is_as_it_says() -> None:
+    async with FakeTelegram() as server, Control(server.url) as control:
+        ada = server.create_user("Ada")
+        await control.call("put_update", kind="poll", payload={"id": "1"})
+        assert await control.call("pending") == 1
+        keyboard = {"inline_keyboard": [[{"text": "Yes", "callback_data": "y"}]]}
+        async with (
+            ClientSession() as bot,
+            bot.post(
+                f"{server.api_base}{server.token}/sendMessage",
+                json={"chat_id": ada, "text": "Well?", "reply_markup": keyboard},
+            ) as answer,
+        ):
+            message = (await answer.json())["result"]["message_id"]
+        pressed = await control.tap(ada, ada, message, "Yes")
+        assert (await control.call("press", query_id=pressed))["data"] == "y"
+    assert "parameter `query_id`" in PAGE
+    assert '{"kind": "message", "payload": {...}}' in PAGE
 
 
 def test_there_are_examples() -> None:

@@ -14,6 +14,8 @@ import msgspec
 
 from rosic.app.adapters import robot_factory
 from rosic.app.closing import close_in_time, on_signals
+from rosic.app.console import read_at
+from rosic.app.desk.operating import Operating
 from rosic.app.documents.profiles import known_units
 from rosic.app.face import face_of
 from rosic.app.gateway import Gateway, Parts, Settings
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
 
 FAST: Final = 4.0
 INTERRUPTED: Final = 130
+NUMBERED: Final = "[1] before a word is a button: type 1 to tap it."
 CLOSE_WITHIN_S: Final = 15.0
 LINE_WITHIN_S: Final = 180.0
 
@@ -168,11 +171,25 @@ async def _sit_down(stage: Stage, wish: Wish, seat: Seat, ending: Ending) -> int
     stage.muted.add(who)  # they read it at their seat
     curtain.title(f"You are: {who}. Try, for example:")
     curtain.plain("\n".join(f"  {hint}" for hint in stage.play.hints))
-    curtain.plain("Also: status, help. Deutsch: /language de. Ctrl-D leaves.")
+    curtain.plain(f"{NUMBERED}\nAlso: status, help. Deutsch: /language de. Ctrl-D leaves.")
     seat.taken.set()
     await ending.over
     alone = is_terminal(sys.stdin) or seat.gone
-    return 0 if alone else await _finish(stage, ending.signalled)
+    if not alone:
+        return await _finish(stage, ending.signalled)
+    await _leave_at_rest(stage, seat)
+    return 0
+
+
+async def _leave_at_rest(stage: Stage, seat: Seat) -> None:
+    """Bring to rest what still moves when somebody leaves, so that the summary is the end of it."""
+    gateway = stage.gateway
+    moving = [profile.id for profile in gateway.not_at_rest()]
+    if not moving:
+        return
+    async for line in Operating(gateway).stop(moving):
+        stage.curtain.plain(read_at(seat, gateway, line))
+    await stage.quiet()
 
 
 async def _finish(stage: Stage, signalled: asyncio.Event) -> int:

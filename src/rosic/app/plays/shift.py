@@ -39,7 +39,7 @@ async def _script(stage: Stage) -> None:
         "The day is over. The south manager could do nothing with the north's task, so it is not "
         "given to them; the night manager takes over what runs, without stopping it."
     )
-    await stage.says(NORTH, "/handover South manager", hears="may move no robot for these tasks: 2")
+    await stage.says(NORTH, "/handover South manager", hears="may move no robot for task 2.")
     await stage.says(NORTH, "/handover Night manager", hears="is asked")
     await stage.hears(NIGHT, "hands over to you")
     await stage.taps(NIGHT, "I take over", hears="Yours now, from North manager")

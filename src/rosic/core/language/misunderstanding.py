@@ -16,7 +16,7 @@ from rosic.core.language.words import HINTS, VERBS
 from rosic.core.saying import said
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
     from rosic.core.language.compiled import CompiledSkill
     from rosic.core.language.vocabulary import Callee, Vocabulary
@@ -109,7 +109,7 @@ class Misunderstanding:
 
     def no_such_robot(self, at: int) -> Misunderstood:
         """A name names nobody the person may see."""
-        close = did_you_mean(self._low[at], self._callees())
+        close = did_you_mean(self._low[at], self._alike(at, self._callees()))
         mended = self._mended(at, one_each(close, self._vocabulary.callees))
         sentence = said("I know no robot {quote}.", quote=quote(self._raw[at]))
         if not mended:
@@ -166,13 +166,22 @@ class Misunderstanding:
     def _guess(self, at: int, sentence: str) -> Misunderstood:
         word = self._low[at]
         hint = HINTS.get(word)
-        close = (hint,) if hint else did_you_mean(word, self._first_words())
+        close = (hint,) if hint else did_you_mean(word, self._alike(at, self._first_words()))
         mended = self._mended(at, one_each(close, self._vocabulary.callees))
         if not mended:
             return Misunderstood(
                 said("{sentence} Say help for what can be said.", sentence=sentence), ("help",)
             )
         return _meant(sentence, mended)
+
+    def _alike(self, at: int, candidates: Iterable[str]) -> Iterator[str]:
+        """Yield what a word can have been meant for: with a number it names one, and no group."""
+        numbered = any(letter.isdigit() for letter in self._low[at])
+        callees = self._vocabulary.callees
+        for candidate in candidates:
+            callee = callees.get(candidate)
+            if not (numbered and callee is not None and callee.group):
+                yield candidate
 
     def _first_words(self) -> Iterator[str]:
         """Yield what a line may begin with for this person, up to some hundred words."""

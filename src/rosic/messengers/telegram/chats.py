@@ -36,7 +36,7 @@ class Chats:
         self._since: OrderedDict[tuple[str, str], None] = OrderedDict()
         self._parts: OrderedDict[tuple[str, str], tuple[str, ...]] = OrderedDict()
         self._stops: OrderedDict[str, None] = OrderedDict()
-        self._gone: OrderedDict[str, None] = OrderedDict()
+        self._gone: OrderedDict[str, bool] = OrderedDict()
 
     def moved(self, old: str, new: str) -> None:
         """Remember where a group is now."""
@@ -65,17 +65,21 @@ class Chats:
         """
         return chat in self._moved and (chat, message) not in self._since
 
-    def left(self, chat: str) -> None:
-        """Remember that we were put out of a chat, or blocked."""
-        _remember(self._gone, chat, None)
+    def left(self, chat: str, *, begun: bool = True) -> None:
+        """Remember that we were put out of a chat, or blocked; or that nobody there has begun."""
+        _remember(self._gone, chat, begun)
 
     def back(self, chat: str) -> None:
         """We are let in again, or somebody there speaks to us."""
         self._gone.pop(chat, None)
 
     def gone(self, chat: str) -> bool:
-        """Whether we were put out of a chat."""
+        """Whether nothing can be said in a chat."""
         return chat in self._gone
+
+    def begun(self, chat: str) -> bool:
+        """Whether a chat in which nothing can be said was ever open to us, as far as is known."""
+        return self._gone.get(chat, True)
 
     def split(self, chat: str, parts: tuple[str, ...]) -> None:
         """Remember which messages make up a long one; it goes by the id of the last."""

@@ -200,6 +200,11 @@ class Line:
         """The bot's id, which its token begins with; it is no secret."""
         return self._settings.token.reveal().partition(":")[0]
 
+    @property
+    def to_telegram(self) -> bool:
+        """Whether it leads to Telegram itself, and to no server of somebody's own."""
+        return self._settings.api_base == API_BASE
+
     @contextlib.asynccontextmanager
     async def held(self) -> AsyncIterator[ApiBot]:
         """Keep the connections while inside; the last one out closes them."""
@@ -272,7 +277,7 @@ class Line:
     def _tls(self) -> ssl.SSLContext:
         """Return what certificates are checked with: to read it takes many steps' time, once."""
         if self._context is None:
-            own = self._settings.api_base == API_BASE
+            own = self.to_telegram
             self._context = httpx.create_ssl_context(trust_env=own)
         return self._context
 

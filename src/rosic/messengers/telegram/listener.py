@@ -34,6 +34,8 @@ WAITS_S = (0.5, 1.0, 2.0, 4.0)
 CONTESTED_WAIT_S = 2.0
 LONGEST_WAIT_S = 60.0
 AWAKE_S = 5.0
+OF_BOTFATHER = "BotFather shows it again with /mybots, or gives a new one."
+OF_ANOTHER = "Its api_base leads to another server than Telegram's own: take the token of that one."
 """A call that took so much longer than it may was held up here, and not by the network."""
 
 log = logging.getLogger("rosic.messengers.telegram")
@@ -136,7 +138,7 @@ class Listener:
             if trouble.kind is Kind.UNUSABLE:
                 raise ConfigurationError(
                     f"Telegram does not accept the token of the messenger {self._name}.",
-                    hint="BotFather shows it again with /mybots, or gives a new one.",
+                    hint=OF_BOTFATHER if self._line.to_telegram else OF_ANOTHER,
                 ) from trouble
             raise
         return Account(me.username or "", bool(me.can_read_all_group_messages))

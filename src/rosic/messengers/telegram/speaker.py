@@ -9,7 +9,7 @@ from telegram import LinkPreviewOptions, ReplyParameters
 
 from rosic.core.message import Weight
 from rosic.core.saying import said
-from rosic.errors import ChatGone, MessageGone, MessengerFault
+from rosic.errors import ChatGone, ChatNotBegun, MessageGone, MessengerFault
 from rosic.messengers.telegram import text as texts
 from rosic.messengers.telegram.entities import inert
 from rosic.messengers.telegram.files import FILE_BYTES, FILE_S, picture_of, prepared
@@ -41,6 +41,8 @@ HAS_A_FILE = "no text in the message to edit"
 """Telegram's words for a message whose text is the caption of a file."""
 NO_TOPIC = ("message thread not found", "topic_closed", "topic_deleted")
 """Telegram's words for a topic in which nothing more can be said: it is said in the group then."""
+NOT_BEGUN = ("chat not found", "can't initiate conversation")
+"""Telegram's words for the chat of somebody who has never written to this bot."""
 NO_RIGHT = "not enough rights"
 NOT_THERE = ("message to pin not found", "message to unpin not found", "message_id_invalid")
 """Telegram's words for a message that was deleted; of one to be unpinned, also that it is not."""
@@ -311,7 +313,7 @@ class Speaker:
                 raise MessageGone("That message stayed behind when the group moved.")
             if self._chats.gone(chat):
                 self._granted.discard(chat)
-                raise ChatGone("Nobody can be spoken to in that chat any more.")
+                raise _gone(begun=self._chats.begun(chat))
             if chat in self._granted:
                 self._granted.discard(chat)
                 await self._limiter.obey(chat)  # asked for since the turn was given
@@ -332,7 +334,7 @@ class Speaker:
 
         Raises:
             Trouble: It must not, or need not, be made again.
-            ChatGone: In this chat no call will succeed.
+            ChatGone: In this chat no call will succeed; `ChatNotBegun` if none ever did.
         """
         if trouble.kind is Kind.TOO_FAST:
             log.info("asked to wait %g s in one chat", trouble.wait_s)
@@ -340,9 +342,13 @@ class Speaker:
         elif trouble.kind is Kind.MOVED and failures <= len(WAITS_S):
             self._chats.moved(chat, trouble.new_chat)
         elif trouble.kind is Kind.GONE:
-            log.info("nobody can be spoken to in one chat any more: %s", trouble.reason)
-            self._chats.left(chat)
-            raise ChatGone(str(trouble)) from None
+            # A person's chat is there for a bot once that person has written to it.
+            words = trouble.reason.casefold()
+            begun = _number(chat) < 0 or not any(one in words for one in NOT_BEGUN)
+            if begun:
+                log.info("nobody can be spoken to in one chat any more: %s", trouble.reason)
+            self._chats.left(chat, begun=begun)
+            raise _gone(begun=begun) from None
         elif _worth_it(call, trouble) and failures <= len(WAITS_S):
             await self._clock.sleep(WAITS_S[failures - 1])
         else:
@@ -351,6 +357,12 @@ class Speaker:
 
 def _worth_it(call: Call, trouble: Trouble) -> bool:
     return trouble.kind is Kind.NOT_SENT or (trouble.kind is Kind.LOST and call.repeatable)
+
+
+def _gone(*, begun: bool) -> ChatGone:
+    if begun:
+        return ChatGone("Nobody can be spoken to in that chat any more.")
+    return ChatNotBegun("Nobody in that chat has written to me yet, and a bot may not be first.")
 
 
 def _number(text: str) -> int:

@@ -189,6 +189,8 @@ class TerminalMessenger:
         if outbound.attachment is not None:
             lies = await self._drawer.put(outbound.attachment, outbound.lies_in)
             outbound = replace(outbound, text=f"{outbound.text}\n{lies}".strip())
+        if self.ended.is_set():  # nobody types any more, so nothing can be chosen
+            outbound = replace(outbound, buttons=())
         choices = self._choices.show(message, outbound, self._clock.monotonic_ns())
         self.show(f"{outbound.text}\n{choices}" if choices else outbound.text)
         return message

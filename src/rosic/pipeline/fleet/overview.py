@@ -117,10 +117,17 @@ class Overview:
         glance = self._watching.glance(robot)
         if glance.battery is not None and glance.battery < LOW:
             wrong.append(words.battery(glance.battery, low=True))
-        return wrong, list(self._rest(robot, who, glance.battery, presence.age_s))
+        rest = self._rest(robot, who, glance.battery, presence.age_s, ready=not wrong)
+        return wrong, list(rest)
 
     def _rest(
-        self, robot: RobotId, who: PrincipalId, battery: float | None, age_s: float | None
+        self,
+        robot: RobotId,
+        who: PrincipalId,
+        battery: float | None,
+        age_s: float | None,
+        *,
+        ready: bool,
     ) -> Iterator[str]:
         task = self._dispatching.fleet.tasks.get(self._dispatching.fleet.holds.get(robot, ""))
         holder: PrincipalId | None = self._rooms.organiser.whose(robot)
@@ -130,7 +137,7 @@ class Overview:
         elif holder is not None:
             yield words.theirs(self._rooms.organiser.name_of(holder))
         else:
-            yield words.free()
+            yield words.free() if ready else words.not_ready()
         if battery is not None and battery >= LOW:
             yield words.battery(battery, low=False)
         if age_s is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from rosic.core.language.cleaning import echo
+from rosic.core.language.suggestions import AND, listed
 from rosic.core.message import Button
 from rosic.core.saying import joined, said, said_n
 
@@ -32,9 +33,15 @@ def in_vain(name: str, tasks: Sequence[str]) -> str:
     if not tasks:
         return said("{name} may not move these robots. An admin can give the right.", name=name)
     return said(
-        "{name} may move no robot for these tasks: {tasks}. An admin can give the right.",
-        name=name, tasks=", ".join(tasks),
+        "{name} may move no robot for {tasks}. An admin can give the right.",
+        name=name, tasks=_numbered(tasks),
     )  # fmt: skip
+
+
+def _numbered(tasks: Sequence[str]) -> str:
+    if len(tasks) == 1:
+        return said("task {task}", task=tasks[0])
+    return said("the tasks {tasks}", tasks=listed(tuple(tasks), AND))
 
 
 def not_reached(name: str) -> str:

@@ -131,6 +131,11 @@ def free() -> str:
     return said("free")
 
 
+def not_ready() -> str:
+    """Return that a robot has nothing to do and is given nothing."""
+    return said("not ready")
+
+
 def theirs(name: str) -> str:
     """Return who has a robot."""
     return said("taken by {holder}", holder=name)

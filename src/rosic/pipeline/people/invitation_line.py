@@ -9,6 +9,7 @@ import re
 from typing import TYPE_CHECKING
 
 from rosic.authoriser.invitation import CODE_TTL_S, Given, Wanted
+from rosic.core.authority import READ
 from rosic.core.language import clean, clean_name
 from rosic.core.language.cleaning import fold_word
 from rosic.core.language.clock_words import Unclear
@@ -19,10 +20,12 @@ from rosic.core.reach import FLEET
 from rosic.core.role_names import role_typed
 from rosic.core.roles import Grant
 from rosic.core.saying import joined
+from rosic.core.skill import SkillClass
 from rosic.errors import NotUnderstood, OutOfBounds
 from rosic.pipeline.office import check_length
-from rosic.pipeline.people import words, words_asking
+from rosic.pipeline.people import words, words_asking, words_roles
 from rosic.pipeline.people.limit_line import limit_typed
+from rosic.pipeline.people.role_line import MAY, can_be_a_role
 
 if TYPE_CHECKING:
     from rosic.core.rights import Rights
@@ -213,7 +216,21 @@ class _Reading:
         said = self._said if self._inviting else ""
         offers = tuple(f"/invite {_with(said, word, other)}" for other in close) if said else ()
         sentence = words.no_role_no_robot(word, close, tuple(self._roles.values()))
-        return NotUnderstood(sentence, offers=offers)
+        make = "" if close else self._making(word)
+        if not make:
+            return NotUnderstood(sentence, offers=offers)
+        choice = (words_roles.make_a_role(word), make)
+        return NotUnderstood(joined("\n", (sentence, words_roles.to_make(make))), choices=(choice,))
+
+    def _making(self, word: str) -> str:
+        """Return a line by which a role of this name can be made; it is asked before it is done."""
+        fleet = self._rights.fleet
+        meant = (robot for said in _folded(_raw(self._said)) for robot in fleet.robots(said))
+        robot = next((robot for robot in (*meant, *fleet.skills) if robot in fleet.skills), "")
+        if not robot or self._given or not can_be_a_role(word, fleet):
+            return ""
+        moving = [name for name, s in fleet.skills[robot].items() if s.kind is SkillClass.MOTION]
+        return f"/role {word} {MAY} {robot}:{next(iter(moving), READ)}"
 
 
 def _with(said: str, word: str, other: str) -> str:

@@ -50,13 +50,19 @@ def said_line(text: str) -> str:
     return said
 
 
+def can_be_a_role(name: str, fleet: Fleet) -> bool:
+    """Whether a name would be read as a role's and as nothing else."""
+    other = name in _TAKEN or name in fleet.skills or name in fleet.groups
+    return bool(_NAME.match(name)) and not other
+
+
 def check_name(name: str, fleet: Fleet) -> None:
     """See that a role can be called so.
 
     Raises:
         NotUnderstood: It cannot: it would be read as something else.
     """
-    if not _NAME.match(name) or name in _TAKEN or name in fleet.skills or name in fleet.groups:
+    if not can_be_a_role(name, fleet):
         raise NotUnderstood(words_roles.no_name(name))
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 from rosic.authoriser.words_entry import listed
 from rosic.core.language.cleaning import quote
 from rosic.core.limits import limit_in_words
+from rosic.core.reach import FLEET
 from rosic.core.role_names import role_shown
 from rosic.core.saying import joined, said
 from rosic.pipeline.people.words import can_do, roles_listed
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
     from rosic.core.roles import Role
 
+ALL: Final = "*"
 MAKE_IT: Final = said("Make it so")
 HOW: Final = said(
     "To make one, write for example: /role guest may ROBOT:SKILL with speed <= 0.2 m/s. To take "
@@ -49,12 +51,24 @@ def for_good(helpers: Sequence[str]) -> str:
 
 def gives(role: Role) -> str:
     """Return what a role gives: ``operator, omni:move with speed <= 0.2 m/s``."""
-    what = joined(", ", (*map(role_shown, role.includes), *role.scopes))
+    what = joined(", ", (*map(role_shown, role.includes), *map(_scope_shown, role.scopes)))
     if not role.limits:
         return what
     return said(
         "{what} with {limits}", what=what, limits=joined(", ", map(limit_in_words, role.limits))
     )
+
+
+def _scope_shown(scope: str) -> str:
+    """Return a scope as it is typed, save for the signs that stand for all of something."""
+    robot, _, skill = scope.partition(":")
+    if (robot, skill) == (ALL, ALL):
+        return said("every robot, everything")
+    if (robot, skill) == (FLEET, ALL):
+        return said("everything about the place as a whole")
+    if robot == ALL:
+        return said("{skill} on every robot", skill=skill)
+    return said("everything on {robot}", robot=robot) if skill == ALL else scope
 
 
 def line(name: str, role: Role, *, own: bool) -> str:
@@ -105,6 +119,16 @@ def question(name: str, role: Role, before: Role | None, people: Sequence[str]) 
         "Change the role {role} from {before} to {what}? {whom}",
         role=name, before=gives(before), what=gives(role), whom=whom,
     )  # fmt: skip
+
+
+def to_make(line: str) -> str:
+    """Return how a role that is not there is made, by a line that works as it is."""
+    return said("To make such a role, for example: {line}", line=line)
+
+
+def make_a_role(name: str) -> str:
+    """Return the button that begins to make a role; it asks before anything is done."""
+    return said("Make the role {role}", role=name)
 
 
 def made(name: str, role: Role) -> str:

@@ -24,7 +24,9 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--port", type=int, default=0, help="0 takes a free one")
     parser.add_argument("--host", default="127.0.0.1")
-    parser.add_argument("--token", default=DEFAULT_TOKEN, help="the one token that works")
+    parser.add_argument(
+        "--token", default=DEFAULT_TOKEN, help="the one token that works (without it %(default)s)"
+    )
     parser.add_argument("--state", type=Path, help="kept here over a restart")
     parser.add_argument("--no-limits", action="store_true", help="no flood limits")
     parser.add_argument("--no-privacy", action="store_true", help="the bot reads all of a group")

@@ -44,7 +44,10 @@ async def test_a_role_is_made_after_a_tap_counts_with_its_limits_and_is_taken_ba
         assert place.newest(EVE).text == f"Ada made the role guest: {GIVES}."
         assert place.gateway.rooms.linker.epoch == place.gateway.authority.rights.epoch > epoch
         assert f"guest (made in a chat): {GIVES}" in await place.line(ADA, "/role")
-        assert "viewer: *:read" in await place.line(ADA, "/role")
+        listed = await place.line(ADA, "/role")
+        assert "viewer: read on every robot" in listed
+        assert "operator: every robot, everything" in listed
+        assert "*" not in listed
         assert await place.line(ADA, "/role guest") == f"guest (made in a chat): {GIVES}"
         await give(place, "Vi")
         await place.line(VI, "omni move 2 m")
@@ -56,6 +59,20 @@ async def test_a_role_is_made_after_a_tap_counts_with_its_limits_and_is_taken_ba
         await place.press(ADA, "Take it back")
         assert await place.line(ADA, "/role guest off") == "There is no role guest any more."
         assert not own(place)
+
+
+async def test_whoever_invites_in_a_role_that_is_not_there_is_led_to_making_it() -> None:
+    async with house() as place:
+        told = await place.line(ADA, "/invite student kuka1")
+        said, _, how = told.partition("\nTo make such a role, for example: ")
+        assert said.startswith('I know no role and no robot called "student".')
+        assert (await place.line(ADA, how)).startswith("Make the role student: ")
+        await place.line(ADA, "/invite student kuka1")
+        assert (await place.press(ADA, "Make the role student")).startswith("Make the role student")
+        assert (await place.press(ADA, "Make it so")).startswith("The role student gives now: ")
+        told = await place.line(ADA, "/invite student kuka1")
+        assert told.startswith("Invitation as student on kuka1.")
+        assert "To make" not in await place.line(ADA, "/invite operator zzzzzzz")
 
 
 async def test_whose_right_to_give_ends_makes_changes_and_takes_back_no_role() -> None:
