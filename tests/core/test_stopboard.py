@@ -60,3 +60,19 @@ def test_what_somebody_ended_is_counted_for_them_and_for_the_robots_they_named()
     assert [stops.cancelled("bo", robot) for robot in ("omni", "cf1", "kuka1")] == [3, 2, 1]
     assert stops.cancelled("ada", "omni") == 0
     assert stops.latched() == ("kuka1",), "it stops nothing"
+
+
+def test_everybody_who_stopped_it_since_it_was_free_is_remembered() -> None:
+    stops = board()
+    assert not stops["kuka1"].alone("ada"), "it was found so: nobody knows who stopped it"
+    stops.stop("omni", "bo", 10)
+    assert stops["omni"].alone("bo")
+    stops.stop("omni", "ada", 20)
+    stops.stop("omni", "bo", 30)
+    assert stops["omni"].stoppers == {"bo": 10, "ada": 20}
+    assert not stops["omni"].alone("ada")
+    stops.resume("omni", 3)
+    stops.stop("omni", "ada", 40)
+    assert stops["omni"].alone("ada")
+    stops.stop("omni", "", 50)
+    assert not stops["omni"].alone("ada"), "somebody of whom nothing is known"

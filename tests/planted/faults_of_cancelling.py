@@ -6,12 +6,22 @@ from tests.planted.faults import Fault
 
 CANCEL = "tests/rooms/pipeline/test_cancel.py"
 OWN_STOP = "tests/rooms/pipeline/test_own_stop.py"
+CONTINUING = "tests/rooms/pipeline/test_continuing.py"
 SEVERAL = "tests/rooms/pipeline/test_resuming_several.py"
 
 CONSOLE = "tests/app/test_console.py"
 LOWERING = "tests/rooms/pipeline/test_lowering.py"
 
 OF_CANCELLING = (
+    Fault(
+        name="a stop of one's own hides somebody else's, and continue undoes both",
+        file="core/stopboard.py",
+        guard="        if not entry.latched:\n            entry.stoppers = {}",
+        without="        entry.stoppers = {}",
+        caught_by=(
+            f"{CONTINUING}::test_ones_own_stop_covers_nobody_elses_and_continue_does_not_undo_theirs",
+        ),
+    ),
     Fault(
         name="a second Ctrl-C waits until rest is measured",
         file="app/console.py",

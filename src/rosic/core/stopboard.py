@@ -28,10 +28,12 @@ class Stopped:
         by, since_ns: Whose that was and when, as people are told; wall clock, kept over a restart.
         own: Who stopped an order of their own by it, and nothing that was stopped before; empty: it
             was no such stop.
+        stoppers: Everybody who has stopped it since it was last free, and when they first did; "":
+            somebody of whom nothing is known. A later stop takes nobody else's away.
         at_ns: When this run stopped it, wall clock: what was received before is older. 0: not yet.
     """
 
-    __slots__ = ("at_ns", "by", "generation", "latched", "own", "since_ns")
+    __slots__ = ("at_ns", "by", "generation", "latched", "own", "since_ns", "stoppers")
 
     def __init__(self, generation: int, *, latched: bool) -> None:
         self.generation = generation
@@ -39,6 +41,11 @@ class Stopped:
         self.by: PrincipalId = ""
         self.own: PrincipalId = ""
         self.at_ns = self.since_ns = 0
+        self.stoppers: dict[PrincipalId, int] = {"": 0} if latched else {}
+
+    def alone(self, principal: PrincipalId) -> bool:
+        """Whether somebody, and nobody else, has stopped it since it was last free."""
+        return self.stoppers.keys() == {principal}
 
 
 class StopBoard(dict["RobotId", Stopped]):
@@ -71,6 +78,9 @@ class StopBoard(dict["RobotId", Stopped]):
         """Latch and return the new generation."""
         entry = self[robot]
         entry.generation += 1
+        if not entry.latched:
+            entry.stoppers = {}
+        entry.stoppers.setdefault(by, at_ns)
         entry.latched = True
         entry.by, entry.own = by, ""
         entry.at_ns = entry.since_ns = at_ns

@@ -106,8 +106,8 @@ class WhyStopped:
         return said("a stop by {name}", name=self._organiser.name_of(stop.by))
 
     def since(self, principal: PrincipalId, robots: Sequence[RobotId]) -> str:
-        """Return that some robots are stopped, and by whom and since when if that is one stop."""
-        moments = {(self._stops[r].by, self._when(principal, r)) for r in robots}
+        """Return that some robots are stopped, by whom and since when if that is so of them all."""
+        moments = {(self._stoppers(r), self._when(principal, r)) for r in robots}
         by, when = moments.pop()
         one = len(robots) == 1
         shown = self._names(robots)
@@ -117,7 +117,8 @@ class WhyStopped:
                 if one
                 else said("{robots} are stopped.", robots=shown)
             )
-        name = self._organiser.name_of(by)
+        *others, last = (self._organiser.name_of(who) for who in by[-NAMED_AT_MOST:])
+        name = joined(AND, filter(None, (joined(", ", others), last)))
         if one:
             return said(
                 "{shown} is stopped, by {name}, since {when}.", shown=shown, name=name, when=when
@@ -126,8 +127,17 @@ class WhyStopped:
             "{robots} are stopped, by {name}, since {when}.", robots=shown, name=name, when=when
         )
 
+    def _stoppers(self, robot: RobotId) -> tuple[PrincipalId, ...]:
+        """Return who has stopped a robot since it was free, the last of them last; mostly one."""
+        stop = self._stops[robot]
+        if not stop.by:
+            return ()
+        return (*(who for who in stop.stoppers if who not in {"", stop.by}), stop.by)
+
     def _when(self, principal: PrincipalId, robot: RobotId) -> str:
-        return self._organiser.moment(principal, self._stops[robot].since_ns)
+        stop = self._stops[robot]
+        first_ns = min(filter(None, stop.stoppers.values()), default=stop.since_ns)
+        return self._organiser.moment(principal, first_ns)
 
     def _names(self, robots: Sequence[RobotId]) -> str:
         *others, last = (self._profiles[robot].shown for robot in robots)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from rosic.core.stopboard import StopBoard
 
 KIND: Final = "stopped-by"
+STOPPERS_AT_MOST: Final = 16
+"""As many are kept of one stop: enough to name them, and to know that it was not one alone."""
 
 log = logging.getLogger("rosic.pipeline")
 
@@ -32,12 +34,15 @@ class StoppedBy(msgspec.Struct, frozen=True):
         generation: Of that stop; a later one is somebody else's.
         at_ns: Wall clock.
         own: They stopped an order of their own by it.
+        stoppers: Everybody who has stopped it since it was last free, with when they first did.
+            Versions before this was kept leave it empty: then it is not known who else did.
     """
 
     generation: int
     by: PrincipalId
     at_ns: int
     own: bool = False
+    stoppers: tuple[tuple[PrincipalId, int], ...] = ()
 
 
 _encode = msgspec.msgpack.Encoder().encode
@@ -47,7 +52,8 @@ _decode = msgspec.msgpack.Decoder(StoppedBy).decode
 def stopped_by(robot: RobotId, board: StopBoard) -> Fact:
     """Return what is to be noted about the last stop of a robot."""
     entry = board[robot]
-    body = _encode(StoppedBy(entry.generation, entry.by, entry.since_ns, bool(entry.own)))
+    stoppers = tuple(entry.stoppers.items())[:STOPPERS_AT_MOST]
+    body = _encode(StoppedBy(entry.generation, entry.by, entry.since_ns, bool(entry.own), stoppers))
     return Fact(kind=KIND, key=robot, body=body)
 
 
@@ -65,3 +71,4 @@ def restore(board: StopBoard, facts: Iterable[Fact]) -> None:
         if entry.latched and last.generation == entry.generation:
             entry.by, entry.since_ns = last.by, last.at_ns
             entry.own = last.by if last.own else ""
+            entry.stoppers = dict(last.stoppers) or {"": 0, last.by: last.at_ns}

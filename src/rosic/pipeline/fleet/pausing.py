@@ -150,7 +150,7 @@ class PauseClerk:
             return Reply(words.NOTHING_PAUSED)
         if len(stopped) > 1 and not robots:
             stopped = ()  # which one is asked
-        elif asked.inbound.nonce is not None or any(board[r].by != who for r in stopped):
+        elif asked.inbound.nonce is not None or not all(board[r].alone(who) for r in stopped):
             raise self._rooms.organiser.why_stopped.refusal(who, stopped)
         said = Said(asked.messenger, asked.inbound, asked.caller, 0, self._reception.stepped_up)
         return Reply(await self._resuming.resume(said, Resume(stopped), asked.cid))
