@@ -174,8 +174,10 @@ async def test_a_stop_to_another_bot_is_passed_over_where_a_stranger_says_it() -
         assert ear.numbers == {2}
 
 
-async def test_a_hundred_that_are_held_up_hide_no_stop_behind_them() -> None:
-    ear = KeepingEar(*(text(number, "slow") for number in range(1, BATCH + 1)))
+@pytest.mark.parametrize("who", [ADA, EVE])
+async def test_a_hundred_that_are_held_up_hide_no_stop_behind_them(who: int) -> None:
+    """Of a stranger, too, once they have been read."""
+    ear = KeepingEar(*(text(number, "slow", who) for number in range(1, BATCH + 1)))
     ear.keeping.give(BATCH + 1, text(BATCH + 1, "stop"))
     ear.held_up["slow"] = asyncio.Event()
     async with ear.listening(HELD_NS / SECOND_NS / 2):
