@@ -96,18 +96,32 @@ OF_READING = (
     Fault(
         name="I1 a line of a small group is done once for each bot that hears it",
         file="messengers/telegram/reading.py",
-        guard="            inbound = self._alike.named(inbound)\n",
+        guard="            inbound = self._alike.named(inbound, message.date, text)\n",
         without="            pass\n",
         caught_by=(f"{TWO_BOTS}::test_what_both_bots_hear_in_a_group_is_one_command",),
     ),
     Fault(
         name="I1 in a small group the same in another second is the same line",
         file="messengers/telegram/window.py",
-        guard="inbound.sender.account, str(inbound.sent_ns), inbound.text)",
-        without="inbound.sender.account, inbound.text)",
+        guard="inbound.sender.account, str(date_s), written)",
+        without="inbound.sender.account, written)",
         caught_by=(
             f"{TWO_BOTS}::test_in_a_small_group_the_same_line_after_a_restart_is_another_command",
         ),
+    ),
+    Fault(
+        name="I1 in a small group a line is another one to the bot that another line names",
+        file="messengers/telegram/window.py",
+        guard="str(date_s), written)",
+        without="str(date_s), inbound.text)",
+        caught_by=(f"{TWO_BOTS}::test_in_a_group_a_line_is_the_same_whichever_bot_is_named",),
+    ),
+    Fault(
+        name="I1 a line has another place to the bot that another line names",
+        file="pipeline/requesting.py",
+        guard="    if inbound.written:",
+        without="    if False:",
+        caught_by=(f"{TWO_BOTS}::test_in_a_group_a_line_is_the_same_whichever_bot_is_named",),
     ),
     Fault(
         name="I1 in a small group the same once more in a second is the same line",

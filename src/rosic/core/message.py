@@ -94,6 +94,8 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     Attributes:
         message: The platform's immutable id of the message, unique in its chat.
         text: What was written; empty for a tap.
+        written: The same before the names of bots, and lines for another bot, were taken out; line
+            by line. Empty where nothing was.
         nonce: What the tapped button carried; None for a text.
         sent_ns: The platform's send time, wall clock. A tap carries none: the receive time then.
         received_ns: Our wall clock.
@@ -136,6 +138,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     account: str = ""
     shared: str = ""
     network_away: bool = False
+    written: str = ""
 
     @property
     def brings(self) -> bool:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.authoriser.buttons import OPEN
 from rosic.core.identity import command_id, robot_command_id
+from rosic.core.language import places as places_of
 from rosic.core.order import Request
 from rosic.core.saying import said
 from rosic.errors import Expired
@@ -83,6 +84,9 @@ def line_id(inbound: Inbound, number: int) -> CommandId:
     if nonce is not None and not nonce.startswith(OPEN):  # in a group, several may tap the same one
         sender = inbound.sender
         return command_id("tap", nonce, sender.platform, sender.account, str(number))
+    if inbound.written:  # a line has the same place to a bot that another line is addressed to
+        places = places_of(inbound.text, inbound.written)
+        number = places[number] if number < len(places) else number
     return command_id(*message_parts(inbound), str(number))
 
 

@@ -131,6 +131,35 @@ async def test_what_both_bots_hear_in_a_group_is_one_command(kind: str) -> None:
     assert Counted.told == ["wave"]
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "@lab_a_bot hello\nomni wave",
+        "/status@lab_a_bot\nomni wave",
+        "omni wave\n@lab_b_bot thanks",
+        "omni wave\n/help@lab_b_bot",
+        "\n@lab_a_bot\u2028\r\n\n@lab_b_bot\nomni wave",
+    ],
+)
+@pytest.mark.parametrize("second_first", [False, True])
+@pytest.mark.parametrize("kind", ["group", "supergroup"])
+async def test_in_a_group_a_line_is_the_same_whichever_bot_is_named(
+    text: str, kind: str, *, second_first: bool
+) -> None:
+    """Each of them takes its own name out of the text, and what is said to the other."""
+    Counted.told.clear()
+    async with bots(MemoryStore()) as place:
+        place.first.listener.reading.own_name = "lab_a_bot"
+        place.second.listener.reading.own_name = "lab_b_bot"
+        if kind == "group":  # where each of them counts for itself
+            place.first.give(place.first.message(ADA, "hello"))
+            await place.settled()
+        for bot in (place.second, place.first) if second_first else (place.first, place.second):
+            bot.give(bot.message(ADA, text, **in_group(kind)))
+        await place.settled()
+    assert Counted.told == ["wave"]
+
+
 @pytest.mark.parametrize(("kind", "account"), [("group", "42"), ("supergroup", "")])
 def test_all_who_are_in_a_supergroup_share_its_numbers(kind: str, account: str) -> None:
     message = {"message_id": 7, "date": 1, "text": "omni wave"} | in_group(kind)

@@ -10,7 +10,7 @@ from rosic.core.language.binding import bind
 from rosic.core.language.cancelling import hears_cancel, is_urgent
 from rosic.core.language.cleaning import clean, clean_name, inert_text
 from rosic.core.language.compiled import SAY, skills_of
-from rosic.core.language.grammar import LONGEST_TEXT, MOST_LINES, understand
+from rosic.core.language.grammar import LONGEST_TEXT, MOST_LINES, places, understand
 from rosic.core.language.lines import (
     Cancel,
     Context,
@@ -65,6 +65,7 @@ __all__ = [
     "inert_text",
     "is_urgent",
     "kept_of",
+    "places",
     "show",
     "skills_of",
     "understand",

@@ -40,7 +40,7 @@ def understand(text: str, vocabulary: Vocabulary, context: Context) -> tuple[Lin
         return (Misunderstood(_too_long(len(text))),)
     if is_plain(text):
         return (_line(text.strip(), vocabulary, context),)
-    lines = [line for line in text.splitlines() if clean(line).strip()]
+    lines = _with_words(text)
     if len(lines) > MOST_LINES:
         return (
             Misunderstood(
@@ -52,6 +52,26 @@ def understand(text: str, vocabulary: Vocabulary, context: Context) -> tuple[Lin
             ),
         )
     return tuple([_cleaned(line, vocabulary, context) for line in lines]) or (_EMPTY,)
+
+
+def places(text: str, written: str) -> tuple[int, ...]:
+    """Return which lines of what was written the lines of a text are, without empty ones.
+
+    Args:
+        text: As it is understood: of some lines the beginning was taken out, or all.
+        written: The same before that.
+    """
+    found: list[int] = []
+    before = 0
+    for left, line in zip(text.split("\n"), written.split("\n"), strict=True):
+        whole = len(_with_words(line))
+        found += range(before + whole - len(_with_words(left)), before + whole)
+        before += whole
+    return tuple(found)
+
+
+def _with_words(text: str) -> list[str]:
+    return [line for line in text.splitlines() if clean(line).strip()]
 
 
 _EMPTY = Misunderstood(said("There was nothing to read. Say help for what can be said."), ("help",))

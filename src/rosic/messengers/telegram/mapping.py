@@ -178,7 +178,7 @@ def addressed_here(text: str, own_name: str, *, may_stop: bool = True) -> str | 
     """Return the text without this bot's name where it addresses it; None if it means another bot.
 
     A stop counts whomever it names: with two bots in a group, a hurried tap in the menu picks
-    either. A line keeps its place, because a command's identity holds its line.
+    either. Each line stays one, because a command's identity holds its place.
     """
     if "@" not in text:
         return text
@@ -248,6 +248,7 @@ def _text(
         place=place,
         account=_account(message, received),
         network_away=received.away(sent_ns),
+        written="" if written is None or written == text else written,
     )
 
 

@@ -175,8 +175,9 @@ class Reading:
         inbound = mapping.read(update, self.own_name, received, may_stop=not of_stranger)
         if inbound is None:
             return News(number, None)
-        if self.one_of_several:
-            inbound = self._alike.named(inbound)
+        if self.one_of_several and (message := wire.written(update)) is not None:
+            text = message.text or message.caption or ""
+            inbound = self._alike.named(inbound, message.date, text)
         self._chats.back(inbound.chat.id)
         self._check_clock(inbound, update)
         # Whom nobody knows stops nothing, whatever they say.

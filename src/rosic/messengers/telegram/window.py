@@ -229,24 +229,31 @@ class Window:
 class AlikeLines:
     """What a line of a small group is known by to every bot that hears it.
 
-    There each bot counts messages by itself. Who said a line, in which second, and its text are
-    what all of them know; and as all of them hear a chat in the same order, the second line of a
-    kind is the second for each. Nothing of it is kept over a restart: where somebody says the same
-    twice in one second and we begin anew between the two, the later one is taken for the earlier.
+    There each bot counts messages by itself. Who said a line, in which second, and its text as it
+    was written, every bot's name in it, are what all of them know; and as all of them hear a chat
+    in the same order, the second line of a kind is the second for each. Nothing of it is kept over
+    a restart: where somebody says the same twice in one second and we begin anew between the two,
+    the later one is taken for the earlier.
     """
 
     def __init__(self) -> None:
         self._numbers: dict[bytes, list[str]] = {}
 
-    def named(self, inbound: Inbound) -> Inbound:
-        """Return a message with what is shared of it, if its number is one bot's own."""
+    def named(self, inbound: Inbound, date_s: int, written: str) -> Inbound:
+        """Return a message with what is shared of it, if its number is one bot's own.
+
+        Args:
+            inbound: As this bot reads it.
+            date_s: When it was sent, as the platform says.
+            written: Its text before any bot's name was taken out.
+        """
         if (
             inbound.chat.kind is not ChatKind.GROUP
             or not inbound.account
             or inbound.standing is Standing.EDITED
         ):
             return inbound
-        of = (inbound.chat.id, inbound.sender.account, str(inbound.sent_ns), inbound.text)
+        of = (inbound.chat.id, inbound.sender.account, str(date_s), written)
         kind = blake2b("\0".join(of).encode(), digest_size=16).digest()
         numbers = self._numbers.setdefault(kind, [])
         if inbound.message not in numbers:
