@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rosic.core.language import Context, Do, understand
 from rosic.core.language.common_names import shown_command, shown_name
@@ -18,9 +18,14 @@ if TYPE_CHECKING:
     from rosic.core.language import Vocabulary
     from rosic.core.order import Spoken
 
+TASK: Final = "/task "
+
 
 def label_of(offer: str, vocabulary: Vocabulary) -> str:
     """Return how a button reads that says a command; what it says stays what it is."""
+    if offer.startswith(TASK):
+        task = offered(TASK.strip(), partial(_named, vocabulary))
+        return joined(" ", (task, label_of(offer[len(TASK) :], vocabulary)))
     lines = understand(offer, vocabulary, Context("", frozenset(vocabulary.profiles)))
     if offer.startswith("/") or len(lines) != 1 or not isinstance(lines[0], Do):
         return offered(offer, partial(_named, vocabulary))

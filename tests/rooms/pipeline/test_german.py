@@ -207,7 +207,7 @@ def test_help_about_another_command_is_its_page(name: str) -> None:
         ("omni move left", "omni fahre links", "omni move left"),
         ("help omni", "hilfe omni", "help omni"),
         ("/settings units metric", "/einstellungen einheiten metrisch", "/settings units metric"),
-        ("/task omni move 1 m", "/aufgabe omni move 1 m", "/task omni move 1 m"),
+        ("/task omni move 1 m", "/aufgabe omni fahre 1 m", "/task omni move 3.28 ft"),
         ("omni   MOVE left", "omni   MOVE left", "omni   MOVE left"),
     ],
 )  # fmt: skip
@@ -234,3 +234,39 @@ async def test_the_right_to_resume_is_named_and_asked_for_in_german() -> None:
         assert "Freigeben braucht das Recht" in told
         told = await place.say("bitten omni freigeben", account=VI, chat=VI)
         assert "Ich habe gefragt (Ada): freigeben mit omni, für 1 h" in told
+
+
+@pytest.mark.parametrize(
+    ("german", "english"),
+    [
+        ("/dateien senden plan.pdf an omni", "/files send plan.pdf to omni"),
+        ("/dateien holen plan.pdf", "/files get plan.pdf"),
+        ("/dateien löschen plan.pdf", "/files delete plan.pdf"),
+        ("/dateien von omni", "/files from omni"),
+        ("/auftrag starten restock", "/mission start restock"),
+        ("/auftrag pausieren restock", "/mission pause restock"),
+        ("/auftrag beenden restock", "/mission cancel restock"),
+        ("/auftrag aus 1", "/mission off 1"),
+        ("/wunsch aus 1", "/wish off 1"),
+        ("/tafel aus", "/card off"),
+        ("/quiet omni aus", "/quiet omni off"),
+        ("/aufgabe abbrechen 7", "/task cancel 7"),
+    ],
+)
+async def test_what_german_says_of_a_command_does_what_english_does(
+    german: str, english: str
+) -> None:
+    async with Place().open() as place:
+        assert await place.say(german) == await place.say(english)
+
+
+def test_a_german_word_of_ours_is_understood_where_a_skill_has_the_english_one() -> None:
+    everybody = Vocabulary.build(
+        [load_profile(shipped_profiles()[name]) for name in ("omni", "yumi")], known_units()
+    )
+    assert "handover" in everybody.longest_skill
+    everything = Context("", frozenset(everybody.profiles))
+    assert understand("übergeben Bo", everybody, everything) == (Errand("handover", "Bo"),)
+    assert understand("/übergeben Bo", everybody, everything) == (Errand("handover", "Bo"),)
+    [skill] = understand("handover", everybody, everything)
+    assert isinstance(skill, Do)

@@ -154,6 +154,15 @@ A aufgabe omni fahre 10 cm
 A omni fahre 1 m mit 0,5 m/s
 A /settings tempo keins
 A hilfe broadcast
+A aufgabe omni fahre 50 m
+A übergeben Bo
+A /files foo
+A /quiet
+A /lock
+A /revoke
+A /unlock
+A wunsch aus 7
+A hilfe mitteilen
 A hilfe mission
 A leute
 A einladen viewer

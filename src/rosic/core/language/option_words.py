@@ -34,6 +34,16 @@ OPTIONS: Final[Mapping[str, str]] = MappingProxyType({
 })  # fmt: skip
 
 
+_OF_MISSIONS: Final = {
+    "starten": "start", "pausieren": "pause", "beenden": "cancel", "weiter": "go", "aus": "off",
+}  # fmt: skip
+
+
+def mission_verb(word: str) -> str:
+    """Return what is to be done with a mission, by a word in small letters."""
+    return _OF_MISSIONS.get(word, word)
+
+
 def option_typed(word: str) -> str:
     """Return the English word that a word in small letters means; else the word itself."""
     return OPTIONS.get(word, word)

@@ -110,15 +110,16 @@ class LineReader:
         if callee is not None:
             return self._addressed(callee, after)
         word = self._low[at]
-        if word in ALIASES and (slash or word not in self._vocabulary.longest_skill):
-            word = ALIASES[word]
+        ours = slash or word not in self._vocabulary.longest_skill
+        if ours:
+            word = ALIASES.get(word, word)
         verb = _VERBS.get(word)
         if verb is not None:
             return verb(self, None, at + 1)
         two = ALIASES_OF_TWO.get(tuple(self._low[at:])) if len(self._low) == at + 2 else None
         if two is not None:
             return Errand(two, "")
-        if word in ERRANDS and (slash or word not in self._vocabulary.longest_skill):
+        if word in ERRANDS and ours:
             alone = word in EXPLAINED and self._asks_how(at + 1)
             return Errand(word, "" if alone else self._rest(at + 1))
         return self._unaddressed(at, slash=slash)

@@ -13,6 +13,7 @@ from rosic.core.fleet.filling import bounds, read_values, texts_of
 from rosic.core.fleet.mission import Late, Mission, lay_out
 from rosic.core.fleet.task import OVER, RESTING, Due, Need, State, Task, Why, idle_first
 from rosic.core.language.lines import Misunderstood
+from rosic.core.language.option_words import mission_verb
 from rosic.core.language.suggestions import did_you_mean
 from rosic.core.language.when import read_when
 from rosic.core.reach import FLEET
@@ -105,6 +106,7 @@ class MissionClerk:
         """
         verb, _, said = asked.rest.strip().partition(" ")
         verb, said = verb.casefold(), said.strip()
+        verb = verb if verb in self._missions else mission_verb(verb)
         name = said.casefold()
         if not verb:
             return await self.missions(asked)
