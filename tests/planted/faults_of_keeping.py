@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import GATE, Fault
 
 LINKER = "tests/rooms/test_linker.py"
+HUNG = "tests/rooms/pipeline/test_hung.py"
 LATCH = "tests/rooms/stores/test_latch.py"
 LANE = "tests/rooms/stores/test_lane.py"
 ROOT_KEY = "tests/rooms/stores/test_rootkey.py"
@@ -16,6 +17,15 @@ PARTS = "tests/rooms/stores/test_parts_of_records.py"
 OVERWRITTEN = "tests/rooms/stores/test_overwritten.py"
 
 OF_KEEPING = (
+    Fault(
+        name="a resume that was written too late is said in the record to have had its effect",
+        file="container/container.py",
+        guard="(resumed,), partial(self.stays_stopped, cid)",
+        without="(resumed,), _as_said",
+        caught_by=(
+            f"{HUNG}::test_a_resume_that_is_written_too_late_is_told_to_have_had_no_effect",
+        ),
+    ),
     Fault(
         name="I5 a resume that failed leaves the latch open on disk",
         file="linker/linker.py",

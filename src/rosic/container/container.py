@@ -235,18 +235,24 @@ class Containers:
 
         Raises:
             Repeated: This message resumed before.
-            RecordUnavailable: Not written; the robot stays stopped.
+            RecordUnavailable: Not written, or not in time: the robot stays stopped, and what is on
+                disk later says so.
         """
         try:
             resumed = Resumed(
                 cid=cid, robot=robot, generation=generation, principal=caller.principal,
                 at_ns=self._clock.wall_ns(),
             )  # fmt: skip
-            await self._patience.write((resumed,), _as_said)
+            await self._patience.write((resumed,), partial(self.stays_stopped, cid))
         except StoreFault as fault:
             raise RecordUnavailable(
                 said("I cannot write this down, so {robot} stays stopped.", robot=robot)
             ) from fault
+
+    def stays_stopped(self, cid: bytes) -> None:
+        """Note that a resume which is on disk let no robot go on."""
+        at_ns = self._clock.wall_ns()
+        self._store.note(Concluded(cid=cid, ending=Ending.REFUSED.value, at_ns=at_ns))
 
     def told(self, *cids: bytes) -> None:
         """Note that the author knows how these ended; of a card's, all or none are on disk."""

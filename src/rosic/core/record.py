@@ -63,7 +63,7 @@ class Refused(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
 
 
 class Concluded(msgspec.Struct, frozen=True, gc=False, kw_only=True, tag=True):
-    """An order ended. Durable before it is told."""
+    """An order ended, or a resume had no effect. Durable before it is told."""
 
     cid: CommandId
     ending: str
@@ -100,7 +100,10 @@ class Stopped(msgspec.Struct, frozen=True, kw_only=True, tag=True):
 
 
 class Resumed(msgspec.Struct, frozen=True, kw_only=True, tag=True):
-    """A stop was undone, by somebody who may. Durable before its effect."""
+    """A stop is undone, by somebody who may. Durable before its effect.
+
+    One that had none, as it was too late or the robot could not be let go, is ``Concluded``.
+    """
 
     cid: CommandId
     robot: RobotId

@@ -90,8 +90,12 @@ class Resuming:
         async def one(robot: RobotId, generation: int) -> None:
             robot_cid = robot_command_id(cid, robot)
             await self._container.resume(robot_cid, caller, robot, generation)
-            self._check_may(asked, robot)  # the right may have ended meanwhile
-            await self._go_on(robot, generation)
+            try:
+                self._check_may(asked, robot)  # the right may have ended meanwhile
+                await self._go_on(robot, generation)
+            except Refusal:
+                self._container.stays_stopped(robot_cid)
+                raise
 
         return await self._each(generations, one)
 
@@ -113,7 +117,11 @@ class Resuming:
         async def one(robot: RobotId, generation: int) -> None:
             cid = command_id(OPERATOR, RESUME, robot, str(generation), str(at_ns))
             await self._container.resume(cid, OPERATING, robot, generation)
-            await self._go_on(robot, generation)
+            try:
+                await self._go_on(robot, generation)
+            except Refusal:
+                self._container.stays_stopped(cid)
+                raise
 
         return await self._each(generations, one)
 

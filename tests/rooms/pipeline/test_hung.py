@@ -9,8 +9,10 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.container.patience import WITHIN_S
+from rosic.core.history import RESUMED, HistoryQuery
 from rosic.core.message import Chat
 from rosic.core.record import Claimed, Concluded, Refused, Resumed, Told
+from rosic.errors import RecordUnavailable, StoreFault
 from rosic.pipeline.stopping import LATCH_WITHIN_S
 from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
@@ -199,3 +201,43 @@ async def test_what_moves_nothing_does_not_wait_longer_either(slow: type, said: 
         store.ready.set()
         await place.quiet()
         assert place.robot("omni").gate.latched, "it was said to stay stopped"
+
+
+async def test_a_resume_that_is_written_too_late_is_told_to_have_had_no_effect() -> None:
+    store = SlowStore(Resumed)
+    async with Place(store).open() as place:
+        await place.say("stop omni")
+        await place.clock.advance(1.0)
+        place.chat.say("resume omni")
+        await place.quiet()
+        await place.clock.advance(WITHIN_S)
+        await place.quiet()
+        assert place.chat.told[-1].outbound.text.endswith("omni stays stopped.")
+        store.ready.set()
+        await place.quiet()
+        assert place.robot("omni").gate.latched
+        told = await place.say("/history omni")
+        [resumed] = [line for line in told.splitlines() if "resume omni" in line]
+        assert resumed.endswith("stayed stopped"), told
+        await place.say("resume omni")
+        told = await place.say("/history omni")
+        assert "ready again" in told, "one that had its effect is said to"
+
+
+async def test_a_resume_whose_stop_file_fails_is_told_to_have_had_no_effect() -> None:
+    class Fails(MemoryLatch):
+        async def write(self, robot: str, generation: int, *, latched: bool) -> None:
+            if not latched:
+                raise StoreFault("The stop holds, but could not be kept on disk.")
+            await super().write(robot, generation, latched=latched)
+
+    store = MemoryStore()
+    async with Place(store, Fails()).open() as place:
+        await place.say("stop omni")
+        assert (await place.say("resume omni")).startswith("omni stays stopped: ")
+        assert place.robot("omni").gate.latched
+        assert "ready again" not in await place.say("/history omni")
+        with pytest.raises(RecordUnavailable):
+            await place.gateway.pipeline.resuming.by_operator(["omni"], place.clock.wall_ns())
+        entries = await store.history(HistoryQuery(robot="omni"))
+        assert [e.outcome for e in entries if e.kind == RESUMED] == ["refused", "refused"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.history import HistoryQuery
-from rosic.core.record import Letter
+from rosic.core.record import Concluded, Letter
 from rosic.stores import history
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
@@ -20,6 +20,7 @@ from rosic.testing.records import (
     a_resumption,
     a_stop,
     an_enrolment,
+    an_id,
 )
 
 if TYPE_CHECKING:
@@ -63,6 +64,19 @@ async def test_the_newest_come_first_and_only_what_was_asked_about(
     await store.shred(ADA)
     erased = (await store.history(HistoryQuery(principal=ADA, robot="omni")))[-1]
     assert (erased.outcome, erased.letter, erased.words) == ("done", None, None)
+    await store.close()
+
+
+async def test_a_resume_that_had_no_effect_says_so(store: MemoryStore | DatabaseStore) -> None:
+    await store.open()
+    await store.write(a_resumption("one"))
+    await store.write(a_resumption("two"))
+    store.note(Concluded(cid=an_id("one"), ending="refused", at_ns=2_000))
+    await store.write(a_resumption("three"))
+    entries = await store.history(HistoryQuery())
+    assert [(e.kind, e.outcome) for e in entries] == [
+        ("resumed", ""), ("resumed", ""), ("resumed", "refused")
+    ]  # fmt: skip
     await store.close()
 
 

@@ -249,7 +249,7 @@ def _read(decode: Callable[[bytes], L], letter: bytes | None) -> L | None:
 
 def _came(entry: HistoryEntry) -> str:
     if entry.kind == RESUMED:
-        return said("ready again")
+        return said("stayed stopped") if entry.outcome else said("ready again")
     if entry.kind == STOPPED:
         return said("stopped")
     if entry.kind == REFUSED:
