@@ -55,7 +55,7 @@ check: $(VENV)/.dev
 	$(BIN)/lint-imports
 
 pictures: $(VENV)/.dev
-	ROSIC_PICTURES=draw $(BIN)/python -m pytest $(PYTEST_ARGS) tests/journeys/test_card.py tests/journeys/test_first_time.py
+	ROSIC_PICTURES=draw $(BIN)/python -m pytest $(PYTEST_ARGS) tests/journeys/test_card.py tests/journeys/test_first_time.py tests/cli/test_first_hour.py
 
 campaign: $(VENV)/.dev
 	$(call bounded,$(CAMPAIGN_SECONDS)) $(BIN)/python -m pytest -m campaign -o faulthandler_timeout=0 $(PYTEST_ARGS) $(TESTS)

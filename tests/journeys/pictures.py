@@ -52,10 +52,11 @@ _VARIES: Final = (
 
 def lines_of(shown: Transcript) -> list[str]:
     """Return what a conversation says, without what differs from run to run."""
-    return [_steady(line) for line in shown.lines()]
+    return [steady(line) for line in shown.lines()]
 
 
-def _steady(line: str) -> str:
+def steady(line: str) -> str:
+    """Return a line without what differs from run to run."""
     for pattern, instead in _VARIES:
         line = pattern.sub(instead, line)
     return line

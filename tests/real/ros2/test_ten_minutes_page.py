@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import re
 import shlex
-import time
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -13,8 +11,8 @@ import pytest
 
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built
 from rosic.testing.telegram import FakeTelegram
+from tests.cli.following import CODE, answer_the_questions, lead_to, shown
 from tests.cli.terminal import rosic_at
-from tests.pace import pace
 from tests.real.ros2.simulated import simulated
 from tests.real.ros2.test_my_robot_page import Block, blocks
 
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
     from rosic.testing.ros2.graph import RosGraph
     from tests.cli.terminal import Terminal
 
-CODE = re.compile(r"\b[0-9A-Z]{4}-[0-9A-Z]{4}\b")
 ROBOT = "rover"
 
 
@@ -41,27 +38,13 @@ def pairs(block: Block) -> list[tuple[str, str]]:
     return [(one.strip(), two.strip()) for one, _, two in (r.partition("|") for r in block.lines)]
 
 
-def answer_the_questions(
-    folder: Path, line: str, answers: list[tuple[str, str]], token: str
-) -> None:
-    with terminal(line, folder) as asked:
-        for question, answer in answers:
-            asked.wait_for(question)
-            asked.type(token if answer == "TOKEN" else answer)
-        assert asked.ended() == 0, asked.shown
-        assert "Written: " in asked.shown
-
-
 def follow_to_the_start(folder: Path, page: list[Block], server: FakeTelegram) -> None:
     """Do everything that stands before the gateway runs."""
     [init] = [block for block in page if block.about == "init"]
     [answers] = [block for block in page if block.language == "answers"]
-    answer_the_questions(folder, init.lines[0], pairs(answers), server.token)
-    config = folder / "rosic.toml"
-    telegram = 'kind = "telegram"\n'
-    text = config.read_text(encoding="utf-8")
-    assert text.count(telegram) == 1
-    config.write_text(text.replace(telegram, f'{telegram}api_base = "{server.api_base}"\n'))
+    _, *words = shlex.split(init.lines[0])
+    answer_the_questions(folder, words, pairs(answers), server.token)
+    lead_to(server, folder / "rosic.toml")
     lines = [line for b in page if b.language == "sh" and not b.about for line in b.lines]
     assert [line.split()[1] for line in lines] == ["check", "doctor"]
     for line in lines:
@@ -89,20 +72,6 @@ async def speak(folder: Path, page: list[Block], server: FakeTelegram) -> None:
             else:
                 server.tap(ada, ada, await shown(server, ada, what), what)
             await shown(server, ada, then)
-
-
-async def shown(server: FakeTelegram, user: int, text: str) -> int:
-    """Wait until somebody is told a text or offered a button; return the newest such message."""
-    end_s = time.monotonic() + 20 * pace()
-    while True:
-        seq, seen = server.seq, server.messages(user, by_bot=True)
-        for message in reversed(seen):
-            labels = [key["text"] for row in message["buttons"] for key in row]
-            if text in labels or text in (message["text"] or ""):
-                return int(message["message_id"])
-        told = [(m["text"], [k["text"] for row in m["buttons"] for k in row]) for m in seen]
-        assert time.monotonic() < end_s, f"no {text!r} in: {told}"
-        await server.wait(seq, 1.0)
 
 
 @pytest.mark.limit(400)
