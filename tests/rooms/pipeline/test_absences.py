@@ -51,9 +51,12 @@ async def test_nobody_is_told_of_a_robot_that_did_nothing() -> None:
         assert "not there any more" not in await heard(here, 10.0)
 
 
-def ends_moving(here: Place) -> Worker:
+MOVES = Outcome(Ending.UNKNOWN, "w9 still moves. Please look.", code=StillMoves.code)
+
+
+def ends_moving(here: Place, ends: Outcome = MOVES) -> Worker:
     robot = worker(here, "w9")
-    robot.ends = Outcome(Ending.UNKNOWN, "w9 still moves. Please look.", code=StillMoves.code)
+    robot.ends = ends
     robot.moving = True
     robot.finish()
     return robot
@@ -85,6 +88,27 @@ async def test_a_robot_that_is_back_and_moves_is_followed_until_it_rests() -> No
         assert "w9 is there again, and moves. Please look." in await heard(here, 2.0)
         robot.moving = False
         assert REST in await heard(here, 2.0)
+
+
+async def test_what_was_done_and_still_moves_is_followed_by_its_rest_once() -> None:
+    async with warehouse(fleet=(profile("w9"),)).open() as here:
+        await here.say("w9 move 1 m")
+        robot = ends_moving(here, Outcome(Ending.DONE, "it still moves", code=StillMoves.code))
+        told = await heard(here, 5.0)
+        assert "it still moves" in told
+        assert REST not in told
+        robot.moving = False
+        assert (await heard(here, 5.0)).count(REST) == 1
+
+
+async def test_whoever_was_told_that_a_robot_moves_is_warned_once_where_it_never_rests() -> None:
+    async with warehouse(fleet=(profile("w9"),)).open() as here:
+        await here.say("w9 move 1 m")
+        ends_moving(here, Outcome(Ending.DONE, "it still moves", code=StillMoves.code))
+        await heard(here, 1.0)
+        here.clock.suspend(LOOKED_AFTER_NS / 1e9)
+        assert (await heard(here, 5.0)).count("w9 still moves. Please look.") == 1
+        assert "moves" not in await heard(here, 5.0)
 
 
 @pytest.mark.parametrize("then", ["stop w9", "w9 move 1 m", ""])

@@ -13,6 +13,7 @@ from rosic.core.rule import read_run, rules_of
 from rosic.pipeline.alerts.absences import Absences
 from rosic.pipeline.alerts.alerting import Alerting
 from rosic.pipeline.alerts.book import ALARM, MUTE, RUN, Book
+from rosic.pipeline.alerts.broken_stops import BrokenStops
 from rosic.pipeline.alerts.circles import Circles
 from rosic.pipeline.alerts.clerks import AlarmClerk
 from rosic.pipeline.alerts.placed import TOLD
@@ -44,6 +45,7 @@ class Alarms:
         reacting: Takes reactions to alarms for what they say.
         running: Gives the orders of rules.
         absences: Says which robots at work are not there any more.
+        broken_stops: Says which stopped robots move all the same.
     """
 
     def __init__(self, rooms: Rooms, access: Access, clock: Clock, hands: Hands) -> None:
@@ -55,6 +57,7 @@ class Alarms:
         hands.reach.again = self.alerting.again
         self.reacting = Reacting(self.alerting, rooms.authoriser.directory, hands.reach)
         self.absences = Absences(rooms, hands.reach, clock)
+        self.broken_stops = BrokenStops(rooms, hands.reach, clock, circles)
         self.running = Running(rooms, hands, access.changes, clock, book)
 
     def furnish(self, pipeline: Pipeline, memory: Memory, people: Iterable[Seed]) -> None:
@@ -81,7 +84,7 @@ class Alarms:
 
     async def run(self) -> None:
         """Follow the rules until cancelled."""
-        await asyncio.gather(self.alerting.run(), self.absences.run())
+        await asyncio.gather(self.alerting.run(), self.absences.run(), self.broken_stops.run())
 
     def watch(self, messengers: Iterable[Messenger]) -> None:
         """Hear of reactions, where people react."""

@@ -44,8 +44,8 @@ class _Moving(NamedTuple):
 class Absences:
     """Follows robots that carry something out, and tells whoever asked for it.
 
-    Whoever was told that a robot moves is told once that it is at rest, when that is measured. A
-    new order, or a stop, has an answer of its own.
+    Whoever was told that a robot moves is told once that it is at rest, when that is measured, or
+    that it still moves after `LOOKED_AFTER_NS`. A new order, or a stop, has an answer of its own.
     """
 
     def __init__(self, rooms: Rooms, reach: Reach, clock: Clock) -> None:
@@ -111,7 +111,10 @@ class Absences:
             if not self._rooms.board[robot].latched:
                 self._reach.tell((who,), words.at_rest_now(self._shown(robot)))
         elif self._clock.monotonic_ns() >= self._moving[robot].until_ns:
-            del self._moving[robot]
+            who = self._moving.pop(robot).principal
+            if presence.moves:
+                text = said("{shown} still moves. Please look.", shown=self._shown(robot))
+                self._reach.tell((who,), text, urgent=True)
 
     def _note(self, robot: RobotId, works: _Worked | None) -> None:
         known = self._worked.get(robot)
