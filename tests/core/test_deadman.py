@@ -50,9 +50,17 @@ def test_what_came_to_rest_by_itself_goes_on_no_more() -> None:
 
 def test_a_robot_that_began_anew_knows_nothing_of_what_it_was_told() -> None:
     looks = dead_man()
-    broken = looks.look(S // 10, 0.0, reborn=True)
+    broken = looks.look(S // 10, 0.0, another=Cause.REBORN)
     assert broken is not None
     assert broken.cause is Cause.REBORN
+    assert looks.look(S // 5, 0.0) is broken
+
+
+def test_who_may_be_the_robot_that_began_anew_is_not_driven_on() -> None:
+    looks = dead_man()
+    broken = looks.look(S // 10, 0.0, another=Cause.NAMELESS)
+    assert broken is not None
+    assert broken.cause is Cause.NAMELESS
     assert looks.look(S // 5, 0.0) is broken
 
 

@@ -11,6 +11,9 @@ DEAD_MAN = "tests/core/test_deadman.py"
 
 PURSUED = "tests/rooms/test_pursuit.py"
 FROZEN = "tests/real/ros2/test_frozen_goal.py"
+HALVES = "tests/real/ros2/test_halves.py"
+MOVES = "tests/rooms/pipeline/test_broken_stops.py"
+REBIRTHS = "tests/robots/test_rebirths.py"
 
 OF_BREAKS = (
     Fault(
@@ -59,8 +62,8 @@ OF_BREAKS = (
     Fault(
         name="I6 a goal goes on after ROSIC stood still",
         file="robots/ros2/goal_watch.py",
-        guard="if late_s > self._errand.side.watchdog_s:",
-        without="if False:",
+        guard="return Break(Cause.LATE, late_s) if late_s > self._errand.side.watchdog_s else None",
+        without="return None",
         caught_by=(f"{FROZEN}::test_a_goal_of_a_gateway_that_was_frozen_is_called_off",),
     ),
     Fault(
@@ -80,9 +83,27 @@ OF_BREAKS = (
     Fault(
         name="I6 a robot whose software began anew is driven on",
         file="core/deadman.py",
-        guard="if self._broken is None and reborn:",
+        guard="if self._broken is None and another is not None:",
         without="if False:",
         caught_by=(f"{DEAD_MAN}::test_a_robot_that_began_anew_knows_nothing_of_what_it_was_told",),
+    ),
+    Fault(
+        name="I6 who has no name yet is driven on after a while",
+        file="robots/ros2/rebirths.py",
+        guard="return self.waits and now_ns - self._since_ns >= self._patience_ns",
+        without="return False",
+        caught_by=(
+            f"{REBIRTHS}::test_whoever_joins_is_waited_for_until_a_name_is_known_and_no_longer",
+        ),
+    ),
+    Fault(
+        name="I6 what breaks off before a goal is accepted is not noticed",
+        file="robots/ros2/goal_watch.py",
+        guard="            self.broken = self._late() or self._look()\n",
+        without="            self._late()\n",
+        caught_by=(
+            f"{HALVES}::test_a_goal_ends_when_what_drives_was_frozen_before_it_was_accepted",
+        ),
     ),
     Fault(
         name="I6 simulated machines go on while this process stands still",
@@ -115,6 +136,15 @@ OF_BREAKS = (
         without="return End.TAKEN",
         caught_by=(
             f"{AFTER}::test_a_task_that_the_robots_own_side_ended_does_not_come_back_to_it",
+        ),
+    ),
+    Fault(
+        name="I7 nobody is told that a stopped robot moves all the same",
+        file="app/placing/alarming.py",
+        guard=", self.broken_stops.run()",
+        without="",
+        caught_by=(
+            f"{MOVES}::test_whoever_stopped_a_robot_is_told_once_that_it_moves_all_the_same",
         ),
     ),
     Fault(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.robots.ros2.rebirths import born_anew, unnamed
+from rosic.robots.ros2.rebirths import Newcomers, born_anew
 
 BASE = {b"1": "/base/base"}
 
@@ -30,6 +30,23 @@ def test_where_nobody_was_at_first_nobody_is_born_anew() -> None:
     assert not born_anew({b"1": ""}, {b"1": "", b"2": ""}), "two without a name are not one"
 
 
-def test_whoever_joins_has_no_name_at_first() -> None:
-    assert unnamed(BASE, BASE | {b"2": ""})
-    assert not unnamed({b"1": ""}, {b"1": ""})
+S = 1_000_000_000
+
+
+def test_whoever_joins_is_waited_for_until_a_name_is_known_and_no_longer() -> None:
+    newcomers = Newcomers(BASE, 0.25)
+    assert not newcomers.nameless(BASE, 0)
+    assert not newcomers.waits
+    assert not newcomers.nameless(BASE | {b"2": ""}, 5 * S)
+    assert newcomers.waits, "nothing is sent"
+    assert not newcomers.nameless(BASE | {b"2": "/ros2cli_echo"}, 5 * S + S // 10)
+    assert not newcomers.waits
+    assert not newcomers.nameless(BASE | {b"3": ""}, 9 * S)
+    assert newcomers.nameless(BASE | {b"3": ""}, 9 * S + S // 4)
+    assert newcomers.waits
+
+
+def test_who_had_no_name_from_the_first_is_not_waited_for() -> None:
+    newcomers = Newcomers({b"1": ""}, 0.25)
+    assert not newcomers.nameless({b"1": ""}, 9 * S)
+    assert not newcomers.waits

@@ -30,6 +30,8 @@ class Cause(enum.Enum):
     """Nobody takes our messages any more."""
     REBORN = "reborn"
     """Who took our messages, or showed whether it rests, has begun anew and knows of nothing."""
+    NAMELESS = "nameless"
+    """Somebody new takes our messages, and who was not known in time: maybe the same, anew."""
     UNSERVED = "unserved"
     """Nobody offers any more what was to carry it out."""
     UNREPORTED = "unreported"
@@ -85,7 +87,7 @@ class DeadMan:
         *,
         heard: bool = False,
         there: bool = True,
-        reborn: bool = False,
+        another: Cause | None = None,
         rests: bool = False,
     ) -> Break | None:
         """Return why the next message must not be sent; None: it may, now.
@@ -96,13 +98,14 @@ class DeadMan:
                 heard at all.
             heard: It was heard of otherwise meanwhile.
             there: Whether anybody takes our messages.
-            reborn: The robot's side has begun anew since the motion began.
+            another: `Cause.REBORN` when the robot's side has begun anew since the motion began,
+                `Cause.NAMELESS` when it may have.
             rests: It has moved, and is measured at rest.
         """
         if self._broken is None:
             self._broken = self._look(now_ns, age_s, there=there, rests=rests)
-            if self._broken is None and reborn:
-                self._broken = Break(Cause.REBORN, (now_ns - self.last_ns) / _NS)
+            if self._broken is None and another is not None:
+                self._broken = Break(another, (now_ns - self.last_ns) / _NS)
             if self._broken is not None and heard and self._broken.cause is Cause.SILENT:
                 self._broken = self._broken._replace(cause=Cause.UNMEASURED)
         if self._broken is None:

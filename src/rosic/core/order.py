@@ -165,7 +165,7 @@ class Outcome(msgspec.Struct, frozen=True):
     Attributes:
         note: The robot's words; inert, may be empty.
         facts: Measured by the robot side, SI, unit in the name: ``distance_m``.
-        code: For a refusal, the error's stable code.
+        code: For a refusal, the error's stable code; for an end that is in doubt, too.
     """
 
     ending: Ending

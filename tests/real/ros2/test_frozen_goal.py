@@ -76,3 +76,24 @@ def test_a_stop_that_waited_for_a_frozen_gateway_ends_its_goal(
     gateway.process.send_signal(GO_ON)
     peer.expect("called off after", timeout_s=WITHIN_S)
     assert not gateway.expect("ended", timeout_s=WITHIN_S).startswith("done")
+
+
+def test_a_goal_that_was_accepted_while_its_gateway_was_frozen_is_called_off(
+    peer: RosProcess, gateway: RosProcess
+) -> None:
+    gateway.say("stop")
+    told: set[str] = set()
+    while not {"ended", "rest"} <= told:
+        told.add(gateway.expect("", timeout_s=WITHIN_S).split()[0])
+    peer.expect("called off after", timeout_s=WITHIN_S)
+    gateway.say("resume")
+    peer.say("hesitate")
+    gateway.say(f"drive {DISTANCE_M}")
+    peer.expect("goal forward", timeout_s=WITHIN_S)
+    gateway.process.send_signal(FREEZE)
+    time.sleep(FROZEN_S)
+    gateway.process.send_signal(GO_ON)
+    ended = gateway.expect("ended", timeout_s=WITHIN_S)
+    assert not ended.startswith("done"), ended
+    assert "then ROSIC itself stood still for " in ended
+    peer.expect("called off after", timeout_s=WITHIN_S)

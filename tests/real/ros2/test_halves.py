@@ -11,7 +11,8 @@ from msgspec.structs import replace
 
 from rosic.core.deadman import INTERRUPTED
 from rosic.core.order import Ending, Stage, Stop
-from rosic.errors import RobotOffline, RobotUnreachable
+from rosic.errors import RobotOffline, RobotUnreachable, StillMoves
+from rosic.robots.ros2.goal_watch import LOOK_EVERY_S
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
 from tests.pace import pace, patience
@@ -154,6 +155,30 @@ async def test_a_goal_ends_when_another_has_taken_the_place_of_what_carried_it_o
     assert (await asyncio.wait_for(under_way, 60 * pace())).ending is Ending.CANCELLED
 
 
+@pytest.mark.limit(240)
+async def test_a_goal_ends_when_what_drives_was_frozen_before_it_was_accepted(
+    halves: Halves,
+) -> None:
+    stages: list[Stage] = []
+    halves.navigator.process.send_signal(FREEZE)
+    under_way = asyncio.create_task(
+        halves.robot.execute(halves.robot.order("go"), lambda told: stages.append(told.stage))
+    )
+    await until(lambda: Stage.SENT in stages)
+    halves.base.process.send_signal(FREEZE)
+    seen_s = halves.robot._measured.within_s + 2 * LOOK_EVERY_S
+    await until(lambda: (halves.robot._measured.judged_age_s() or 0.0) > seen_s)
+    halves.base.process.send_signal(GO_ON)
+    await until(lambda: halves.robot.presence().at_rest is True)
+    assert stages == [Stage.SENT]
+    halves.navigator.process.send_signal(GO_ON)
+    outcome = await asyncio.wait_for(under_way, 30 * pace())
+    assert (outcome.ending, outcome.code) == (Ending.FAILED, INTERRUPTED)
+    assert "then it was not heard for " in outcome.note
+    await asyncio.to_thread(halves.navigator.expect, "called off")
+    await halves.rests()
+
+
 @pytest.mark.parametrize(("on_s", "note"), [(0.7, "there"), (20.0, "there; it still moves")])
 @pytest.mark.limit(240)
 async def test_what_is_said_to_be_done_is_measured_at_rest(
@@ -163,4 +188,5 @@ async def test_what_is_said_to_be_done_is_measured_at_rest(
     await asyncio.to_thread(halves.navigator.expect, "ok early")
     outcome = await halves.robot.do("go")
     assert (outcome.ending, outcome.note) == (Ending.DONE, note)
+    assert outcome.code == ("" if note == "there" else StillMoves.code), "it is followed up"
     assert halves.robot.presence().at_rest is (note == "there")

@@ -14,7 +14,7 @@ from rosic.robots.ros2.errand import DECLINED, Answer
 from rosic.robots.ros2.faults import NoAnswer, NotSent
 from rosic.robots.ros2.goal_fields import Fields
 from rosic.robots.ros2.goal_watch import GoalWatch, call_off, until_start_s
-from rosic.robots.ros2.interrupting import after_the_end, in_doubt, moved, over
+from rosic.robots.ros2.interrupting import Doubt, after_the_end, in_doubt, moved, over
 from rosic.robots.ros2.loose_goals import Loose
 from rosic.robots.ros2.messages import to_message
 from rosic.robots.ros2.reading import compile_path
@@ -87,12 +87,13 @@ class ByAction:
         values = self._started(made.values, errand)
         to_message(self._cls.Goal, values)
         sent_ns = errand.side.clock.wall_ns()
+        watch = GoalWatch(errand, made.fraction, _served_by(link))
         errand.leave(together=together)
-        watch = GoalWatch(errand, made.fraction)
         try:
-            goal = await link.send(
-                values, timeout_s=ACCEPT_WITHIN_S, goal_id=order.cid, on_feedback=watch.feedback
-            )
+            with watch.looking():
+                goal = await link.send(
+                    values, timeout_s=ACCEPT_WITHIN_S, goal_id=order.cid, on_feedback=watch.feedback
+                )
         except NotSent as fault:
             raise errand.offline() from fault
         except NoAnswer as fault:
@@ -138,7 +139,7 @@ class ByAction:
         end = asyncio.ensure_future(goal.end())
         halted = asyncio.ensure_future(errand.halted.wait())
         try:
-            await watch.end(goal, end, halted, limit_s, _served_by(link))
+            await watch.end(goal, end, halted, limit_s)
             if end.done():
                 return end.result()
         except NoAnswer as fault:
@@ -173,20 +174,20 @@ class ByAction:
         if end is None:
             return Outcome(Ending.CANCELLED)
         result = end.result
-        doubt = "" if end.status == "unknown" else await after_the_end(errand)
-        words = joined("; ", filter(None, (self._answer.words(result), doubt)))
+        doubt = Doubt() if end.status == "unknown" else await after_the_end(errand)
+        words = joined("; ", filter(None, (self._answer.words(result), doubt.words)))
         facts = self._answer.facts(result)
         if end.status == "unknown":
             raise RobotUnreachable(
                 said("{shown} has not said how it ended.", shown=errand.side.shown)
             )
         if end.status == "succeeded" and self._answer.succeeded(result):
-            return Outcome(Ending.DONE, words, facts)
+            return Outcome(Ending.DONE, words, facts, code=doubt.code)
         if not errand.allowed():
             return Outcome(Ending.CANCELLED, words, facts)
         if end.status == "cancelled":  # by its own side, or by somebody beside us
             return Outcome(Ending.CANCELLED, words, facts, code=INTERRUPTED)
-        return Outcome(Ending.FAILED, words, facts)
+        return Outcome(Ending.FAILED, words, facts, code=doubt.code)
 
 
 def _served_by(link: ActionLink) -> Missed:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from rosic.core.deadman import Break, Cause
@@ -16,6 +16,8 @@ from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.way import Way
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from rosic.core.order import Order
     from rosic.robots.ros2.actions import Goal
     from rosic.robots.ros2.errand import Errand
@@ -51,13 +53,22 @@ class Missed(Protocol):
 class GoalWatch:
     """Takes in feedback, and knows for how long nothing was heard, and nobody looked.
 
+    To be made before the goal is sent: what breaks off while its acceptance is on its way counts.
+
     Attributes:
         broken: Why it was broken off, if it was.
         resting: What came of bringing it to rest after that; None where rest is not measured.
         way: How far it went.
     """
 
-    def __init__(self, errand: Errand, fraction: Fraction) -> None:
+    def __init__(self, errand: Errand, fraction: Fraction, missed: Missed) -> None:
+        """Begin.
+
+        Args:
+            errand: The order.
+            fraction: Returns how far a feedback message says that it is.
+            missed: Whether those who are there now still offer the action.
+        """
         self.broken: Break | None = None
         self.resting: Resting | None = None
         self.way = Way(errand.side.measured, 0.0)  # as fast as its odometry says
@@ -66,6 +77,8 @@ class GoalWatch:
         self._unserved_ns: int | None = None
         self._births = errand.side.measured.births
         self._fraction = fraction
+        self._missed = missed
+        self._looked_ns = self.now_ns()
         binding = errand.order.skill.action
         self._stage = binding.stage if binding is not None else ""
 
@@ -87,13 +100,25 @@ class GoalWatch:
             return 0.0
         return min(age_s, self._pulse.silent_s(self.now_ns()))
 
+    @contextmanager
+    def looking(self) -> Iterator[None]:
+        """Look while a goal is sent and its acceptance waited for.
+
+        A side that was frozen meanwhile, and is back, would begin with a goal from before.
+        """
+        task = asyncio.create_task(self._look_on())
+        try:
+            yield
+        finally:
+            task.cancel()
+
+    async def _look_on(self) -> None:
+        while self.broken is None:
+            await asyncio.sleep(LOOK_EVERY_S)
+            self.broken = self._late() or self._look()
+
     async def end(
-        self,
-        goal: Goal,
-        end: asyncio.Future[Any],
-        halted: asyncio.Future[Any],
-        limit_s: float,
-        missed: Missed,
+        self, goal: Goal, end: asyncio.Future[Any], halted: asyncio.Future[Any], limit_s: float
     ) -> None:
         """Return once the goal has ended, a stop has done what it could, or it was broken off.
 
@@ -102,23 +127,17 @@ class GoalWatch:
             end: Its end.
             halted: A stop has done what it could.
             limit_s: It may take so long.
-            missed: Whether those who took the goal still offer the action.
 
         Raises:
             RobotUnreachable: It fell silent, or took too long; it was called off.
         """
         deadline_ns = self.now_ns() + int(limit_s * _NS)
-        while not end.done() and not halted.done():
-            before_ns = self.now_ns()
+        while self.broken is None and not end.done() and not halted.done():
             await asyncio.wait(
                 {end, halted}, timeout=LOOK_EVERY_S, return_when=asyncio.FIRST_COMPLETED
             )
             self.way.look()
-            late_s = (self.now_ns() - before_ns) / _NS - LOOK_EVERY_S
-            if late_s > self._errand.side.watchdog_s:
-                self.broken = Break(Cause.LATE, late_s)
-                break
-            self.broken = None if end.done() else self._look(missed)
+            self.broken = self._late() or (None if end.done() else self._look())
             if self.broken is not None:
                 break
             if not end.done() and not halted.done():
@@ -139,10 +158,17 @@ class GoalWatch:
             await asyncio.wait({end}, timeout=side.rest_timeout_s)
         self.way.look()
 
-    def _look(self, missed: Missed) -> Break | None:
+    def _late(self) -> Break | None:
+        """Return that nobody looked for too long: ROSIC, or the whole machine, stood still."""
+        now_ns, before_ns = self.now_ns(), self._looked_ns
+        self._looked_ns = now_ns
+        late_s = (now_ns - before_ns) / _NS - LOOK_EVERY_S
+        return Break(Cause.LATE, late_s) if late_s > self._errand.side.watchdog_s else None
+
+    def _look(self) -> Break | None:
         """Return why it must not go on: one half of the robot is gone, whatever the other says."""
         now_ns, measured = self.now_ns(), self._errand.side.measured
-        broken = self._left(missed(quiet=self._pulse.quiet(now_ns)))
+        broken = self._left(self._missed(quiet=self._pulse.quiet(now_ns)))
         if broken is not None or not self._errand.order.skill.actuates:
             return broken
         age_s = measured.judged_age_s() if measured.measures_rest else None

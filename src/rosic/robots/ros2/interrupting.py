@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.deadman import Break, Cause
 from rosic.core.measures import measured
@@ -43,6 +43,8 @@ def _left(cause: Cause) -> str:
         return said("then the software for it was not there any more: ended")
     if cause is Cause.REBORN:
         return said("then its software began anew: ended")
+    if cause is Cause.NAMELESS:
+        return said("then somebody unknown took its velocities, too: ended")
     return said("then it came to rest by itself: ended")
 
 
@@ -53,28 +55,42 @@ def moved(metres: float | None) -> str:
     return said("moved {way} by its odometry", way=measured(f"{metres:.2f} m", metres, "m"))
 
 
-async def after_the_end(errand: Errand) -> str:
+class Doubt(NamedTuple):
+    """What was measured instead of rest.
+
+    Attributes:
+        words: In a sentence's place; empty: nothing was.
+        code: The outcome's, so that whoever was told is told of its rest later.
+    """
+
+    words: str = ""
+    code: str = ""
+
+
+async def after_the_end(errand: Errand) -> Doubt:
     """Wait until it rests that says that it has ended, at most `rest_timeout_s`; then say so.
 
     Returns:
-        What was measured instead; empty where it rests, or keeps its place, and where nothing
-        shows that, or a stop has come.
+        No doubt where it rests, or keeps its place, and where nothing shows that, or a stop has
+        come.
     """
     side, sees = errand.side, errand.side.measured
     since_ns = side.clock.monotonic_ns()
     until_ns = since_ns + int(side.rest_timeout_s * _NS)
     if not sees.measures_rest or not errand.order.skill.actuates:
-        return ""
+        return Doubt()
     while errand.allowed():
         if sees.at_rest(since_ns) or sees.holds(since_ns):
-            return ""
+            return Doubt()
         if side.clock.monotonic_ns() > until_ns:
             moves = sees.at_rest(max(since_ns, sees.stale_ns())) is False
             _log.warning("%s: it says that order %d has ended, and was not measured at rest",
                          errand.order.robot, errand.order.n)  # fmt: skip
-            return said("it still moves") if moves else said("its rest could not be measured")
+            if moves:
+                return Doubt(said("it still moves"), StillMoves.code)
+            return Doubt(said("its rest could not be measured"))
         await sees.next_word(LOOK_EVERY_S)
-    return ""
+    return Doubt()
 
 
 def in_doubt(shown: str, what: str, resting: Resting) -> RobotUnreachable:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     Ends: TypeAlias = Mapping[bytes, str]
     """Ids of ends on the graph to their nodes' full names; empty as long as that is not known."""
 
+_NS: Final = 1_000_000_000
 UNKNOWN: Final = "_NODE_NAME_UNKNOWN_"
 
 
@@ -29,11 +30,6 @@ def ends_of(found: Iterable[RosObject]) -> Ends:
     }
 
 
-def unnamed(first: Ends, now: Ends) -> bool:
-    """Tell whether somebody has joined of whom it is not known yet whether it is one of them."""
-    return any(not name and gid not in first for gid, name in now.items())
-
-
 def born_anew(first: Ends, now: Ends) -> bool:
     """Tell whether a node of the first is there a second time, or only others are there now.
 
@@ -44,3 +40,34 @@ def born_anew(first: Ends, now: Ends) -> bool:
     names = set(first.values()) - {""}
     again = any(name in names for gid, name in now.items() if gid not in first)
     return again or first.keys().isdisjoint(now)
+
+
+class Newcomers:
+    """Ends that join those with whom something began, before it is known of whom they are.
+
+    The end of a node is shown on the graph before the node's name is, by up to some seconds on a
+    busy machine. Until then nobody knows whether it is one of the first, born anew.
+
+    Args:
+        first: Those with whom it began.
+        patience_s: How long a name is waited for.
+
+    Attributes:
+        waits: One of them has no name yet.
+    """
+
+    def __init__(self, first: Ends, patience_s: float) -> None:
+        self.waits = False
+        self._first = first
+        self._patience_ns = patience_s * _NS
+        self._since_ns = 0
+
+    def nameless(self, now: Ends, now_ns: int) -> bool:
+        """Take in who is there now; tell whether the name of one was waited for long enough."""
+        waited, self.waits = (
+            self.waits,
+            any(not name and gid not in self._first for gid, name in now.items()),
+        )
+        if not waited:
+            self._since_ns = now_ns
+        return self.waits and now_ns - self._since_ns >= self._patience_ns

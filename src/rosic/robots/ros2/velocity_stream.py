@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.deadman import Break, Cause, DeadMan
 from rosic.robots.ros2.faults import NotSent
-from rosic.robots.ros2.rebirths import born_anew, unnamed
+from rosic.robots.ros2.rebirths import Newcomers, born_anew
 from rosic.robots.ros2.way import Way, told_m_s
 
 if TYPE_CHECKING:
@@ -27,6 +27,10 @@ class Pace(NamedTuple):
 class VelocityStream:
     """One drive.
 
+    Who takes the velocities is looked at immediately before each is sent. What remains is the way
+    from there to DDS, some microseconds in which an end may be matched; and that ROS may call a
+    robot by its name only later. Nothing is sent then, and if that takes long the drive is over.
+
     Attributes:
         moved: The robot was measured to move.
         seconds: For how long it was driven, as far as is known: to the last message that was sent
@@ -44,8 +48,8 @@ class VelocityStream:
         self._message = publisher.made(values)
         self._pace = pace
         self._begun_ns = 0
-        self._first = self._takers = publisher.takers()
-        self._held_ns: int | None = None
+        self._first = publisher.takers()
+        self._newcomers = Newcomers(self._first, errand.side.watchdog_s / 2)
         self._births = errand.side.measured.births
 
     async def run(self) -> Break | None:
@@ -76,7 +80,7 @@ class VelocityStream:
             if dead_man.late(clock.monotonic_ns()):
                 continue
             try:
-                sent = self._send(now_ns) or sent
+                sent = self._send() or sent
             except NotSent as fault:
                 if not sent:
                     raise errand.offline() from fault
@@ -85,37 +89,37 @@ class VelocityStream:
             await clock.sleep(min(self._pace.period_s, self._pace.duration_s - past_s))
             self._tell(past_s / self._pace.duration_s)
 
-    def _send(self, now_ns: int) -> bool:
-        """Send, unless somebody has joined whose name is on its way: it may be the robot, reborn.
-
-        What never has a name, as it is no node of ROS, is waited for no longer than the robot
-        drives on by itself.
-        """
-        if unnamed(self._first, self._takers):
-            self._held_ns = self._held_ns or now_ns
-            if now_ns - self._held_ns < self._errand.side.watchdog_s * _NS / 2:
-                return False
+    def _send(self) -> bool:
+        """Send, unless somebody has joined who has no name yet: it may be the robot, reborn."""
+        if self._newcomers.waits:
+            return False
         self._publisher.send(self._message)
         return True
 
     def _look(self, dead_man: DeadMan, now_ns: int) -> Break | None:
         measured = self._errand.side.measured
         age_s, judged_s = measured.age_s() or 0.0, measured.judged_age_s()
+        rests = self.moved and measured.at_rest(self._begun_ns) is True
+        there = self._publisher.listeners > 0
+        # Last, as nothing may come between it and the sending.
+        another = self._another(now_ns)
         return dead_man.look(
             now_ns,
             judged_s,
             # What was said together with the last word of what shows rest is no later word.
             heard=age_s < (judged_s or 0.0) - measured.within_s / 4,
-            there=self._publisher.listeners > 0,
-            reborn=self._reborn(),
-            rests=self.moved and measured.at_rest(self._begun_ns) is True,
+            there=there,
+            another=another,
+            rests=rests,
         )
 
-    def _reborn(self) -> bool:
+    def _another(self, now_ns: int) -> Cause | None:
         """Tell whether who takes the velocities, or shows whether it rests, is another now."""
-        self._takers = self._publisher.takers()
+        takers = self._publisher.takers()
         anew = self._errand.side.measured.births != self._births
-        return anew or born_anew(self._first, self._takers)
+        if anew or born_anew(self._first, takers):
+            return Cause.REBORN
+        return Cause.NAMELESS if self._newcomers.nameless(takers, now_ns) else None
 
     def _tell(self, share: float) -> None:
         """Say that it moves, once that is measured, and how much of its time is over."""
