@@ -14,6 +14,23 @@ LOWERING = "tests/rooms/pipeline/test_lowering.py"
 
 OF_CANCELLING = (
     Fault(
+        name="what is said to others in a group undoes a stop",
+        file="pipeline/fleet/pausing.py",
+        guard="meant = addressed or bool(robots)",
+        without="meant = True",
+        caught_by=(
+            f"{CONTINUING}::test_what_is_said_to_others_in_a_group_resumes_nothing_and_is_offered",
+            f"{CONTINUING}::test_paused_tasks_do_not_go_on_by_what_is_said_to_others",
+        ),
+    ),
+    Fault(
+        name="continue lets a robot begin a task that waits, and does not ask first",
+        file="pipeline/fleet/pausing.py",
+        guard="elif begins := self._begin_by_themselves(who, stopped):",
+        without="elif begins := None:",
+        caught_by=(f"{CONTINUING}::test_where_a_task_would_begin_by_itself_it_is_asked_first",),
+    ),
+    Fault(
         name="a stop of one's own hides somebody else's, and continue undoes both",
         file="core/stopboard.py",
         guard="        if not entry.latched:\n            entry.stoppers = {}",

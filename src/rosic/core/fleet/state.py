@@ -10,7 +10,7 @@ from rosic.core.fleet.task import HELD, OVER, Standing, State, Task, TaskId
 from rosic.core.record import Fact
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
 
     from rosic.core.fleet.events import Step
     from rosic.core.robot import RobotId
@@ -71,6 +71,12 @@ class FleetState:
         return all(
             other in self.tasks and self.tasks[other].state is State.DONE for other in task.after
         )
+
+    def beginning(self, robots: Collection[RobotId]) -> list[TaskId]:
+        """Return the tasks that wait and that some robots may be given as soon as they are free."""
+        waiting = (self.tasks[key] for key in self.waiting)
+        among = set(robots)
+        return [t.id for t in waiting if not among.isdisjoint(t.left) and self.ready(t)]
 
     def next_id(self) -> TaskId:
         """Return a number that no task has had."""

@@ -24,7 +24,7 @@ from rosic.pipeline.freshness import check_errand_fresh
 from rosic.pipeline.said import Said
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Sequence
 
     from rosic.core.fleet.task import Task
     from rosic.core.identity import PrincipalId
@@ -100,14 +100,25 @@ class PauseClerk:
     async def go_on(self, asked: Asked) -> Reply:
         """Let one's own paused tasks go on; where none is, resume what one has stopped oneself.
 
+        People say it to each other: in a group nothing goes on by it unless it is addressed to us
+        or names a robot. What it could mean is offered then.
+
         Raises:
             NotUnderstood: A name means nobody, or it is to be said which robot may go on.
-            RobotStopped: Somebody else stopped it; says who can resume it.
+            RobotStopped: Somebody else stopped it; says who can resume it. Or it was not said to
+                us; offers to.
             NotPermitted: One may not resume it.
             Expired: Robots would move because of it, and it was not sent just now.
             RecordUnavailable: A task stays paused; the sentence says which went on before it.
         """
-        who, robots = asked.caller.principal, self._named(asked)
+        addressed = _addressed(asked)
+        try:
+            who, robots = asked.caller.principal, self._named(asked)
+        except NotUnderstood:
+            if not addressed:
+                return Reply("")
+            raise
+        meant = addressed or bool(robots)
         fleet = self._dispatching.fleet
         paused = [
             task
@@ -117,7 +128,15 @@ class PauseClerk:
             and (not robots or not set(task.among).isdisjoint(robots))
         ]
         if not paused:
-            return await self._resume(asked, robots)
+            return await self._resume(asked, robots) if meant else self._offered(who)
+        if not meant:
+            button = Button(words.CONTINUE, "/continue")
+            return Reply(words.stay_paused([task.id for task in paused]), ((button,),))
+        return await self._go_on(asked, paused)
+
+    async def _go_on(self, asked: Asked, paused: Sequence[Task]) -> Reply:
+        """Let paused tasks go on. What it raises, `go_on` says."""
+        who = asked.caller.principal
         check_errand_fresh(asked.inbound, f"/continue {asked.rest}".strip())
         await self._dispatching.first_time(asked.cid)
         at_ns = self._rooms.organiser.wall_ns()
@@ -140,7 +159,7 @@ class PauseClerk:
 
         That is what they stopped themselves, if it was named or is alone. Of a tap it cannot be
         told which stop was known to them, and somebody else's stop is theirs to think about: that
-        is offered. What it raises, `go_on` says.
+        is offered. So is what would let a robot begin by itself. What it raises, `go_on` says.
         """
         who = asked.caller.principal
         board = self._rooms.board
@@ -152,8 +171,34 @@ class PauseClerk:
             stopped = ()  # which one is asked
         elif asked.inbound.nonce is not None or not all(board[r].alone(who) for r in stopped):
             raise self._rooms.organiser.why_stopped.refusal(who, stopped)
+        elif begins := self._begin_by_themselves(who, stopped):
+            return begins
         said = Said(asked.messenger, asked.inbound, asked.caller, 0, self._reception.stepped_up)
         return Reply(await self._resuming.resume(said, Resume(stopped), asked.cid))
+
+    def _begin_by_themselves(self, who: PrincipalId, stopped: Sequence[RobotId]) -> Reply | None:
+        """Return the question whether robots may be resumed that begin a task then; mostly None."""
+        tasks = self._dispatching.fleet.beginning(stopped)
+        if not tasks or not all(self._resuming.may(who, robot) for robot in stopped):
+            return None
+        why = self._rooms.organiser.why_stopped.refusal(who, stopped)
+        text = joined("\n", (why.sentence, self._resuming.begins(stopped)))
+        names = joined(", ", map(self._shown, stopped))
+        button = Button(words.resume_label(names, tasks), " ".join(("resume", *stopped)))
+        return Reply(text, ((button,),))
+
+    def _offered(self, who: PrincipalId) -> Reply:
+        """Answer what may have been said to somebody else: nothing, if one has stopped nothing.
+
+        Raises:
+            RobotStopped: Offers to resume what one has.
+        """
+        board = self._rooms.board
+        seen = sorted(self._rooms.organiser.visible(who))
+        theirs = [r for r in seen if board[r].latched and who in board[r].stoppers]
+        if theirs:
+            raise self._rooms.organiser.why_stopped.refusal(who, theirs)
+        return Reply("")
 
     def _named(self, asked: Asked) -> tuple[RobotId, ...]:
         """Return the robots that are named; none means all."""
@@ -173,3 +218,10 @@ class PauseClerk:
 
     def _shown(self, robot: RobotId) -> str:
         return self._rooms.profiles[robot].shown
+
+
+def _addressed(asked: Asked) -> bool:
+    """Whether something was said to us, and not perhaps to others in a group."""
+    inbound = asked.inbound
+    tapped = inbound.nonce is not None
+    return asked.private or tapped or inbound.addressed or inbound.text.startswith("/")

@@ -61,9 +61,7 @@ class RobotClerk:
 
     def begins(self, robots: Collection[RobotId]) -> str:
         """Return what robots that were resumed may begin by themselves; mostly nothing."""
-        fleet, among = self._dispatching.fleet, set(robots)
-        waiting = (fleet.tasks[key] for key in fleet.waiting)
-        found = [t.id for t in waiting if not among.isdisjoint(t.left) and fleet.ready(t)]
+        found = self._dispatching.fleet.beginning(robots)
         more = len(found) - NAMED_AT_MOST
         return words_fleet.begins(found[:NAMED_AT_MOST], max(0, more)) if found else ""
 

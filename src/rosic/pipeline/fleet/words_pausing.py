@@ -41,6 +41,19 @@ def went_on(tasks: Sequence[str]) -> str:
                   len(tasks), tasks=_some(tasks))  # fmt: skip
 
 
+def stay_paused(tasks: Sequence[str]) -> str:
+    """Return that somebody's tasks did not go on by a word that may have been meant for others."""
+    return said_n("Task {tasks} stays paused until you continue it.",
+                  "{n} tasks stay paused until you continue them: {tasks}.",
+                  len(tasks), tasks=_some(tasks))  # fmt: skip
+
+
+def resume_label(shown: str, tasks: Sequence[str]) -> str:
+    """Return the label of the button that resumes a robot which then moves by itself."""
+    return said_n("Resume {shown}: task {tasks} goes on", "Resume {shown}: {n} tasks go on",
+                  len(tasks), shown=shown, tasks=_some(tasks))  # fmt: skip
+
+
 def cannot_pause(shown: str) -> str:
     """Return that a robot cannot hold a single command half way."""
     return said("{shown} cannot hold that half way. Cancel it, or stop it.", shown=shown)
