@@ -88,6 +88,24 @@ OF_BREAKS = (
         caught_by=(f"{DEAD_MAN}::test_a_robot_that_began_anew_knows_nothing_of_what_it_was_told",),
     ),
     Fault(
+        name="I6 whose name came after the drive began is not known again",
+        file="robots/ros2/rebirths.py",
+        guard="self.first = named_since(self.first, now)",
+        without="self.first = self.first",
+        caught_by=(
+            f"{REBIRTHS}::test_a_name_that_comes_later_is_taken_in_and_told_again_when_it_is_born_anew",
+        ),
+    ),
+    Fault(
+        name="I6 beside one without a name, whoever joins is driven on",
+        file="robots/ros2/rebirths.py",
+        guard="any(unknown or not name for name in joined)",
+        without="any(not name for name in joined)",
+        caught_by=(
+            f"{REBIRTHS}::test_while_one_of_the_first_has_no_name_whoever_joins_may_be_that_one",
+        ),
+    ),
+    Fault(
         name="I6 who has no name yet is driven on after a while",
         file="robots/ros2/rebirths.py",
         guard="return self.waits and now_ns - self._since_ns >= self._patience_ns",

@@ -50,3 +50,25 @@ def test_who_had_no_name_from_the_first_is_not_waited_for() -> None:
     newcomers = Newcomers({b"1": ""}, 0.25)
     assert not newcomers.nameless({b"1": ""}, 9 * S)
     assert not newcomers.waits
+
+
+def test_a_name_that_comes_later_is_taken_in_and_told_again_when_it_is_born_anew() -> None:
+    newcomers = Newcomers({b"1": ""}, 0.25)
+    assert not newcomers.nameless(BASE, 1 * S)
+    assert newcomers.first == BASE
+    assert not newcomers.nameless(BASE | {b"2": "/base/base"}, 2 * S), "its name is known"
+    assert born_anew(newcomers.first, BASE | {b"2": "/base/base"})
+    assert not newcomers.nameless(BASE | {b"2": "/ros2cli_echo"}, 2 * S)
+    assert not newcomers.waits
+    newcomers.nameless({b"2": "/base/base"}, 3 * S)
+    assert newcomers.first == BASE, "a name that was known is not forgotten"
+
+
+def test_while_one_of_the_first_has_no_name_whoever_joins_may_be_that_one() -> None:
+    now = {b"1": "", b"2": "/base/base"}
+    newcomers = Newcomers({b"1": ""}, 0.25)
+    assert not newcomers.nameless(now, 5 * S)
+    assert newcomers.waits, "nothing is sent"
+    assert newcomers.nameless(now, 5 * S + S // 4)
+    assert not newcomers.nameless(now | {b"1": "/other"}, 6 * S)
+    assert not newcomers.waits

@@ -19,7 +19,7 @@ from rosic.robots.ros2.loose_goals import Loose
 from rosic.robots.ros2.messages import to_message
 from rosic.robots.ros2.reading import compile_path
 from rosic.robots.ros2.reasons import Reasons
-from rosic.robots.ros2.rebirths import born_anew
+from rosic.robots.ros2.rebirths import born_anew, named_since
 from rosic.robots.ros2.two_clocks import ahead_ns
 
 if TYPE_CHECKING:
@@ -195,7 +195,9 @@ def _served_by(link: ActionLink) -> Missed:
     first = link.servers()
 
     def missed(*, quiet: bool) -> Cause | None:
+        nonlocal first
         now = link.servers()
+        first = named_since(first, now)
         replaced = quiet and bool(first) and not now.keys() <= first.keys()
         if replaced or born_anew(first, now):
             return Cause.REBORN

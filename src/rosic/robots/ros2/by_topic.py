@@ -83,6 +83,8 @@ class ByTopic:
 
     async def _stream(self, errand: Errand) -> VelocityStream:
         publisher = await self._listened_to(errand)
+        # Matched before it is on the graph: who it is has to be known before it is driven.
+        await errand.there(lambda: bool(publisher.takers()), publisher.topic)
         values = filled(self._binding.message, errand.order)
         pace = Pace(1.0 / self._binding.stream_hz, _duration_s(errand))
         return VelocityStream(errand, publisher, values, pace)

@@ -42,32 +42,39 @@ def born_anew(first: Ends, now: Ends) -> bool:
     return again or first.keys().isdisjoint(now)
 
 
+def named_since(first: Ends, now: Ends) -> Ends:
+    """Return the first, with the names that have come since: they come later than the ends."""
+    return {gid: name or now.get(gid, "") for gid, name in first.items()}
+
+
 class Newcomers:
     """Ends that join those with whom something began, before it is known of whom they are.
 
     The end of a node is shown on the graph before the node's name is, by up to some seconds on a
-    busy machine. Until then nobody knows whether it is one of the first, born anew.
+    busy machine. Until then nobody knows whether it is one of the first, born anew. As long as one
+    of the first has no name itself, whoever joins may be that one.
 
     Args:
         first: Those with whom it began.
         patience_s: How long a name is waited for.
 
     Attributes:
-        waits: One of them has no name yet.
+        first: They, with the names that have come since.
+        waits: Of one who joined, it is not known who it is.
     """
 
     def __init__(self, first: Ends, patience_s: float) -> None:
+        self.first = first
         self.waits = False
-        self._first = first
         self._patience_ns = patience_s * _NS
         self._since_ns = 0
 
     def nameless(self, now: Ends, now_ns: int) -> bool:
         """Take in who is there now; tell whether the name of one was waited for long enough."""
-        waited, self.waits = (
-            self.waits,
-            any(not name and gid not in self._first for gid, name in now.items()),
-        )
+        self.first = named_since(self.first, now)
+        unknown = "" in self.first.values()
+        joined = [name for gid, name in now.items() if gid not in self.first]
+        waited, self.waits = self.waits, any(unknown or not name for name in joined)
         if not waited:
             self._since_ns = now_ns
         return self.waits and now_ns - self._since_ns >= self._patience_ns

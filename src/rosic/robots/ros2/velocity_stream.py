@@ -48,8 +48,7 @@ class VelocityStream:
         self._message = publisher.made(values)
         self._pace = pace
         self._begun_ns = 0
-        self._first = publisher.takers()
-        self._newcomers = Newcomers(self._first, errand.side.watchdog_s / 2)
+        self._newcomers = Newcomers(publisher.takers(), errand.side.watchdog_s / 2)
         self._births = errand.side.measured.births
 
     async def run(self) -> Break | None:
@@ -100,7 +99,8 @@ class VelocityStream:
         measured = self._errand.side.measured
         age_s, judged_s = measured.age_s() or 0.0, measured.judged_age_s()
         rests = self.moved and measured.at_rest(self._begun_ns) is True
-        there = self._publisher.listeners > 0
+        # Where nobody was seen at first, whoever is there now may be the robot, reborn.
+        there = self._publisher.listeners > 0 and bool(self._newcomers.first)
         # Last, as nothing may come between it and the sending.
         another = self._another(now_ns)
         return dead_man.look(
@@ -116,10 +116,11 @@ class VelocityStream:
     def _another(self, now_ns: int) -> Cause | None:
         """Tell whether who takes the velocities, or shows whether it rests, is another now."""
         takers = self._publisher.takers()
+        nameless = self._newcomers.nameless(takers, now_ns)
         anew = self._errand.side.measured.births != self._births
-        if anew or born_anew(self._first, takers):
+        if anew or born_anew(self._newcomers.first, takers):
             return Cause.REBORN
-        return Cause.NAMELESS if self._newcomers.nameless(takers, now_ns) else None
+        return Cause.NAMELESS if nameless else None
 
     def _tell(self, share: float) -> None:
         """Say that it moves, once that is measured, and how much of its time is over."""
