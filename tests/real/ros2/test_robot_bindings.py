@@ -143,6 +143,32 @@ async def test_after_a_stop_no_velocity_follows_the_zero(peer: RosProcess) -> No
     assert velocities == sorted(velocities, reverse=True)
 
 
+async def test_no_stream_begins_before_it_is_shown_who_takes_it(
+    peer: RosProcess, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    topic = {
+        "name": "/omni/cmd_vel",
+        "type": "geometry_msgs/msg/Twist",
+        "message": {"linear.x": "$speed"},
+        "stream_hz": 20.0,
+    }
+    robot = omni({"topic": topic}, watchdog_s=0.5)
+    peer.lines.clear()
+    await robot.open(lambda _text: None)
+    try:
+        publisher = robot._brakes.zeros["/omni/cmd_vel"]
+        await until(lambda: publisher.listeners > 0 and bool(publisher.takers()))
+        monkeypatch.setattr(publisher, "takers", dict)  # as while the graph lags behind
+        with pytest.raises(RobotOffline):
+            await robot.do("do", {"speed": 0.25, "duration": 0.5})
+        monkeypatch.undo()
+        await robot.do("do", {"speed": 0.5, "duration": 0.5})
+        await asyncio.to_thread(peer.expect, "twist 0.5")
+    finally:
+        await robot.close()
+    assert not [line for line in peer.lines if line == "twist 0.25"]
+
+
 # ---- services ----
 
 
