@@ -89,9 +89,30 @@ OF_READING = (
     Fault(
         name="of several codes that a group was shown one is burnt",
         file="pipeline/people/joining.py",
-        guard="while (found := self._enrolment.leaked(text, inbound.sender)) is not None:\n",
-        without="if (found := self._enrolment.leaked(text, inbound.sender)) is not None:\n",
+        guard="        for code in codes:\n",
+        without="        for code in codes[:1]:\n",
         caught_by=(IN_GROUPS,),
+    ),
+    Fault(
+        name="a code is good that a group reads behind a word, or in a line for another bot",
+        file="pipeline/people/joining.py",
+        guard='read = "\\n".join((inbound.written or text, *inbound.links))',
+        without="read = text",
+        caught_by=(f"{IN_GROUPS}::test_a_code_is_burnt_that_stands_beside_the_text",),
+    ),
+    Fault(
+        name="a code is good that a group read beside a stop",
+        file="pipeline/way.py",
+        guard="await self._unfollowed.take(messenger, inbound)\n            return\n        if",
+        without="self._unfollowed.answer(messenger, inbound)\n            return\n        if",
+        caught_by=(f"{IN_GROUPS}::test_a_whole_gateway_burns_a_code_whatever_else_is_said",),
+    ),
+    Fault(
+        name="a code is good that somebody known shows a group in a line that is understood",
+        file="pipeline/reception.py",
+        guard=" or inbound.chat.kind is not ChatKind.PRIVATE:\n        return True",
+        without=":\n        return True",
+        caught_by=(f"{IN_GROUPS}::test_a_whole_gateway_burns_a_code_whatever_else_is_said",),
     ),
     Fault(
         name="I1 a line of a small group is done once for each bot that hears it",

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import hmac
 import re
+import unicodedata
+from functools import lru_cache
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
@@ -26,8 +28,8 @@ DIGEST_BYTES: Final = 16
 HALF: Final = 4
 READ_AT_MOST: Final = 512
 """So much is read of what hands a code in."""
-SEARCHED_AT_MOST: Final = 4_096
-"""So much is searched for codes that do not belong there: as much as a message may hold."""
+SEARCHED_AT_MOST: Final = 5_120
+"""So much is searched for codes that do not belong there: as a message may hold, and its links."""
 
 _LOOKALIKES = str.maketrans("ILO", "110")
 _SYMBOL = r"[0-9A-Za-z]"
@@ -38,6 +40,8 @@ _SAID = re.compile(
     rf"({_SYMBOL}{{4}}{_DASH}?{_SYMBOL}{{4}})(?![\w-])",
     re.IGNORECASE,
 )
+_IN_LINKS = re.compile("%2d|%20", re.IGNORECASE)
+"""A dash and a blank, as a link writes them."""
 
 
 def new_code(entropy: Entropy) -> Secret:
@@ -88,11 +92,54 @@ def code_said(text: str) -> str | None:
 
 
 def codes_in(text: str) -> tuple[str, ...]:
-    """Return whatever looks like a code anywhere in a message: for groups, where none belongs."""
-    text = text[:SEARCHED_AT_MOST]
-    said = code_said(text)
-    found = ([] if said is None else [said]) + _SAID.findall(text) + _BARE.findall(text)
-    return tuple(dict.fromkeys(found))
+    """Return whatever can be read as a code anywhere in a text, as `normal` returns it.
+
+    Each eight symbols that follow one another where dashes, blanks, marks and markup are left out:
+    much of that is ordinary words, so whoever asks has to look up whether it is a code.
+    """
+    read = "".join(_signs(text[:SEARCHED_AT_MOST]))
+    length = 2 * HALF
+    runs = (read[at : at + length] for at in range(len(read) - length + 1))
+    return tuple(dict.fromkeys(run for run in runs if " " not in run))
+
+
+def without_these(text: str, codes: tuple[str, ...], instead: str) -> str:
+    """Return a text without some codes of those that `codes_in` returns for it.
+
+    Args:
+        text: As it was written.
+        codes: What to take out, wherever and however it is written.
+        instead: What is put there.
+    """
+    if not codes:
+        return text
+    signs = _signs(text)
+    read = "".join(signs)
+    places = [at for at, sign in enumerate(signs) if sign]
+    taken: set[int] = set()
+    for code in codes:
+        at = read.find(code)
+        while at >= 0:
+            taken.update(range(places[at], places[at + 2 * HALF - 1] + 1))
+            at = read.find(code, at + 1)
+    return "".join(
+        (instead if at - 1 not in taken else "") if at in taken else character
+        for at, character in enumerate(text)
+    )
+
+
+def _signs(text: str) -> list[str]:
+    """Return what each character of a text is in a code."""
+    return [_sign(character) for character in _IN_LINKS.sub("---", text)]
+
+
+@lru_cache(maxsize=4_096)
+def _sign(character: str) -> str:
+    """Return a character's symbol; a blank for another letter, nothing for what is no letter."""
+    plain = unicodedata.normalize("NFKC", character).upper().translate(_LOOKALIKES)
+    if len(plain) == 1 and plain in ALPHABET:
+        return plain
+    return " " if plain.isalnum() else ""
 
 
 def telegram_link(bot: str, code: Secret) -> str:

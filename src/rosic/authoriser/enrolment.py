@@ -9,7 +9,6 @@ import msgspec
 from rosic.authoriser import words_entry as words
 from rosic.authoriser.admission import Alarm, Answer, Applicant, Declined, Pending, TurnedAway
 from rosic.authoriser.applicants import Applicants
-from rosic.authoriser.codes import codes_in
 from rosic.authoriser.guessing import Guessing, GuessLimits
 from rosic.authoriser.invitation import State
 from rosic.authoriser.invitations import ADMIN, KIND, PEPPER, Invitations
@@ -148,12 +147,15 @@ class Enrolment:
             return self._counted("code-own", words.OWN)
         return found
 
-    def leaked(self, text: str, address: Address) -> TurnedAway | None:
-        """Return what follows if a message in a group holds a good code; the code is burnt."""
-        for code in codes_in(text):
-            if not self._fault(self.invitations.find(code)):
-                return self._in_group(code, address)
-        return None
+    def shown_in(self, text: str) -> tuple[str, ...]:
+        """Return every good code that a text shows, however it is written there."""
+        made = self.invitations
+        return tuple(code for code in made.shown_in(text) if not self._fault(made.find(code)))
+
+    def leaked(self, code: str, address: Address) -> TurnedAway | None:
+        """Return what burns a code that a group was shown; None where it is not good any more."""
+        good = not self._fault(self.invitations.find(code))
+        return self._in_group(code, address) if good else None
 
     def _in_group(self, code: str, address: Address) -> TurnedAway:
         """Burn the code, if it is one. Nobody in the group learns whether it was."""

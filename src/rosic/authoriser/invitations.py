@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rosic.authoriser import words_entry as words
-from rosic.authoriser.codes import PEPPER_BYTES, digest, new_code, normal, reads_as_stop
+from rosic.authoriser.codes import PEPPER_BYTES, codes_in, digest, new_code, normal, reads_as_stop
 from rosic.authoriser.invitation import Given, Invitation, Offer, State, Wanted
 from rosic.core.authority import READ, Scope
 from rosic.core.identity import OPERATOR
@@ -57,6 +57,7 @@ class Invitations:
         self._known: dict[str, Invitation] = {}
         self._names: dict[str, str] = {}
         self._by_digest: dict[bytes, str] = {}
+        self._searched: tuple[str, tuple[str, ...]] = ("", ())
 
     def find(self, code: str) -> Invitation | None:
         """Return the invitation of a code, whatever became of it."""
@@ -65,6 +66,19 @@ class Invitations:
             return None
         found = self._by_digest.get(digest(self._pepper, symbols))
         return None if found is None else self._known[found]
+
+    def shown_in(self, text: str) -> tuple[str, ...]:
+        """Return the code of every invitation that a text shows, whatever became of it.
+
+        A message is searched for burning and for what is kept of it, so the last is remembered.
+        """
+        if self._pepper is None or not self._known:
+            return ()
+        if self._searched[0] != text:
+            pepper, known = self._pepper, self._by_digest
+            found = (code for code in codes_in(text) if digest(pepper, code) in known)
+            self._searched = (text, tuple(found))
+        return self._searched[1]
 
     def is_good(self, invitation: Invitation) -> bool:
         """Whether it is open and its code has not expired."""
@@ -187,6 +201,7 @@ class Invitations:
 
     def apply(self, fact: Fact) -> None:
         """Let a fact be so. An invitation that cannot be read lets nobody in."""
+        self._searched = ("", ())
         if fact.kind == PEPPER:
             self._pepper = fact.letter.content if fact.letter is not None else None
             return

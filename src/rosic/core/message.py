@@ -96,6 +96,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
         text: What was written; empty for a tap.
         written: The same before the names of bots, and lines for another bot, were taken out; line
             by line. Empty where nothing was.
+        links: Where words lead, which whoever reads them may follow: none that stand in the text.
         nonce: What the tapped button carried; None for a text.
         sent_ns: The platform's send time, wall clock. A tap carries none: the receive time then.
         received_ns: Our wall clock.
@@ -139,6 +140,7 @@ class Inbound(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     shared: str = ""
     network_away: bool = False
     written: str = ""
+    links: tuple[str, ...] = ()
 
     @property
     def brings(self) -> bool:

@@ -93,10 +93,13 @@ class Reception:
 def may_bring_a_code(inbound: Inbound) -> bool:
     """Whether a message is worth a look before anybody is recognised: a tap, a link, a dash.
 
-    A code without its dash is found when nothing else can be made of the line.
+    In a group every message is, as a code that is shown there is burnt. In private a code without
+    its dash is found when nothing else can be made of the line.
     """
     text = inbound.text
-    return inbound.nonce is not None or _dashed(text) is not None or text.startswith("/start ")
+    if inbound.nonce is not None or inbound.chat.kind is not ChatKind.PRIVATE:
+        return True
+    return _dashed(text) is not None or text.startswith("/start ")
 
 
 def _never(_principal: PrincipalId, _chat: Chat) -> bool:

@@ -62,7 +62,7 @@ class UnfollowedMessages:
         self._answered: OrderedDict[tuple[str, str, str], None] = OrderedDict()
 
     async def take(self, messenger: Messenger, inbound: Inbound) -> None:
-        """Take a message that is not followed. Never raises."""
+        """Take a message that is not followed, or was a stop. Never raises."""
         private = inbound.chat.kind is ChatKind.PRIVATE
         try:
             burnt = not private and await self._showed_a_code(messenger, inbound)

@@ -130,7 +130,7 @@ class Pipeline:
         heard = inbound.text if inbound.nonce is None else inbound.nonce
         urgent = self._reader.urgent(heard) if self._stop_lane.hears(inbound) else None
         if urgent is not None and await self._urgent.take(messenger, inbound, urgent):
-            self._unfollowed.answer(messenger, inbound)
+            await self._unfollowed.take(messenger, inbound)
             return
         if inbound.standing is not FRESH:
             await self._unfollowed.take(messenger, inbound)

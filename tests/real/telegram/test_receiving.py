@@ -73,7 +73,7 @@ async def test_a_caption_counts(server: FakeTelegram, gateway: Gateway, ada: int
 async def test_only_what_is_read_is_asked_for(gateway: Gateway) -> None:
     async with gateway.listening():
         pass
-    read = ["message", "edited_message", "channel_post", "callback_query"]
+    read = ["message", "edited_message", "channel_post", "edited_channel_post", "callback_query"]
     read += ["my_chat_member", "chat_member", "message_reaction"]
     assert gateway.given("getUpdates", "allowed_updates") == [read] * len(
         gateway.calls("getUpdates")

@@ -19,6 +19,7 @@ from rosic.authoriser.codes import (
     reads_as_stop,
     shared_words,
     telegram_link,
+    without_these,
 )
 from rosic.authoriser.wordlist import WORDS
 from rosic.core.identity import Address
@@ -93,7 +94,44 @@ def test_every_code_survives_the_ways_it_travels(drawn: bytes) -> None:
     assert re.fullmatch(r"[A-Za-z0-9_-]{1,64}", payload)
     for said in (f"/start {payload}", f"/start@lab_robots_bot {payload}", link, join_text(code)):
         assert normal(code_said(said) or "") == symbols
-    assert [normal(found) for found in codes_in(f"look: {payload}, good?")] == [symbols]
+    assert symbols in codes_in(f"look: {payload}, good?")
+
+
+DASHES = "-\u00ad\u2010\u2011\u2012\u2013\u2014\u2015\u2212\u2e3a\ufe58\ufe63\uff0d"
+BLANKS = " \t\n\u00a0\u2009\u200b\u3000\ufe0f\ufeff"
+MARKUP = "_*`~|./\u0336"
+IN_LINKS = ("%2D", "%2d", "%20")
+BETWEEN = st.lists(st.sampled_from([*DASHES, *BLANKS, *MARKUP, *IN_LINKS]), max_size=3).map("".join)
+AROUND = st.sampled_from(
+    ["", "Hi Di:\njoin ", "type /start ", "tg://resolve?domain=lab&start=", "\u00fcU", "code is"]
+) | st.text(max_size=20)
+FULL_WIDTH = {ord(symbol): ord(symbol) + 0xFEE0 for symbol in ALPHABET}
+
+
+def written(symbol: str) -> st.SearchStrategy[str]:
+    """Return the ways to write a symbol that whoever reads it types as one."""
+    alike = {"0": "Oo", "1": "IiLl"}.get(symbol, "")
+    return st.sampled_from([symbol, symbol.lower(), symbol.translate(FULL_WIDTH), *alike])
+
+
+@given(st.binary(min_size=5, max_size=5), st.data())
+def test_a_code_is_found_and_taken_out_however_it_is_written(
+    drawn: bytes, data: st.DataObject
+) -> None:
+    symbols = new_code(Bytes(drawn)).reveal().replace("-", "")
+    shown = "".join(data.draw(written(s)) + data.draw(BETWEEN) for s in symbols)
+    text = data.draw(AROUND) + shown + data.draw(AROUND)
+    assert symbols in codes_in(text)
+    kept = without_these(text, (symbols,), "(not kept)")
+    assert symbols not in codes_in(kept)
+    assert "(not kept)" in kept
+
+
+def test_words_stay_beside_a_code_that_is_taken_out() -> None:
+    text = "Hi Di \u2014 join _m3pq \u2011 kqe4_, or M3PQ%2DKQE4. Bye!"
+    kept = "Hi Di \u2014 join _(-)_, or (-). Bye!"
+    assert without_these(text, ("M3PQKQE4",), "(-)") == kept
+    assert without_these(text, (), "(-)") is text
 
 
 @pytest.mark.parametrize(

@@ -202,13 +202,15 @@ async def test_a_code_in_a_group_is_burnt_and_the_admins_hear_of_it(office: Offi
 
 async def test_a_code_inside_any_message_of_a_group_is_burnt(office: Office) -> None:
     code, _ = await office.invite("viewer")
-    office_says = office.enrolment.leaked
-    assert office_says("please move-back a bit", CY) is None
-    answer = office_says(f"who wants {code.lower()}?", CY)
+    shown = office.enrolment.shown_in
+    assert shown("please move-back a bit, and let us join at 17-18") == ()
+    [found] = shown(f"who wants {code.lower()}?")
+    answer = office.enrolment.leaked(found, CY)
     assert answer is not None
     assert answer.alarm is not None
     await office.write(answer.records)
-    assert office_says(code, CY) is None
+    assert shown(f"who wants {code.lower()}?") == ()
+    assert office.enrolment.leaked(code, CY) is None
     assert office.tally["code-unknown"] == 0
 
 

@@ -88,6 +88,29 @@ def test_edited_and_posted_messages_change_nothing_either() -> None:
     assert posted.standing is Standing.CHANNEL
     assert posted.chat.kind is ChatKind.CHANNEL
     assert posted.sender.account == "-1003"
+    changed = inbound("edited_channel_post", chat=CHANNEL, edit_date=DATE + 1, **{"from": None})
+    assert changed.standing is Standing.CHANNEL
+    assert changed.chat == posted.chat
+
+
+@pytest.mark.parametrize("marks", ["entities", "caption_entities"])
+def test_links_are_read_that_stand_behind_words(marks: str) -> None:
+    link = {
+        "type": "text_link",
+        "offset": 0,
+        "length": 2,
+        "url": "https://t.me/lab?start=7K3M-Q0ZD",
+    }
+    malformed: tuple[Any, ...] = ({"type": "bold"}, 7, {"url": 7}, None)
+    read = inbound("message", **{marks: [*malformed, link, link]})
+    assert read.links == ("https://t.me/lab?start=7K3M-Q0ZD",)
+    assert inbound("message", **{marks: "malformed"}).links == ()
+
+
+def test_what_is_taken_out_of_a_text_is_there_as_it_was_written() -> None:
+    assert inbound(text="@lab_robots_bot hi").written == "@lab_robots_bot hi"
+    assert inbound(text="hi\n@other_bot yes").written == "hi\n@other_bot yes"
+    assert inbound(text="hi").written == ""
 
 
 def test_a_quotation_is_no_part_of_what_was_written() -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from rosic.authoriser.codes import ALPHABET
 from rosic.bench.steps import MeteredLoop, Step, pace_of_machine, undisturbed
 from rosic.bench.strangers import NAMED
 from rosic.core.language import Cancel, Halt, Reader
@@ -273,6 +274,33 @@ def test_no_other_part_of_an_update_makes_a_step_long() -> None:
     async def act(place: Receiving) -> None:
         for number in range(len(odd(place))):
             step = await too_long(place, lambda number=number: [odd(place)[number]])  # type: ignore[misc]
+            assert step is None, (number, step)
+
+    run(act)
+
+
+def test_no_search_for_a_code_that_a_group_is_shown_makes_a_step_long() -> None:
+    """With the most to look up: no eight symbols twice, in the text and behind its words."""
+
+    async def act(place: Receiving) -> None:
+        chat = {"id": GROUP, "type": "supergroup", "title": "Lab"}
+        await place.longest(place.message(ADA, "/invite viewer for 2h"))
+        await place.longest(place.message(ADA, "/archive on", chat=chat))
+        assert place.gateway.access.enrolment.invitations.open()
+        chance = Random(SEED)  # noqa: S311 - a seed makes it repeatable
+
+        def updates() -> list[dict[str, Any]]:
+            text, link = ("".join(chance.choices(ALPHABET, k=LONGEST)) for _ in range(2))
+            more: dict[str, Any] = {"chat": chat, "entities": [{"type": "text_link", "url": link}]}
+            return [
+                place.message(BO, text, **more),
+                place.message(BO, f"omni help\n{text[10:]}", **more, edit_date=0),
+                place.message(STRANGER, f"stop it {text[10:]}", **more),
+                place.post(CHANNEL, text),
+            ]
+
+        for number in range(4):
+            step = await too_long(place, lambda number=number: updates()[number : number + 1])  # type: ignore[misc]
             assert step is None, (number, step)
 
     run(act)

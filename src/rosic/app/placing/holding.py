@@ -115,11 +115,8 @@ class Holding:
         """Return messengers whose chats can be kept."""
         self.archive = Archive(self._clock)
         author_of = partial(_author_of, self._rooms.authoriser)
-        find = self._access.enrolment.invitations.find
-        return tuple(
-            Recorded(m, self.archive, store, author_of, lambda code: find(code) is not None)
-            for m in messengers
-        )
+        codes_in = self._access.enrolment.invitations.shown_in
+        return tuple(Recorded(m, self.archive, store, author_of, codes_in) for m in messengers)
 
     async def furnish(
         self,

@@ -82,6 +82,7 @@ def read(
         (update.message, _standing),
         (update.edited_message, _edited),
         (update.channel_post, _channel),
+        (update.edited_channel_post, _channel),
     ):
         if message is not None:
             return _text(message, standing(message), own_name, received, may_stop=may_stop)
@@ -249,6 +250,7 @@ def _text(
         account=_account(message, received),
         network_away=received.away(sent_ns),
         written="" if written is None or written == text else written,
+        links=wire.links(message),
     )
 
 

@@ -12,8 +12,8 @@ from typing import Any
 import msgspec
 
 KINDS = (
-    "message", "edited_message", "channel_post", "callback_query", "my_chat_member", "chat_member",
-    "message_reaction",
+    "message", "edited_message", "channel_post", "edited_channel_post", "callback_query",
+    "my_chat_member", "chat_member", "message_reaction",
 )  # fmt: skip
 """Asked for by name, because Telegram remembers what the last program asked for."""
 
@@ -57,8 +57,8 @@ class Message(msgspec.Struct, kw_only=True):
         date: Unix time in whole seconds, cut off.
         message_thread_id: Of a forum topic; of any other thread where ``is_topic_message`` is not.
         left_chat_member: Whoever left, as it came: what is said must not depend on its form.
-        document, photo, location: As they came: read by `enclosed` and `placed`, so that what is
-            malformed hides no stop that was written beneath.
+        entities, document, photo, location: As they came: read by `links`, `enclosed` and `placed`,
+            so that what is malformed hides no stop that was written beneath.
     """
 
     message_id: int
@@ -68,6 +68,8 @@ class Message(msgspec.Struct, kw_only=True):
     sender_chat: Chat | None = None
     text: str | None = None
     caption: str | None = None
+    entities: Any = None
+    caption_entities: Any = None
     document: Any = None
     photo: Any = None
     location: Any = None
@@ -172,6 +174,7 @@ class Update(msgspec.Struct, kw_only=True):
     message: Message | None = None
     edited_message: Message | None = None
     channel_post: Message | None = None
+    edited_channel_post: Message | None = None
     callback_query: CallbackQuery | None = None
     my_chat_member: MemberUpdate | None = None
     chat_member: MemberUpdate | None = None
@@ -180,7 +183,9 @@ class Update(msgspec.Struct, kw_only=True):
 
 def written(update: Update) -> Message | None:
     """Return the message in an update, in whatever guise it came."""
-    return update.message or update.edited_message or update.channel_post
+    return (
+        update.message or update.edited_message or update.channel_post or update.edited_channel_post
+    )
 
 
 class Answer(msgspec.Struct, kw_only=True):
@@ -265,6 +270,14 @@ def enclosed(message: Message) -> Document | None:
     except msgspec.ValidationError:
         return None
     return None
+
+
+def links(message: Message) -> tuple[str, ...]:
+    """Return the addresses behind words of a message, each once."""
+    found = message.entities or message.caption_entities
+    marks = found if isinstance(found, list) else []
+    urls = (mark.get("url") for mark in marks if isinstance(mark, dict))
+    return tuple(dict.fromkeys(url for url in urls if isinstance(url, str)))
 
 
 def placed(message: Message) -> Location | None:

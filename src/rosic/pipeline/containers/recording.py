@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 
 import msgspec
 
-from rosic.authoriser.codes import codes_in
+from rosic.authoriser.codes import without_these
 from rosic.container.archive import NOBODY, Author
 from rosic.contracts.messenger import (
     account_of,
@@ -68,7 +68,7 @@ class Recorded:
         archive: Which chats are kept.
         store: Where entries go.
         author_of: Who is known at an address.
-        is_code: Whether somebody may come in by this, or could.
+        codes_in: The codes in a text by which somebody may come in, or could.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class Recorded:
         archive: Archive,
         store: Store,
         author_of: AuthorOf,
-        is_code: Callable[[str], bool],
+        codes_in: Callable[[str], tuple[str, ...]],
     ) -> None:
         self.platform = messenger.platform
         self.name = messenger.name
@@ -97,7 +97,7 @@ class Recorded:
         self._archive = archive
         self._store = store
         self._author_of = author_of
-        self._is_code = is_code
+        self._codes_in = codes_in
 
     @property
     def bot_name(self) -> str:
@@ -144,7 +144,7 @@ class Recorded:
             if not self._archive.keeps(inbound.chat):
                 await receive(inbound)
                 return
-            kept = self._without_codes(_without_secret(inbound))
+            kept = _without_secret(self._without_codes(inbound))
             facts = self._archive.hear(kept, self._author_of(inbound.sender))
             writing = asyncio.ensure_future(self._write(facts))
             try:
@@ -197,9 +197,7 @@ class Recorded:
 
     def _without_codes(self, passed: P) -> P:
         """Return a message without codes of invitations: whoever reads an export could use them."""
-        text = passed.text
-        for code in filter(self._is_code, codes_in(text)):
-            text = text.replace(code, NOT_KEPT)
+        text = without_these(passed.text, self._codes_in(passed.text), NOT_KEPT)
         return passed if text is passed.text else msgspec.structs.replace(passed, text=text)
 
     def _reader(self, chat: Chat) -> Author:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from typing import TYPE_CHECKING
 
 from rosic.authoriser import words_entry
 from rosic.authoriser.admission import Redeemed, TurnedAway, Waiting
-from rosic.authoriser.codes import code_said, codes_in
+from rosic.authoriser.codes import code_said
 from rosic.core.message import ChatKind, Standing
 from rosic.core.rate import Bucket, RateLimit
 from rosic.core.saying import joined
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from rosic.pipeline.people.powers import Powers
     from rosic.pipeline.people.registry import Registry
 
+LONG = 1_000
 SILENT = Reply("")
 """It was for the doorstep, and is done; there is nothing to say."""
 # Answers to what is no good code: all addresses share them.
@@ -91,13 +93,13 @@ class Joining:
         private = inbound.chat.kind is ChatKind.PRIVATE
         if private and inbound.standing is not Standing.FRESH:
             return None
+        if not private:
+            return await self._in_group(messenger, inbound, text)
         if _may_hold_a_code(text) is not None:
-            if not private:
-                return await self._in_group(messenger, inbound, text)
             code = code_said(text)
             if code is not None and not self._is_robot(inbound, text):
                 return self._shown(messenger, inbound, code, text)
-        return self._still_waiting(inbound) or self._to_the_first(inbound) if private else None
+        return self._still_waiting(inbound) or self._to_the_first(inbound)
 
     def _is_robot(self, inbound: Inbound, text: str) -> bool:
         """Whether somebody who is known has named a robot; strangers know none."""
@@ -127,10 +129,13 @@ class Joining:
 
         However it came to be shown: forwarded, edited in, posted by nobody in particular.
         """
-        if not codes_in(text):
-            return None
-        async with self._registry.changes.turn() as turn:
-            said = await self._burnt(turn, inbound, text)
+        read = "\n".join((inbound.written or text, *inbound.links))
+        if len(read) > LONG:
+            await asyncio.sleep(0)  # searching much is a step
+        said = None
+        if codes := self._enrolment.shown_in(read):
+            async with self._registry.changes.turn() as turn:
+                said = await self._burnt(turn, inbound, codes)
         if said is not None:
             self._registry.retracting.now(messenger, inbound.chat, inbound.message)
         asks = inbound.standing is Standing.FRESH and text.lstrip().startswith("/")
@@ -142,9 +147,13 @@ class Joining:
         reply = self._turned_away(said)
         return SILENT if inbound.chat.kind is ChatKind.CHANNEL else reply  # nothing is said there
 
-    async def _burnt(self, turn: Turn, inbound: Inbound, text: str) -> TurnedAway | None:
+    async def _burnt(
+        self, turn: Turn, inbound: Inbound, codes: tuple[str, ...]
+    ) -> TurnedAway | None:
         burnt = None
-        while (found := self._enrolment.leaked(text, inbound.sender)) is not None:
+        for code in codes:
+            if (found := self._enrolment.leaked(code, inbound.sender)) is None:
+                continue
             if burnt is not None:
                 self._raise_alarm(burnt.alarm)
             burnt = found

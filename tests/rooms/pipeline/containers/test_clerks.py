@@ -217,6 +217,8 @@ async def test_no_code_of_an_invitation_is_kept() -> None:
             await asyncio.sleep(0.001)
         assert found is not None
         await place.say(f"wave-left {found[0]} to-right", chat=ADA)
+        bare, spaced = found[0].replace("-", ""), found[0].replace("-", " \u2011 ")
+        await place.say(f"It is\njoin{bare}, or _{spaced}_ now", chat=ADA)
         await place.say("/archive export", chat=ADA)
         file = None
         for _ in range(30_000):  # a thread makes the file
@@ -227,5 +229,8 @@ async def test_no_code_of_an_invitation_is_kept() -> None:
         assert file is not None
         content = file.content.decode()
         assert found[0] not in content
+        assert bare not in content
+        assert found[0][:4] not in content
         assert "Code (not kept), good once" in content
         assert "wave-left (not kept) to-right" in content
+        assert "join(not kept), or _(not kept)_ now" in content

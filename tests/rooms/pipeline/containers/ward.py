@@ -89,7 +89,7 @@ class Ward(Place):
         )
         super().__init__(self.kept, clock=clock, fleet=fleet)
         self.archive = Archive(clock)
-        recorded = Recorded(self.chat, self.archive, self.kept, self.author_of, lambda _: False)
+        recorded = Recorded(self.chat, self.archive, self.kept, self.author_of, lambda _: ())
         parts = self.gateway._parts
         changed = {name: getattr(parts, name) for name in parts.__struct_fields__}
         changed["messengers"] = (recorded,)

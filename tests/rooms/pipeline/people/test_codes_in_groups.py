@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import re
+import time
+from random import Random
 
 import pytest
 from msgspec.structs import replace
 
 from rosic.authoriser import words_entry
+from rosic.authoriser.codes import ALPHABET, SEARCHED_AT_MOST
 from rosic.authoriser.invitation import State
 from rosic.core.identity import Address
 from rosic.core.message import Chat, ChatKind, Standing
@@ -112,6 +115,88 @@ async def test_a_button_of_a_private_chat_is_dead_in_a_group() -> None:
         await hall.quiet()
         assert hall.chat.answers[-1] == ("t1", "This question was asked of somebody else.")
         assert hall.directory.at(Address("telegram", DI)) is None
+
+
+WRITTEN = (
+    "Hi Di:\njoin {bare}", "Hi Di:\njoin {code}", "Di, type: join {bare}", "Di, type /start {bare}",
+    "`/start {bare}`", "_{code}_", "||{code}||", "Di: {first}\u2010{last}", "{first}\u2011{last}",
+    "{first} - {last}", "Di: {first} {last}", "Di: {spaced}", "join{bare}", "{first}\n{last}",
+    "https://t.me/lab_bot?start={first}%2D{last}", "\u00fcber{bare}",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("way", WRITTEN)
+async def test_a_code_is_burnt_however_it_is_written(way: str) -> None:
+    async with a_hall() as hall:
+        code = await hall.invited("viewer")
+        first, last = code.split("-")
+        bare = first + last
+        text = way.format(code=code, bare=bare, first=first, last=last, spaced=" ".join(bare))
+        hall.chat.say(text, account=CY, chat="g", kind=ChatKind.GROUP)
+        await hall.quiet()
+        found = hall.enrolment.invitations.find(code)
+        assert found is not None
+        assert found.state is State.BURNT
+        assert hall.last("g").text == words_entry.IN_GROUP
+
+
+@pytest.mark.parametrize("beside", ["links", "written"])
+async def test_a_code_is_burnt_that_stands_beside_the_text(beside: str) -> None:
+    """Behind a word that is a link; or in a line that is for another bot."""
+    async with a_hall() as hall:
+        code = await hall.invited("viewer")
+        said = hall.chat.say("hello", account=CY, chat="g", kind=ChatKind.GROUP)
+        said = replace(said, message="m-beside")
+        link = f"https://t.me/lab_bot?start={code}"
+        hall.chat.deliver(
+            replace(said, links=("https://a.b/c", link))
+            if beside == "links"
+            else replace(said, text="hello\n", written=f"hello\n@other_bot {code}")
+        )
+        await hall.quiet()
+        assert not hall.enrolment.invitations.open()
+
+
+async def test_a_message_is_searched_for_codes_within_a_step() -> None:
+    async with a_hall() as hall:
+        code = await hall.invited("viewer")
+        took = []
+        for seed in range(5):
+            chance = Random(seed)  # noqa: S311 - a seed makes it repeatable
+            drawn = chance.choices(ALPHABET, k=SEARCHED_AT_MOST)  # no eight of them twice
+            text = f"{''.join(drawn)[: SEARCHED_AT_MOST - 10]} {code}"
+            start = time.process_time()
+            shown = hall.enrolment.shown_in(text)
+            took.append(time.process_time() - start)
+            assert shown == (code.replace("-", ""),)
+            assert hall.enrolment.shown_in(text) == shown
+        assert min(took) < 0.02 * pace()
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "omni status\nomni help {code}",
+        "stop omni {code}",
+        "stop omni\n{code}",
+        "omni say {bare}",
+        "start {bare}",
+    ],
+)
+async def test_a_whole_gateway_burns_a_code_whatever_else_is_said(said: str) -> None:
+    """By somebody who is known: each line may be one that is followed."""
+    async with Place().open() as place:
+        await place.say("/invite viewer for 2h", chat="1")
+        found = None
+        async with asyncio.timeout(60 * pace()):
+            while found is None:  # a thread draws the picture of its link
+                await asyncio.sleep(0.001)
+                found = CODE.search("\n".join(told.outbound.text for told in place.chat.told))
+        text = said.format(code=found[0], bare=found[0].replace("-", ""))
+        place.chat.say(text, account="1", chat="g", kind=ChatKind.GROUP)
+        await place.quiet()
+        there = [told.outbound.text for told in place.chat.told if told.outbound.chat.id == "g"]
+        assert words_entry.IN_GROUP in there
 
 
 @pytest.mark.parametrize(
