@@ -8,6 +8,7 @@ READING = "tests/rooms/messengers/test_reading.py"
 STEPS = "tests/rooms/pipeline/test_steps.py"
 HUNG = "tests/rooms/pipeline/test_hung.py"
 IN_GROUPS = "tests/rooms/pipeline/people/test_codes_in_groups.py"
+SECRECY = "tests/core/language/test_secrecy.py"
 TWO_BOTS = "tests/rooms/pipeline/test_two_bots.py"
 
 OF_READING = (
@@ -113,6 +114,20 @@ OF_READING = (
         guard=" or inbound.chat.kind is not ChatKind.PRIVATE:\n        return True",
         without=":\n        return True",
         caught_by=(f"{IN_GROUPS}::test_a_whole_gateway_burns_a_code_whatever_else_is_said",),
+    ),
+    Fault(
+        name="a secret is kept behind words that mean nothing",
+        file="core/language/secrecy.py",
+        guard="at = past_fillers(low, 0)",
+        without="at = 0",
+        caught_by=(f"{SECRECY}::test_whatever_is_read_as_a_secret_is_left_out",),
+    ),
+    Fault(
+        name="a secret is kept where its command holds what cannot be seen",
+        file="core/language/secrecy.py",
+        guard="seen = clean(line).strip()",
+        without="seen = line.strip()",
+        caught_by=(f"{SECRECY}::test_whatever_is_read_as_a_secret_is_left_out",),
     ),
     Fault(
         name="I1 a line of a small group is done once for each bot that hears it",

@@ -25,11 +25,10 @@ from rosic.core.language.lines import (
     Start,
     Status,
     Use,
-    kept_of,
-    without_codes,
 )
 from rosic.core.language.reader import Reader
 from rosic.core.language.reading import MOST_WORDS
+from rosic.core.language.secrecy import kept_of, without_codes
 from rosic.core.language.showing import show
 from rosic.core.language.stopping import hears_stop
 from rosic.core.language.units import Unit, UnitTable

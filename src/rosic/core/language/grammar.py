@@ -10,19 +10,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.language.cleaning import REORDERING, clean, fold_word, is_plain
+from rosic.core.language.cleaning import REORDERING, clean, is_plain
 from rosic.core.language.lines import Context, Line, Misunderstood
 from rosic.core.language.reading import LineReader
+from rosic.core.language.wording import words_of
 from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from rosic.core.language.vocabulary import Vocabulary
 
 LONGEST_TEXT = 4096
-FOLDED_AT_MOST = 1024
 MOST_LINES = 20
-
-_ENDS = ".,;:!?"
 
 
 def understand(text: str, vocabulary: Vocabulary, context: Context) -> tuple[Line, ...]:
@@ -97,32 +95,8 @@ def _cleaned(line: str, vocabulary: Vocabulary, context: Context) -> Line:
     return _line(clean(line).strip(), vocabulary, context)
 
 
-def _folded(raw: list[str]) -> list[str]:
-    """Fold words as far as anything but free text can go: names, numbers and units stand there."""
-    room, folded = FOLDED_AT_MOST, []
-    for word in raw:
-        room -= len(word)
-        if room < 0:
-            break
-        folded.append(fold_word(word))
-    return folded + raw[len(folded) :]
-
-
 def _line(line: str, vocabulary: Vocabulary, context: Context) -> Line:
     if not line:
         return _EMPTY
-    words = line
-    if "=" in words:
-        words = words.replace("=", " = ")
-    raw = words.split()
-    if line[-1] in _ENDS or ", " in line or ": " in line or "; " in line:
-        raw = [word.rstrip(_ENDS) or word for word in raw]
-    if not line.isascii():
-        raw = _folded(raw)
-    low = [word.casefold() for word in raw]
-    slash = low[0][0] == "/"
-    if slash:
-        raw[0] = raw[0].partition("@")[0].lstrip("/") or "/"
-        low[0] = low[0].partition("@")[0].lstrip("/") or "/"
-    reader = LineReader(line, (raw, low), vocabulary, context, mends=True)
-    return reader.read(slash=slash)
+    raw, low, slash = words_of(line)
+    return LineReader(line, (raw, low), vocabulary, context, mends=True).read(slash=slash)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 import msgspec
 
@@ -136,33 +136,3 @@ class Misunderstood(msgspec.Struct, frozen=True):
 
 
 Line: TypeAlias = Do | Halt | Status | Help | Robots | Use | Resume | Start | Errand | Misunderstood
-
-
-# What stands behind these words lets somebody in; behind the word in brackets, nothing does.
-_SECRET: Final = {"authenticator": "reset", "code": "", "join": "", "start": ""}
-
-
-def kept_of(line: Line, text: str) -> str:
-    """Return what is kept of a message of which a line was refused: no code that stands in it."""
-    return line.text if isinstance(line, Do) else without_codes(text)
-
-
-def without_codes(text: str, instead: str = "") -> str:
-    """Return a message without what stands behind a word that takes a code, in each of its lines.
-
-    A code on the line below such a word is taken out, too.
-
-    Args:
-        text: As it was written.
-        instead: What is put there.
-    """
-    kept: list[str] = []
-    awaited = False
-    lines = text.splitlines()
-    for line in lines:
-        first, *rest = line.split(maxsplit=1) or [""]
-        open_word = _SECRET.get(first.strip("/").partition("@")[0].casefold())
-        secret = awaited or (open_word is not None and rest and rest[0].split()[0] != open_word)
-        awaited = open_word is not None and not rest
-        kept.append(f"{'' if open_word is None else first} {instead}".strip() if secret else line)
-    return text if kept == lines else "\n".join(kept)

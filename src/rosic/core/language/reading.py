@@ -25,6 +25,7 @@ from rosic.core.language.placing import fits
 from rosic.core.language.stopping import hears_stop
 from rosic.core.language.values import Doubt, ValueReader
 from rosic.core.language.vocabulary import Callee, Vocabulary
+from rosic.core.language.wording import past_fillers
 from rosic.core.language.words import (
     ALIASES,
     ALIASES_OF_TWO,
@@ -32,7 +33,6 @@ from rosic.core.language.words import (
     ERRANDS,
     EVERYTHING,
     EVERYTHING_ELSEWHERE,
-    FILLERS,
     NOTHING,
 )
 from rosic.core.order import Spoken
@@ -127,10 +127,7 @@ class LineReader:
     # ---- whom ----
 
     def _past_fillers(self, at: int) -> int:
-        low = self._low
-        while at < len(low) and low[at] in FILLERS:
-            at += 1
-        return at
+        return past_fillers(self._low, at)
 
     def _callee(self, at: int) -> tuple[Callee | None, int]:
         """Return the visible robot or group named here, and where its name ends."""

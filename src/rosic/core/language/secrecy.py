@@ -1,0 +1,56 @@
+"""What is kept of a message: nothing that is read as a secret in it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.language.cleaning import clean, normalised
+from rosic.core.language.lines import Do
+from rosic.core.language.wording import past_fillers, words_of
+from rosic.core.language.words import ALIASES
+
+if TYPE_CHECKING:
+    from rosic.core.language.lines import Line
+
+# What stands behind these words lets somebody in; behind the word in brackets, nothing does.
+_SECRET: Final = {"authenticator": "reset", "code": "", "join": "", "start": ""}
+_SAID: Final = (*_SECRET, *(alias for alias, word in ALIASES.items() if word in _SECRET))
+
+
+def kept_of(line: Line, text: str) -> str:
+    """Return what is kept of a message of which a line was refused: no code that stands in it."""
+    return line.text if isinstance(line, Do) else without_codes(text)
+
+
+def without_codes(text: str, instead: str = "") -> str:
+    """Return a message without what stands behind a word that takes a code, in each of its lines.
+
+    The word is looked for where `understand` does: behind words that mean nothing, whatever letters
+    it is written with, and with signs that cannot be seen. A code on the next line that has words
+    is taken out, too.
+
+    Args:
+        text: As it was written.
+        instead: What is put there.
+    """
+    read = normalised(clean(text)).casefold()
+    if not any(word in read for word in _SAID):
+        return text
+    kept: list[str] = []
+    awaited = False
+    lines = text.splitlines()
+    for line in lines:
+        seen = clean(line).strip()
+        if not seen:
+            kept.append(line)
+            continue
+        low = words_of(seen).low
+        at = past_fillers(low, 0)
+        word = low[at] if at < len(low) else ""
+        opens = _SECRET.get(ALIASES.get(word, word))
+        behind = low[at + 1 :]
+        secret = awaited or (opens is not None and behind != [] and behind[0] != opens)
+        awaited = opens is not None and not behind
+        head = " ".join(seen.split()[: at + 1]).partition("=")[0] if opens is not None else ""
+        kept.append(f"{head} {instead}".strip() if secret else line)
+    return text if kept == lines else "\n".join(kept)
