@@ -22,7 +22,7 @@ OF_READING = (
     Fault(
         name="what strangers sent is confirmed before it is read",
         file="messengers/telegram/reading.py",
-        guard="                window.expect(number)\n",
+        guard="                window.expect(number, light=rank != UNNAMED)\n",
         without="",
         caught_by=(f"{READING}::test_what_strangers_sent_is_not_confirmed_before_it_is_read",),
     ),
@@ -36,8 +36,8 @@ OF_READING = (
     Fault(
         name="L2 what came is followed before what nobody in particular sent is read",
         file="messengers/telegram/reading.py",
-        guard=" and (not self._unread or self._unread[0].rank == STRANGER):",
-        without=":",
+        guard="self._unread[0].since if waited_for else None",
+        without="None",
         caught_by=(
             f"{STEPS}::test_a_stop_of_nobody_is_found_before_anything_that_came_with_it_is_followed",
             f"{READING}::test_those_known_here_wait_for_what_nobody_sent_as_a_stop_may_be_in_it",
@@ -46,17 +46,61 @@ OF_READING = (
     Fault(
         name="L2 what is read beside the polling lets half of an answer be followed",
         file="messengers/telegram/reading.py",
-        guard="if not self._taking and (",
-        without="if (",
+        guard="        if not self._taking:\n",
+        without="        if True:\n",
         caught_by=(
             f"{READING}::test_what_comes_while_strangers_are_read_is_searched_before_it_is_followed",
         ),
     ),
     Fault(
+        name="L2 posts where nobody was met are searched before anything is followed",
+        file="messengers/telegram/reading.py",
+        guard="if self.serves(Chat(mapping.PLATFORM, str(message.chat.id))) else UNMET",
+        without="if True else UNMET",
+        caught_by=(f"{STEPS}::test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over",),
+    ),
+    Fault(
+        name="L2 what strangers sent fills what Telegram gives out",
+        file="messengers/telegram/listener.py",
+        guard="            window.clear_the_way()\n",
+        without="            pass\n",
+        caught_by=(f"{STEPS}::test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over",),
+    ),
+    Fault(
+        name="L2 what strangers sent is read while more is to be fetched",
+        file="messengers/telegram/listener.py",
+        guard="self.reading.hurry(on=full and fresh)",
+        without="self.reading.hurry(on=False)",
+        caught_by=(f"{STEPS}::test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over",),
+    ),
+    Fault(
+        name="I15 what cannot be followed piles up where strangers are read",
+        file="messengers/telegram/reading.py",
+        guard="(self.hurried or not window.has_room)",
+        without="self.hurried",
+        caught_by=(f"{READING}::test_while_much_waits_nothing_more_of_strangers_is_read",),
+    ),
+    Fault(
+        name="I15 what strangers sent is kept without bound",
+        file="messengers/telegram/reading.py",
+        guard="        self._pass_over(window)\n",
+        without="",
+        caught_by=(
+            f"{READING}::test_what_strangers_sent_hides_nothing_behind_it_however_much_it_is",
+        ),
+    ),
+    Fault(
+        name="L1 an order waits for what nobody sent after it",
+        file="messengers/telegram/window.py",
+        guard="if before is None or update_id < before:",
+        without="if before is None:",
+        caught_by=(f"{READING}::test_an_order_does_not_wait_for_what_nobody_sent_after_it",),
+    ),
+    Fault(
         name="L2 a hundred that are held up hide a stop",
         file="messengers/telegram/listener.py",
-        guard="            window.relieve()\n",
-        without="            pass\n",
+        guard="                window.relieve()\n",
+        without="                pass\n",
         caught_by=(f"{READING}::test_a_hundred_that_are_held_up_hide_no_stop_behind_them",),
     ),
     Fault(

@@ -207,7 +207,7 @@ class Gateway:
         ways = Ways(self._opened.append, self._robot_says)
         self.enlisting = Enlisting(self, self._settings, parts, memory, ways)
         settled, now_ns = self.pipeline.arrears.settled, time.wall_ns()
-        await take_in(self._messengers, memory, parts.store, authoriser, settled, now_ns)
+        await take_in(self._messengers, memory, parts.store, self.rooms, settled, now_ns)
         if isinstance(parts.store, Vault):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)

@@ -7,7 +7,7 @@ may anything move (I1, I9).
 from __future__ import annotations
 
 import asyncio
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from functools import partial
 from hashlib import blake2b
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ from msgspec.structs import replace
 
 from rosic.container import letters
 from rosic.container.patience import Patience
-from rosic.container.unit import PersonContainer, RobotContainer
+from rosic.container.unit import SHARED_BYTES, PersonContainer, RobotContainer
 from rosic.core.language import bind, show
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Permit, Request, Spoken
 from rosic.core.record import (
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     from rosic.core.robot import RobotId
 
 DIGEST_BYTES = 16
-SHARED_BYTES = 8
 MET = "met"
 MET_BYTES = b"met".ljust(DIGEST_BYTES - SHARED_BYTES, b"\0")
 COMPLETED_KEPT = 8_192
@@ -87,6 +86,7 @@ class Containers:
         self.here: Callable[[Chat], str] = _nowhere
         self.usual: Callable[[PrincipalId], str] | None = None
         self._people: dict[PrincipalId, PersonContainer] = {}
+        self._there: Counter[bytes] = Counter()
         self._unwritten: OrderedDict[CommandId, None] = OrderedDict()
         self._completed: dict[tuple[RobotId, str, tuple[Spoken, ...]], Completed] = {}
         self._robots = {robot: RobotContainer(robot, n) for robot, n in numbers.items()}
@@ -272,13 +272,18 @@ class Containers:
 
     def forget(self, principal: PrincipalId) -> None:
         """Let somebody's choices go: they are erased."""
-        self._people.pop(principal, None)
+        if (unit := self._people.pop(principal, None)) is not None:
+            unit.clear()
 
     def select(self, principal: PrincipalId, chat: Chat, name: str) -> None:
         """Choose a robot or a group for a person in a chat."""
         digest = chat_digest(chat)
         self.restore_selection(principal, digest, name)
         self._store.note(Selected(principal=principal, chat=digest, robot=name))
+
+    def serves(self, chat: Chat) -> bool:
+        """Whether somebody was recognised or chose a robot in a chat; a look-up."""
+        return chat_digest(chat)[:SHARED_BYTES] in self._there
 
     def company(self, chat: Chat) -> frozenset[PrincipalId]:
         """Return who was recognised or chose a robot in a chat; known after a restart, too."""
@@ -316,7 +321,7 @@ class Containers:
         """Take over a choice from the record."""
         container = self._people.get(principal)
         if container is None:
-            container = self._people[principal] = PersonContainer(principal)
+            container = self._people[principal] = PersonContainer(principal, self._there)
         container.select(chat, name)
 
     def enlist(self, robot: RobotId, n: int) -> None:

@@ -22,6 +22,7 @@ Settle: TypeAlias = Callable[[float], Awaitable[bool]]
 """Waits at most so many seconds until everything received so far is on disk; whether it is."""
 Admins: TypeAlias = Callable[[Chat], Awaitable[tuple[Address, ...]]]
 Knows: TypeAlias = Callable[[Address], bool]
+Serves: TypeAlias = Callable[[Chat], bool]
 Keep: TypeAlias = Callable[[str, bytes], None]
 SetMenus: TypeAlias = Callable[[Sequence[Menu]], Awaitable[None]]
 
@@ -207,6 +208,17 @@ def know_with(messenger: Messenger, known: Knows) -> None:
     take: Callable[[Knows], None] | None = getattr(messenger, "know_with", None)
     if take is not None:
         take(known)
+
+
+def serve_with(messenger: Messenger, serves: Serves) -> None:
+    """Have such a messenger ask in which chats somebody known here was met.
+
+    What carries nobody's name there may be a stop that counts (I17), and is waited for; elsewhere
+    it is looked at after everything else.
+    """
+    take: Callable[[Serves], None] | None = getattr(messenger, "serve_with", None)
+    if take is not None:
+        take(serves)
 
 
 def catching_up(messenger: Messenger) -> bool:

@@ -152,7 +152,7 @@ class Receiving:
     async def drained(self) -> None:
         """Wait until everything is received to the end."""
         async with asyncio.timeout(HANDLED_WITHIN_S):
-            while self._line.waiting:  # noqa: ASYNC110 - a length tells nobody
+            while self._line.waiting or self.listener.reading.behind:  # noqa: ASYNC110 - a length tells nobody
                 await asyncio.sleep(0.001)
             for _ in range(TURNS):
                 await asyncio.sleep(0)

@@ -191,6 +191,53 @@ def test_what_takes_longest_to_read_is_not_waited_for() -> None:
     run(act)
 
 
+@pytest.mark.parametrize("answers", [1, 20])
+def test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over(answers: int) -> None:
+    """Of each answer the first is a stranger's message and the rest are posts in their channels."""
+
+    async def act(place: Receiving) -> None:
+        board, reading, read = place.gateway.rooms.board, place.listener.reading, []
+        news = reading.news
+
+        def noted(number: int, update: Any, received: Any, **of: bool) -> Any:  # noqa: ANN401
+            read.append(number)
+            return news(number, update, received, **of)
+
+        reading.news = noted  # type: ignore[method-assign]
+        for answer in range(answers):
+            place.give(
+                place.message(STRANGER, NAMED[:LONGEST]),
+                *(place.post(CHANNEL - answer * 99 - n, NAMED[:LONGEST]) for n in range(99)),
+            )
+        stop = place.message(ADA, "stop")
+        place.give(stop)
+        while not board["omni"].latched:  # noqa: ASYNC110 - nobody is told
+            await asyncio.sleep(0)
+        before = read[: read.index(stop["update_id"])]
+        # What was read while the first of it came: of each post a stop is looked for, for 6 ms.
+        assert len(before) <= 2, len(before)
+
+    run(act)
+
+
+def test_a_stop_in_a_channel_where_nobody_was_met_is_looked_for_all_the_same() -> None:
+    """After everything else: one of its admins may have access here."""
+
+    async def act(place: Receiving) -> None:
+        company, asked = place.gateway.stop_lane._company, []
+        ask = company.ask
+
+        async def noted(messenger: Any, inbound: Any) -> Any:  # noqa: ANN401
+            asked.append(inbound.text)
+            return await ask(messenger, inbound)
+
+        company.ask = noted  # type: ignore[method-assign]
+        await place.longest(place.post(CHANNEL, "stop"), place.message(BO, "help"))
+        assert asked == ["stop"]
+
+    run(act)
+
+
 def test_a_stop_of_nobody_is_found_before_anything_that_came_with_it_is_followed() -> None:
     """An anonymous admin's, read after people known here and before any of them is followed."""
 

@@ -10,6 +10,7 @@ from rosic.contracts.messenger import (
     account_since,
     keep_pace_with,
     know_with,
+    serve_with,
     settle_with,
 )
 from rosic.core.record import Fact, Memory
@@ -18,9 +19,9 @@ from rosic.errors import StoreFault
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.authoriser.authoriser import Authoriser
     from rosic.contracts.messenger import Messenger, Settle
     from rosic.contracts.store import Store
+    from rosic.pipeline.rooms import Rooms
 
 KIND: Final = "message-identity"
 KEY: Final = "account"
@@ -34,7 +35,7 @@ async def take_in(
     messengers: Iterable[Messenger],
     memory: Memory,
     store: Store,
-    authoriser: Authoriser,
+    rooms: Rooms,
     settled: Settle,
     now_ns: int,
 ) -> None:
@@ -44,7 +45,7 @@ async def take_in(
         messengers: Those that this gateway speaks through.
         memory: What was on record before.
         store: Where it is written.
-        authoriser: Knows who is known.
+        rooms: Know who is known, and where they were met.
         settled: Whether what was received is on disk.
         now_ns: Wall clock.
     """
@@ -55,7 +56,8 @@ async def take_in(
         since_ns = await _account_since(memory, store, now_ns)
     for messenger in messengers:
         settle_with(messenger, settled)
-        know_with(messenger, authoriser.knows)
+        know_with(messenger, rooms.authoriser.knows)
+        serve_with(messenger, rooms.container.serves)
         account_since(messenger, since_ns, several=accounts[messenger.platform] > 1)
         _keep_pace(messenger, memory, store)
 

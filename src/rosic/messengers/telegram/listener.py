@@ -118,6 +118,7 @@ class Listener:
             try:
                 async with TaskGroup() as group:
                     window = Window(group, receive, self._clock, self.counts)
+                    window.on_room = self.reading.go_on
                     while True:
                         await self._poll(group, window, settle)
             except ExceptionGroup as several:
@@ -175,7 +176,8 @@ class Listener:
         if not settled:  # it is given out once more; a stop among the same hundred is still seen
             offset = None
         asked = self._now()
-        at_once = window.busy or not settled or (listening.frozen and listening.calm(asked))
+        more = window.busy or self.reading.hurried
+        at_once = more or not settled or (listening.frozen and listening.calm(asked))
         timeout_s = 0 if at_once else self._poll_timeout_s
         try:
             raws = await self._line.updates(offset, timeout_s, wire.KINDS, self._limit)
@@ -193,13 +195,20 @@ class Listener:
         full = len(raws) >= self._limit
         self._limit = limit_after(raws, self._limit)
         fresh = await self.reading.take_in(group, window, raws, self._received(now))
-        if full and not fresh:
-            window.relieve()
+        self._make_way(window, full=full, fresh=fresh > 0)
         if raws and not fresh and not window.busy and window.offset is None:
             await self._clock.sleep(WAITS_S[0])  # nothing but updates without a number
         await window.idle(AT_ONCE_S if self.reading.behind else PEEK_S)
         if listening.drained(asked, empty=not fresh, full=full):
             self._thawed()
+
+    def _make_way(self, window: Window, *, full: bool, fresh: bool) -> None:
+        """Have the next poll bring what is behind a full answer: a stop, perhaps."""
+        self.reading.hurry(on=full and fresh)
+        if full:
+            window.clear_the_way()
+            if not fresh:
+                window.relieve()
 
     def _thawed(self) -> None:
         self._outage.over()

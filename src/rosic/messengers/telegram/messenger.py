@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 
     from rosic.contracts.clock import Clock
-    from rosic.contracts.messenger import Keep, Knows, Passed, Reacted, Receive, Settle
+    from rosic.contracts.messenger import Keep, Knows, Passed, Reacted, Receive, Serves, Settle
     from rosic.core.identity import Address
     from rosic.core.menu import Menu
     from rosic.core.message import Chat, Enclosure, Inbound, Outbound, Weight
@@ -158,6 +158,10 @@ class TelegramMessenger:
     def know_with(self, known: Knows) -> None:
         """Read first what people known here sent; see ``contracts.messenger``."""
         self._listener.reading.known = known
+
+    def serve_with(self, serves: Serves) -> None:
+        """Wait for what carries nobody's name in chats of ours; see ``contracts.messenger``."""
+        self._listener.reading.serves = serves
 
     def catching_up(self) -> bool:
         """Return whether backlog may still come; see ``contracts.messenger``."""

@@ -1,11 +1,16 @@
-"""What one answer to a poll holds: stops first, then people known here, strangers last of all."""
+"""What one answer to a poll holds: stops first, then people known here, strangers last of all.
+
+What strangers sent is read when nothing more is to be fetched. Where it fills Telegram's answers it
+is confirmed before: nobody known here wrote it, and a stop of theirs may be behind it.
+"""
 
 from __future__ import annotations
 
+import asyncio
 import logging
-from heapq import heappop, heappush
+from bisect import insort
 from operator import itemgetter
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 
 import msgspec
 
@@ -31,18 +36,26 @@ T = TypeVar("T")
 AHEAD_NS = 2 * SECOND_NS
 TURNS = 4
 """Of the event loop, for each step of reading on: whatever is to be done has several."""
-KNOWN, UNNAMED, STRANGER = range(3)
+KNOWN, UNNAMED, STRANGER, UNMET = range(4)
 """In this order updates are read. Of somebody unnamed only a stop counts (I17), of a stranger
-nothing; anybody may send a hundred of either."""
+nothing; anybody may send any number of either. Last is what is unnamed where nobody known here was
+met: to look for a stop takes longest of all, and hardly ever one counts there."""
+UNREAD_AT_MOST: Final = 1_000
+"""Of what strangers sent. Of more, the newest in chats where nobody was met is not read at all."""
 
 log = logging.getLogger("rosic.messengers.telegram")
 
 
 class Unread(NamedTuple):
-    """An update that waits for those that are read before it."""
+    """An update that waits for those that are read before it.
+
+    Attributes:
+        since: The lowest number that came with it.
+    """
 
     rank: int
     number: int
+    since: int
     update: wire.Update
     received: mapping.Received
 
@@ -57,7 +70,9 @@ class Reading:
         passed: Told what happens to chats.
         reacted: Told what people put beside messages.
         known: Whether somebody at an address may be known here: what they sent is read first.
+        serves: Whether somebody known here was met in a chat.
         own_name: The bot's, without the @.
+        hurried: More is to be fetched before anything of strangers is read.
         hears_groups: The bot hears everything in groups.
         one_of_several: This gateway has other bots: what both hear in a small group is one message.
     """
@@ -66,6 +81,7 @@ class Reading:
         self.passed: Callable[[Passing], None] = _nobody_watches
         self.reacted: Callable[[Reaction], None] = _nobody_watches
         self.known: Callable[[Address], bool] = _anybody
+        self.serves: Callable[[Chat], bool] = _anywhere
         self.own_name = ""
         self.hears_groups = False
         self.one_of_several = False
@@ -77,15 +93,26 @@ class Reading:
         self._unread: list[Unread] = []
         self._taking = False
         self._later: Task[None] | None = None
+        self.hurried = False
+        self._wake = asyncio.Event()
 
     def begin(self) -> None:
         """Forget what an earlier run did not come to."""
-        self._unread, self._later = [], None
+        self._unread, self._later, self.hurried = [], None, False
 
     @property
     def behind(self) -> bool:
         """Whether something that came is not read yet: of the unnamed or of strangers."""
         return bool(self._unread)
+
+    def hurry(self, *, on: bool) -> None:
+        """Read nothing of strangers while more is to be fetched."""
+        self.hurried = on
+        self.go_on()
+
+    def go_on(self) -> None:
+        """Look whether more may be read now."""
+        self._wake.set()
 
     async def take_in(
         self,
@@ -111,23 +138,30 @@ class Reading:
             if number is not None and number not in parsed and not window.knows(number):
                 parsed[number] = self.parsed(raw)
                 await pause.after(raw)
+        since = min(parsed, default=0)
         for number, update in sorted(parsed.items(), key=itemgetter(0)):
             if update is not None and (rank := self._rank(update)) != KNOWN:
-                window.expect(number)
-                heappush(self._unread, Unread(rank, number, update, received))
+                window.expect(number, light=rank != UNNAMED)
+                insort(self._unread, Unread(rank, number, since, update, received))
             else:
                 window.admit(self.news(number, update, received))
                 await pause.after(update)
         self._taking = False
         self._release(window)
+        self._pass_over(window)
         if self._unread and self._later is None:
             self._later = group.create_task(self._read_on(window))
+        self.go_on()
         return len(parsed)
 
     async def _read_on(self, window: Window) -> None:
         pause = Pause()
         while self._unread:
-            rank, number, update, received = heappop(self._unread)
+            if self._unread[0].rank > UNNAMED and (self.hurried or not window.has_room):
+                self._wake.clear()
+                await self._wake.wait()
+                continue
+            rank, number, _, update, received = self._unread.pop(0)
             window.admit(self.news(number, update, received, of_stranger=rank == STRANGER))
             self._release(window)
             if await pause.after(update):
@@ -135,9 +169,21 @@ class Reading:
         self._later = None
 
     def _release(self, window: Window) -> None:
-        """Have followed what was read, unless what may hold a stop is still to be read."""
-        if not self._taking and (not self._unread or self._unread[0].rank == STRANGER):
-            window.release()
+        """Have followed what was read, unless what may hold a stop and came with it is not yet.
+
+        Nor does it wait for what came after it: somebody may go on sending that for ever.
+        """
+        if not self._taking:
+            waited_for = self._unread and self._unread[0].rank == UNNAMED
+            window.release(self._unread[0].since if waited_for else None)
+
+    def _pass_over(self, window: Window) -> None:
+        """Do not read at all what is too much of strangers."""
+        while len(self._unread) > UNREAD_AT_MOST and self._unread[-1].rank > UNNAMED:
+            window.admit(News(self._unread.pop().number, None))
+            self._counts["unread"] += 1
+            if self._counts["unread"] % UNREAD_AT_MOST == 1:
+                log.warning("%s: strangers send more than can be read", self._name)
 
     def parsed(self, raw: object) -> wire.Update | None:
         """Return an update as Telegram documents it; None for one that is malformed."""
@@ -151,7 +197,10 @@ class Reading:
     def _rank(self, update: wire.Update) -> int:
         who = mapping.author(update)
         if who is None:
-            return KNOWN if wire.written(update) is None else UNNAMED
+            message = wire.written(update)
+            if message is None:
+                return KNOWN
+            return UNNAMED if self.serves(Chat(mapping.PLATFORM, str(message.chat.id))) else UNMET
         return KNOWN if self.known(who) else STRANGER
 
     def news(
@@ -224,6 +273,11 @@ class Reading:
 
 def _anybody(_address: Address) -> bool:
     """Nobody has said who is known: everything is read in the order in which it was sent."""
+    return True
+
+
+def _anywhere(_chat: Chat) -> bool:
+    """Nobody has said where they were met: what is unnamed is waited for wherever it is."""
     return True
 
 

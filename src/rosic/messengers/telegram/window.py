@@ -20,6 +20,7 @@ from rosic.core.message import ChatKind, Standing
 
 if TYPE_CHECKING:
     from collections import Counter
+    from collections.abc import Callable
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
@@ -30,6 +31,8 @@ FIRST_WAIT_S = 0.2
 HELD_NS: Final = 1_000_000_000
 """If nothing ends for so long while nothing new is given out, what is held up is let go."""
 OVERDUE_AT_MOST: Final = 1_000
+WAITING_AT_MOST: Final = 200
+"""While so many wait to be handed over, nothing more is read that strangers sent."""
 SECONDS_KEPT: Final = 1_000
 """For so many seconds in which somebody said something, the lines that were alike are counted."""
 MOST_ALIKE: Final = 100
@@ -59,6 +62,9 @@ class Window:
         receive: Takes what is handed over.
         clock: Waits.
         counts: Where ``received``, ``passed-over`` and ``given-up`` are counted.
+
+    Attributes:
+        on_room: Called while no more wait to be handed over than may.
     """
 
     def __init__(
@@ -69,6 +75,7 @@ class Window:
         self._clock = clock
         self._open: set[int] = set()
         self._expected: set[int] = set()
+        self._light: set[int] = set()
         self._overdue: set[int] = set()
         self._moved_ns = clock.monotonic_ns()
         self._done: set[int] = set()
@@ -76,6 +83,8 @@ class Window:
         self._lanes: dict[str, deque[tuple[int, Inbound]]] = {}
         self._idle = asyncio.Event()
         self._idle.set()
+        self._waiting = 0
+        self.on_room: Callable[[], None] = _nobody_waits
         self._counts = counts
 
     @property
@@ -106,9 +115,16 @@ class Window:
         """Whether an update was given out before, so that nothing of it need be read again."""
         return update_id in self._open or update_id in self._done
 
-    def expect(self, update_id: int) -> None:
-        """Keep unconfirmed what came and is still to be read; `admit` follows."""
+    def expect(self, update_id: int, *, light: bool = False) -> None:
+        """Keep unconfirmed what came and is still to be read; `admit` follows.
+
+        Args:
+            update_id: Which.
+            light: Nobody known here sent it, so that it may be confirmed where it is in the way.
+        """
         self._expected.add(update_id)
+        if light:
+            self._light.add(update_id)
         self._open.add(update_id)
         self._idle.clear()
 
@@ -118,7 +134,8 @@ class Window:
         Returns:
             Whether it had not been given out before; else nothing is done.
         """
-        if one.update_id in self._expected:
+        unnamed = one.update_id in self._expected
+        if unnamed:
             self._expected.discard(one.update_id)
         elif self.knows(one.update_id):
             return False
@@ -126,19 +143,42 @@ class Window:
             self._counts["passed-over"] += 1
             self._ended(one.update_id)
             return True
-        self._open.add(one.update_id)
-        self._idle.clear()
+        if one.update_id not in self._overdue:
+            self._open.add(one.update_id)
+            self._idle.clear()
         if one.stop:
+            self._light.discard(one.update_id)
             self._group.create_task(self._hand_over(one.update_id, one.inbound))
         else:
             self._admitted.append((one.update_id, one.inbound))
+            if unnamed:
+                self._light.add(one.update_id)
         return True
 
-    def release(self) -> None:
-        """Begin to hand over what was admitted, in the order of its numbers."""
-        admitted, self._admitted = self._admitted, []
-        for update_id, inbound in sorted(admitted, key=itemgetter(0)):
-            self._queue(update_id, inbound)
+    def release(self, before: int | None = None) -> None:
+        """Begin to hand over what was admitted, in the order of its numbers; or the first of it."""
+        admitted, self._admitted = sorted(self._admitted, key=itemgetter(0)), []
+        for update_id, inbound in admitted:
+            if before is None or update_id < before:
+                self._queue(update_id, inbound)
+            else:
+                self._admitted.append((update_id, inbound))
+
+    def clear_the_way(self) -> None:
+        """Confirm what nobody known here sent, though it is not received to the end.
+
+        It fills what Telegram gives out, and a stop may be behind it. It is followed all the same,
+        unless this process ends before.
+        """
+        for update_id in self._light & self._open:
+            self._overdue.add(update_id)
+            self._end(update_id)
+        self._light.clear()
+
+    @property
+    def has_room(self) -> bool:
+        """Whether no more wait to be handed over than may."""
+        return self._waiting < WAITING_AT_MOST
 
     async def idle(self, at_most_s: float) -> None:
         """Wait until everything has been received, but not for long: a stop may come meanwhile."""
@@ -162,13 +202,20 @@ class Window:
             lane = self._lanes[chat] = deque()
             self._group.create_task(self._follow(chat, lane))
         lane.append((update_id, inbound))
+        self._waiting += 1
 
     async def _follow(self, chat: str, lane: deque[tuple[int, Inbound]]) -> None:
         while lane:
             await self._hand_over(*lane[0])
             lane.popleft()
+            self._leaves_lane()
             await asyncio.sleep(0)  # a message is a step: what is refused at once never waited
         del self._lanes[chat]
+
+    def _leaves_lane(self) -> None:
+        self._waiting -= 1
+        if self.has_room:
+            self.on_room()
 
     async def _hand_over(self, update_id: int, inbound: Inbound) -> None:
         """Hand over once; again if that broke, but not for ever: a stop may wait behind it."""
@@ -209,10 +256,12 @@ class Window:
         for lane in self._lanes.values():
             while len(lane) > 1:
                 self._overdue.discard(lane.pop()[0])
+                self._leaves_lane()
                 self._counts["given-up"] += 1
         log.error("messages were given up because nothing can be followed; nothing was done")
 
     def _ended(self, update_id: int) -> None:
+        self._light.discard(update_id)
         if update_id in self._overdue:
             self._overdue.discard(update_id)
         else:
@@ -224,6 +273,10 @@ class Window:
         self._done.add(update_id)
         if not self._open:
             self._idle.set()
+
+
+def _nobody_waits() -> None:
+    """Nobody waits for room."""
 
 
 class AlikeLines:

@@ -21,6 +21,7 @@ from rosic.contracts.messenger import (
     pictures_of,
     reactions_of,
     retract_of,
+    serve_with,
     settle_with,
     turn_of,
     watch_chats,
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
         Passed,
         Reacted,
         Receive,
+        Serves,
         SetMenus,
         Settle,
     )
@@ -124,6 +126,10 @@ class Recorded:
     def know_with(self, known: Knows) -> None:
         """Read first what people known here sent; see ``contracts.messenger``."""
         know_with(self._messenger, known)
+
+    def serve_with(self, serves: Serves) -> None:
+        """Wait for what carries nobody's name in chats of ours; see ``contracts.messenger``."""
+        serve_with(self._messenger, serves)
 
     def catching_up(self) -> bool:
         """Return whether backlog may still come; see ``contracts.messenger``."""
