@@ -7,8 +7,8 @@ import contextlib
 import gc
 import itertools
 import sys
-from random import Random
 from functools import partial
+from random import Random
 from typing import TYPE_CHECKING
 
 import pytest
