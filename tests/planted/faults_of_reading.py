@@ -5,6 +5,7 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 READING = "tests/rooms/messengers/test_reading.py"
+WINDOW = "tests/rooms/messengers/test_window.py"
 STEPS = "tests/rooms/pipeline/test_steps.py"
 HUNG = "tests/rooms/pipeline/test_hung.py"
 IN_GROUPS = "tests/rooms/pipeline/people/test_codes_in_groups.py"
@@ -95,6 +96,13 @@ OF_READING = (
         guard="if before is None or update_id < before:",
         without="if before is None:",
         caught_by=(f"{READING}::test_an_order_does_not_wait_for_what_nobody_sent_after_it",),
+    ),
+    Fault(
+        name="L1 what was handed to nobody is confirmed where something is held up",
+        file="messengers/telegram/window.py",
+        guard=" - {number for number, _ in self._admitted}",
+        without="",
+        caught_by=(f"{WINDOW}::test_what_waits_for_something_to_be_read_is_never_confirmed",),
     ),
     Fault(
         name="L2 a hundred that are held up hide a stop",

@@ -199,6 +199,27 @@ async def test_what_is_held_up_is_confirmed_after_a_while_and_followed_all_the_s
     assert table.window._counts["received"] == 3
 
 
+async def test_what_waits_for_something_to_be_read_is_never_confirmed(table: Table) -> None:
+    """It was handed to nobody: if this process ended now, nobody would be told of it."""
+    table.hold(10)
+    take(table.window, [news(10)])
+    table.window.admit(news(11, "2"))
+    await settle()
+    await table.clock.advance(1.1)
+    table.window.relieve()
+    assert table.window.offset == 11
+    await table.clock.advance(1.1)
+    table.window.relieve()
+    assert table.window.offset == 11
+    table.window.release(11)
+    await settle()
+    assert table.heard == ["10"]
+    table.window.release()
+    await settle()
+    assert table.heard == ["10", "11"]
+    assert table.window.offset == 12
+
+
 async def test_whatever_ends_shows_that_nothing_is_held_up(table: Table) -> None:
     table.hold(10, 11)
     take(table.window, [news(10), news(11, "2")])

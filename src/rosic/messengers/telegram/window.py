@@ -240,11 +240,13 @@ class Window:
         """Let what is held up be confirmed, where it hides what is behind it: a stop, perhaps.
 
         It is followed all the same, as soon as it can be. Of more than so many, those that were
-        not begun are given up.
+        not begun are given up. What waits for something to be read is not held up: that ends.
         """
         if self._clock.monotonic_ns() - self._moved_ns < HELD_NS:
             return
-        held = self._open - self._expected
+        held = self._open - self._expected - {number for number, _ in self._admitted}
+        if not held:
+            return
         log.warning("messages that are held up are confirmed all the same: %d", len(held))
         self._overdue |= held
         if len(self._overdue) > OVERDUE_AT_MOST:
