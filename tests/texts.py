@@ -35,7 +35,7 @@ class NotLiteral(Exception):
 def templates() -> dict[Template, list[str]]:
     """Return every template in the code, and the files it is in; in the order of the files."""
     found: dict[Template, list[str]] = {}
-    for path in sorted((SOURCE / "rosic").rglob("*.py")):
+    for path in sorted(SOURCE.rglob("*.py")):
         for template in templates_in(path.read_text(encoding="utf-8"), str(path)):
             where = found.setdefault(template, [])
             if (name := path.relative_to(SOURCE).as_posix()) not in where:

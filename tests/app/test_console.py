@@ -7,12 +7,12 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 from rosic.app.console import AGAIN, Console, mind_console
-from rosic.app.languages import catalogue
+from rosic.config.translations import catalogue
+from rosic.core.i18n import in_language
 from rosic.core.identity import Address
 from rosic.core.order import Rest
-from rosic.core.saying import in_language
 from rosic.robots.memory import MemoryRobot
-from tests.rooms.pipeline.place import ADA, Place
+from tests.gateway.place import ADA, Place
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator

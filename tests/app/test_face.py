@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.app.builder import latch_of, parts_of
 from rosic.app.config import load_config
-from rosic.app.start import latch_of, parts_of
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:

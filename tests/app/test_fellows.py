@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import check_config, load_config
-from rosic.app.documents.profiles import check_profile
+from rosic.config.profiles import check_profile
 from rosic.core.identity import Address
-from tests.app.profile_text import write
+from tests.config.profile_text import write
 
 if TYPE_CHECKING:
     from pathlib import Path

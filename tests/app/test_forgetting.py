@@ -4,7 +4,7 @@ import asyncio
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
-from rosic.app.placing.forgetting import DAY_S, SOON_S, Forgetful, forget_daily
+from rosic.app.forgetting import DAY_S, SOON_S, ForgettingStore, forget_daily
 from rosic.errors import StoreFault
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
@@ -33,7 +33,7 @@ class Records:
 
 
 @asynccontextmanager
-async def forgetting(store: Forgetful, clock: ManualClock) -> AsyncIterator[None]:
+async def forgetting(store: ForgettingStore, clock: ManualClock) -> AsyncIterator[None]:
     task = asyncio.create_task(forget_daily(store, clock))
     yield
     assert not task.done()
@@ -69,8 +69,8 @@ async def test_what_fails_is_logged_and_tried_again(caplog: pytest.LogCaptureFix
 async def test_the_record_on_disk_can_forget_the_one_in_memory_need_not(tmp_path: Path) -> None:
     clock = ManualClock()
     store = DatabaseStore(tmp_path / "data", clock=clock)
-    assert isinstance(store, Forgetful)
-    assert not isinstance(MemoryStore(), Forgetful)
+    assert isinstance(store, ForgettingStore)
+    assert not isinstance(MemoryStore(), ForgettingStore)
     await store.open()
     assert await store.prune() == 0
     await store.close()

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from rosic.app.config import check_config
-from rosic.app.documents.profiles import check_profile, load_profile
+from rosic.config.profiles import check_profile, load_profile
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import gateway, rosic
 

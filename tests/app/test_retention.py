@@ -8,18 +8,18 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.app.config import load_config
-from rosic.app.documents.config_file import Keep
-from rosic.core.slot import SLOT, Slot
+from rosic.config.gateway_file import Keep
+from rosic.core.slot import SLOT, BookedSlot
 from rosic.stores.database import DatabaseStore
 from rosic.stores.memory import MemoryStore
 from rosic.testing.clock import ManualClock
-from rosic.testing.records import a_decision
-from tests.rooms.pipeline.place import Place
+from rosic.testing.factories import a_decision
+from tests.gateway.place import Place
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rosic.core.record import Fact
+    from rosic.core.records import Fact
 
 DAY_S = 86_400
 DAY_NS = DAY_S * 10**9
@@ -28,7 +28,7 @@ NOW_NS = ManualClock().wall_ns()
 
 def a_slot(ended_days: float, name: str) -> Fact:
     end_ns = NOW_NS - int(ended_days * DAY_NS)
-    return Slot(
+    return BookedSlot(
         id=name, principal="bo", robot="omni", start_ns=end_ns - 10**12, end_ns=end_ns, series="",
         made_ns=0, by="bo",
     ).fact()  # fmt: skip

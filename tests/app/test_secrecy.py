@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from rosic.app.checking import check_all
-from rosic.app.documents.open_to_others import open_to_others
-from rosic.cli.entry import main
+from rosic.app.setup.check import check_all
+from rosic.cli.main import main
+from rosic.config.file_permissions import open_to_others
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock
 from tests.cli.running import CONFIG, rosic, write_config
@@ -34,7 +34,7 @@ def run(coroutine):
     coroutine.close()
     import ctypes, resource
     print(ctypes.CDLL(None).prctl(3, 0, 0, 0, 0), resource.getrlimit(resource.RLIMIT_CORE)[0])
-command.loop.run = run
+command.runtime.run = run
 sys.exit(command.run(["-c", sys.argv[1]]))
 """
 

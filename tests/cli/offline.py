@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.cli.entry import main
+from rosic.cli.main import main
 from rosic.stores.database import DatabaseStore
 from rosic.system import SystemClock
 from tests.cli.running import CONFIG, write_config

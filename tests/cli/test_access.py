@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.app.admin.offline import OfflineAdmin, OfflineSeeding
+from rosic.app.admin.operator_desk import AdminApi
 from rosic.app.config import load_config
-from rosic.app.desk.offline import Alone, Seeding
-from rosic.app.desk.operator_desk import OperatorDesk
-from rosic.cli.entry import main
+from rosic.cli.main import main
 from rosic.errors import RecordUnavailable
 from rosic.stores.memory import MemoryStore
 from rosic.system import SystemClock, SystemEntropy
@@ -200,9 +200,9 @@ async def test_a_lock_waits_for_no_other_change_and_for_no_disk(place: Place) ->
     config = load_config(place.config)
     store = MemoryStore()
     memory = await store.open()
-    alone = Alone(place.folder, config, SystemClock(), SystemEntropy())
-    books = await alone.books(store, memory, Seeding.WRITTEN)
-    desk, [bob] = OperatorDesk(books), books.authoriser.directory.named("Bob")
+    alone = OfflineAdmin(place.folder, config, SystemClock(), SystemEntropy())
+    books = await alone.books(store, memory, OfflineSeeding.WRITTEN)
+    desk, [bob] = AdminApi(books), books.authoriser.directory.named("Bob")
 
     async with books.access.changes.turn():  # somebody else's write hangs on the disk
         locking = asyncio.create_task(desk.access.lock("Bob"))

@@ -12,8 +12,8 @@ from rosic.bench.fed import FedRobot, Feed
 from rosic.bench.feeding import Beat, Values, frame
 from rosic.bench.many import profile_of
 from rosic.bench.turns import REPORTS, in_turns, times_as_much, waiting
-from rosic.core.gate import Gate
-from rosic.core.view import Pose
+from rosic.core.order_gate import OrderGate
+from rosic.core.robot.view import Pose
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ async def test_a_process_that_ends_before_its_turns_is_no_result(tmp_path: Path)
 def test_what_a_robot_said_last_is_what_is_known_of_it() -> None:
     clock = SystemClock()
     robots = {
-        profile.id: FedRobot(profile, Gate.new(profile.id), clock)
+        profile.id: FedRobot(profile, OrderGate.new(profile.id), clock)
         for profile in map(profile_of, range(3))
     }
     feed = Feed(robots)

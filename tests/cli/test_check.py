@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.documents.profiles import shipped_profiles
-from rosic.cli.entry import main
+from rosic.cli.main import main
+from rosic.config.profiles import shipped_profiles
 from tests.cli.running import CONFIG, write_config, write_neighbours
 
 if TYPE_CHECKING:

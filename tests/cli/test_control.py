@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, cast
 
 import pytest
 
-from rosic.app.desk import control, control_client
-from rosic.app.desk.control import (
+from rosic.app.admin import control_client, control_socket
+from rosic.app.admin.control_client import NotRunning, ask_gateway
+from rosic.app.admin.control_socket import (
     ASK_BYTES,
     AT_ONCE,
     LONGEST_PATH_BYTES,
@@ -22,9 +23,8 @@ from rosic.app.desk.control import (
     peer_uid,
     socket_path,
 )
-from rosic.app.desk.control_client import NotRunning, ask_gateway
 from rosic.errors import ConfigurationError, Fault, NotUnderstood
-from rosic.stores.folder import Folder
+from rosic.stores.data_dir import DataDir
 from rosic.stores.kept_files import KeptFiles
 from tests.pace import pace
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from pathlib import Path
 
-    from rosic.app.desk.operating import Operating
+    from rosic.app.admin.dispatch import AdminDispatcher
 
 
 LONG_BYTES = 4 << 20  # far more than a socket holds for somebody who does not read
@@ -72,7 +72,7 @@ def desk() -> Desk:
 
 @pytest.fixture
 async def server(tmp_path: Path, desk: Desk) -> AsyncIterator[ControlServer]:
-    server = ControlServer(tmp_path, cast("Operating", desk))
+    server = ControlServer(tmp_path, cast("AdminDispatcher", desk))
     await server.open()
     yield server
     await server.close()
@@ -142,7 +142,7 @@ async def test_a_stop_gets_through_when_everything_else_must_wait(
 
 
 async def test_whoever_does_not_read_keeps_nobody_waiting(tmp_path: Path, desk: Desk) -> None:
-    server = ControlServer(tmp_path, cast("Operating", desk), read_within_s=0.2)
+    server = ControlServer(tmp_path, cast("AdminDispatcher", desk), read_within_s=0.2)
     await server.open()
     deaf = [socket.socket(socket.AF_UNIX) for _ in range(AT_ONCE)]
     try:
@@ -166,7 +166,7 @@ async def test_whoever_does_not_read_keeps_nobody_waiting(tmp_path: Path, desk: 
 async def test_it_closes_without_waiting_for_who_does_not_read(
     tmp_path: Path, desk: Desk, caplog: pytest.LogCaptureFixture
 ) -> None:
-    server = ControlServer(tmp_path, cast("Operating", desk))
+    server = ControlServer(tmp_path, cast("AdminDispatcher", desk))
     await server.open()
     with socket.socket(socket.AF_UNIX) as deaf:
         deaf.connect(str(tmp_path / "control.sock"))
@@ -207,7 +207,7 @@ async def test_another_user_is_turned_away(tmp_path: Path, desk: Desk) -> None:
     ours = os.geteuid()
     # Only root can ask as somebody else; anybody else asks a gateway of somebody else.
     owner, stranger = (ours, 65534) if ours == 0 else (ours + 1, ours)
-    server = ControlServer(tmp_path, cast("Operating", desk), own_uid=owner)
+    server = ControlServer(tmp_path, cast("AdminDispatcher", desk), own_uid=owner)
     await server.open()
     # The folder and the socket let everybody in: what is left is to look at who they are.
     for path in (tmp_path / "control.sock", tmp_path):
@@ -263,10 +263,10 @@ async def test_a_socket_that_was_removed_or_replaced_is_made_anew(
     tmp_path: Path, desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Whoever asks meanwhile waits for it: the lock of the folder says that somebody is there."""
-    monkeypatch.setattr(control, "LOOK_EVERY_S", 0.05)
-    folder, path = Folder(tmp_path, KeptFiles(), begin_anew=False), tmp_path / "control.sock"
+    monkeypatch.setattr(control_socket, "LOOK_EVERY_S", 0.05)
+    folder, path = DataDir(tmp_path, KeptFiles(), begin_anew=False), tmp_path / "control.sock"
     folder.take()
-    server = ControlServer(tmp_path, cast("Operating", desk))
+    server = ControlServer(tmp_path, cast("AdminDispatcher", desk))
     await server.open()
     try:
         path.unlink()
@@ -289,7 +289,7 @@ async def test_a_gateway_that_makes_no_socket_is_there_all_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(control_client, "SOCKET_WITHIN_S", 0.2)
-    folder = Folder(tmp_path, KeptFiles(), begin_anew=False)
+    folder = DataDir(tmp_path, KeptFiles(), begin_anew=False)
     folder.take()
     try:
         with pytest.raises(Fault, match=rf"process {os.getpid()}\) has no control socket") as said:
@@ -340,7 +340,7 @@ async def test_what_is_no_socket_is_left_where_it_is(tmp_path: Path, desk: Desk)
     (tmp_path / "control.sock").write_text("precious")
 
     with pytest.raises(ConfigurationError, match="in the way"):
-        await ControlServer(tmp_path, cast("Operating", desk)).open()
+        await ControlServer(tmp_path, cast("AdminDispatcher", desk)).open()
 
     assert (tmp_path / "control.sock").read_text() == "precious"
 

@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.documents.profiles import read_profile
-from rosic.app.finding.discovering import left_out, robots_in
-from rosic.app.finding.drafting import JOINTS, LOCATED, Seen, drafted, robot_id
-from rosic.app.finding.drafting_others import FOLLOW, GRIP, NAVIGATE, Limbs, Stand
-from rosic.robots.ros2.graph import Offer, Snapshot, Topic
+from rosic.app.setup.discovery import left_out, robots_in
+from rosic.app.setup.profile_draft import JOINTS, LOCATED, SeenRobot, drafted, robot_id
+from rosic.app.setup.profile_draft_nav2 import FOLLOW, GRIP, NAVIGATE, ArmDraft, NavigatorDraft
+from rosic.config.profiles import read_profile
+from rosic.robots.ros2.client.graph import GraphSnapshot, GraphTopic, OfferedEndpoint
 from tests.cli.running import SOURCE, cold_rosic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from rosic.core.robot import Profile
+    from rosic.core.robot.profile import Profile
 
 MOVE = "rosic_interfaces/action/Move"
-SEEN = Seen(
+SEEN = SeenRobot(
     namespace="/omni",
     heard={
         "/omni/cmd_vel": "geometry_msgs/msg/Twist",
@@ -103,15 +103,15 @@ def test_names_become_ids() -> None:
 
 
 def test_what_neither_moves_nor_tells_is_no_robot() -> None:
-    found = Snapshot(
+    found = GraphSnapshot(
         nodes=("/omni/base", "/map_server"),
         topics=(
-            Topic("/omni/cmd_vel", ("geometry_msgs/msg/Twist",), 0, 1),
-            Topic("/omni/odom", ("nav_msgs/msg/Odometry",), 1, 0),
-            Topic("/map/map", ("nav_msgs/msg/OccupancyGrid",), 1, 0),
+            GraphTopic("/omni/cmd_vel", ("geometry_msgs/msg/Twist",), 0, 1),
+            GraphTopic("/omni/odom", ("nav_msgs/msg/Odometry",), 1, 0),
+            GraphTopic("/map/map", ("nav_msgs/msg/OccupancyGrid",), 1, 0),
         ),
-        services=(Offer("/map/load", ("std_srvs/srv/Trigger",)),),
-        actions=(Offer("/kuka1/grasp", (MOVE,)),),
+        services=(OfferedEndpoint("/map/load", ("std_srvs/srv/Trigger",)),),
+        actions=(OfferedEndpoint("/kuka1/grasp", (MOVE,)),),
         complete=True,
     )
 
@@ -125,12 +125,12 @@ def test_what_neither_moves_nor_tells_is_no_robot() -> None:
 TWIST, ODOMETRY = "geometry_msgs/msg/Twist", "nav_msgs/msg/Odometry"
 
 
-def graph_of(*bases: str, publishers: int = 1) -> Snapshot:
+def graph_of(*bases: str, publishers: int = 1) -> GraphSnapshot:
     """Return a graph of bases: what stands before ``odom``, ``cmd_vel`` and ``stop``."""
-    heard = [Topic(f"{base}cmd_vel", (TWIST,), 0, 1) for base in bases]
-    said = [Topic(f"{base}odom", (ODOMETRY,), publishers, 0) for base in bases]
-    stops = tuple(Offer(f"{base}stop", ("std_srvs/srv/Trigger",)) for base in bases)
-    return Snapshot((), (*heard, *said), stops, (), complete=True)
+    heard = [GraphTopic(f"{base}cmd_vel", (TWIST,), 0, 1) for base in bases]
+    said = [GraphTopic(f"{base}odom", (ODOMETRY,), publishers, 0) for base in bases]
+    stops = tuple(OfferedEndpoint(f"{base}stop", ("std_srvs/srv/Trigger",)) for base in bases)
+    return GraphSnapshot((), (*heard, *said), stops, (), complete=True)
 
 
 def test_robots_that_live_below_one_name_are_drafted_apart(tmp_path: Path) -> None:
@@ -144,16 +144,16 @@ def test_robots_that_live_below_one_name_are_drafted_apart(tmp_path: Path) -> No
     assert not any(robot.mixed for robot in robots)
 
 
-def agv(name: str) -> tuple[Topic, ...]:
+def agv(name: str) -> tuple[GraphTopic, ...]:
     return (
-        Topic(f"/site4/{name}/drive/velocity_cmd", (TWIST,), 0, 1),
-        Topic(f"/site4/{name}/wheel_odometry", (ODOMETRY,), 1, 0),
+        GraphTopic(f"/site4/{name}/drive/velocity_cmd", (TWIST,), 0, 1),
+        GraphTopic(f"/site4/{name}/wheel_odometry", (ODOMETRY,), 1, 0),
     )
 
 
 def test_robots_are_seen_by_what_their_topics_carry_not_by_their_names() -> None:
-    charger = Topic("/charger/state", ("std_msgs/msg/String",), 1, 0)
-    one = Snapshot((), (*agv("agv_07"), charger), (), (), complete=True)
+    charger = GraphTopic("/charger/state", ("std_msgs/msg/String",), 1, 0)
+    one = GraphSnapshot((), (*agv("agv_07"), charger), (), (), complete=True)
     robots = robots_in(one)
     assert [robot.namespace for robot in robots] == ["/site4"]
     assert list(robots[0].heard) == ["/site4/agv_07/drive/velocity_cmd"]
@@ -165,7 +165,7 @@ def test_robots_are_seen_by_what_their_topics_carry_not_by_their_names() -> None
 
 def test_a_filter_of_odometry_is_no_robot_beside_the_one_it_is_about() -> None:
     found = graph_of("/")
-    filtered = Topic("/odometry/filtered", (ODOMETRY,), 1, 0)
+    filtered = GraphTopic("/odometry/filtered", (ODOMETRY,), 1, 0)
     [robot] = robots_in(replace(found, topics=(*found.topics, filtered)))
     assert robot.namespace == ""
     assert "/odometry/filtered" in robot.said
@@ -173,7 +173,7 @@ def test_a_filter_of_odometry_is_no_robot_beside_the_one_it_is_about() -> None:
 
 def test_a_base_and_the_arm_on_it_are_one_robot() -> None:
     found = graph_of("/lab/base/")
-    arm = Topic("/lab/arm/joint_states", (JOINTS,), 1, 0)
+    arm = GraphTopic("/lab/arm/joint_states", (JOINTS,), 1, 0)
     [robot] = robots_in(replace(found, topics=(*found.topics, arm)))
     assert (robot.namespace, robot.mixed) == ("/lab", "")
 
@@ -185,7 +185,9 @@ def test_a_base_and_the_arm_on_it_are_one_robot() -> None:
         (graph_of("/lab/", "/lab/b_"), "/lab/cmd_vel and /lab/b_cmd_vel move one each"),
     ],
 )
-def test_robots_that_cannot_be_told_apart_are_said_to_be_mixed(found: Snapshot, why: str) -> None:
+def test_robots_that_cannot_be_told_apart_are_said_to_be_mixed(
+    found: GraphSnapshot, why: str
+) -> None:
     [robot] = robots_in(found)
     assert drafted(robot, fields).startswith(
         f"# More than one robot seems to live in /lab, as {why}: this draft mixes them. "
@@ -194,19 +196,19 @@ def test_robots_that_cannot_be_told_apart_are_said_to_be_mixed(found: Snapshot, 
 
 
 def test_a_robot_alone_on_its_graph_keeps_its_controllers(tmp_path: Path) -> None:
-    found = Snapshot(
+    found = GraphSnapshot(
         nodes=(),
-        topics=(Topic("/joint_states", (JOINTS,), 1, 0),),
+        topics=(GraphTopic("/joint_states", (JOINTS,), 1, 0),),
         services=(),
         actions=(
-            Offer("/arm_controller/follow_joint_trajectory", (FOLLOW,)),
-            Offer("/gripper/gripper_cmd", (GRIP,)),
+            OfferedEndpoint("/arm_controller/follow_joint_trajectory", (FOLLOW,)),
+            OfferedEndpoint("/gripper/gripper_cmd", (GRIP,)),
         ),
         complete=True,
     )
 
     [robot] = robots_in(found)
-    limbs = Limbs("/joint_states", {"base": 0.5, "elbow": -1.0})
+    limbs = ArmDraft("/joint_states", {"base": 0.5, "elbow": -1.0})
     text = drafted(
         robot._replace(limbs={"/arm_controller/follow_joint_trajectory": limbs}), lambda _: None
     )
@@ -228,7 +230,7 @@ def test_what_nav2_is_made_of_inside_is_left_out(tmp_path: Path) -> None:
     }
     said = {"/rover/odom": "nav_msgs/msg/Odometry", "/rover/amcl_pose": LOCATED}
     heard = {"/rover/cmd_vel": "geometry_msgs/msg/TwistStamped"}
-    seen = Seen("/rover", heard, said, {}, actions, stand=Stand(1.2345, 2.0, 0.5))
+    seen = SeenRobot("/rover", heard, said, {}, actions, stand=NavigatorDraft(1.2345, 2.0, 0.5))
 
     profile = profile_of(drafted(seen, lambda _: None), tmp_path)
 

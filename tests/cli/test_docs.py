@@ -6,7 +6,7 @@ import re
 import subprocess
 from pathlib import Path
 
-from rosic.cli.entry import COMMANDS
+from rosic.cli.main import COMMANDS
 from tests.cli.running import ROSIC, environment
 
 DOCS = Path(__file__).parents[2] / "docs"

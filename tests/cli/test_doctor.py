@@ -10,22 +10,22 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
+from rosic.app.admin.control_socket import Answer
+from rosic.app.admin.dispatch import NOT_KEPT
+from rosic.app.builder import latch_of
 from rosic.app.config import load_config
-from rosic.app.desk.control import Answer
-from rosic.app.desk.operating import NOT_KEPT
-from rosic.app.doctor.examination import examine, verdict_of
-from rosic.app.doctor.findings import Finding, Verdict
-from rosic.app.doctor.machine import SLOW_MS, examine_clock, examine_disk
-from rosic.app.doctor.trying import Trial, slow_arguments, streaming_skill, try_robot
-from rosic.app.documents.profiles import load_profile, shipped_profiles
-from rosic.app.placing.gates import stops_of
-from rosic.app.start import latch_of
-from rosic.core.gate import Gate
-from rosic.core.record import Stopped
+from rosic.app.robot_startup import stops_of
+from rosic.app.setup.diagnostics import examine, verdict_of
+from rosic.app.setup.diagnostics_checks import SLOW_MS, examine_clock, examine_disk
+from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
+from rosic.app.setup.stop_test import StopTest, slow_arguments, streaming_skill, try_robot
+from rosic.config.profiles import load_profile, shipped_profiles
+from rosic.core.order_gate import OrderGate
+from rosic.core.records import Stopped
 from rosic.errors import RobotOffline
-from rosic.robots.simulated.robot import SimulatedRobot
 from rosic.stores.database import DatabaseStore
 from rosic.system import SystemClock, SystemEntropy
+from rosic_sim.robots.robot import SimulatedRobot
 from tests.cli.running import ROSIC, environment, gateway, rosic, write_config, write_neighbours
 
 if TYPE_CHECKING:
@@ -46,11 +46,11 @@ def test_the_disk_is_measured_and_left_as_it_was(tmp_path: Path) -> None:
     assert figures is not None
     assert 0 < float(figures[1]) <= float(figures[2])
     if figures[3]:  # a busy machine may be that slow, and is told so
-        assert (disk.verdict, float(figures[2]) >= SLOW_MS) == (Verdict.LOOK, True)
+        assert (disk.verdict, float(figures[2]) >= SLOW_MS) == (FindingVerdict.LOOK, True)
     else:
-        assert (disk.verdict, float(figures[2]) <= SLOW_MS) == (Verdict.GOOD, True)
-    assert record == Finding(
-        "record", Verdict.GOOD, "journal mode wal, synchronous 2 (2 is FULL), as read back"
+        assert (disk.verdict, float(figures[2]) <= SLOW_MS) == (FindingVerdict.GOOD, True)
+    assert record == DiagnosticFinding(
+        "record", FindingVerdict.GOOD, "journal mode wal, synchronous 2 (2 is FULL), as read back"
     )
     assert "GB free" in space.text
     assert list(tmp_path.iterdir()) == []
@@ -67,7 +67,7 @@ async def test_robots_that_share_a_namespace_are_pointed_out(tmp_path: Path) -> 
     clock, entropy = SystemClock(), SystemEntropy()
     found = [finding async for finding in examine(config, clock=clock, entropy=entropy)]
     [said] = [finding for finding in found if finding.about == "robots"]
-    assert said.verdict is Verdict.LOOK
+    assert said.verdict is FindingVerdict.LOOK
     assert said.text.startswith("ant and bee have one namespace, /hill: ")
 
 
@@ -83,11 +83,11 @@ class BackwardsClock(SystemClock):
 
 
 async def test_a_clock_that_goes_back_is_noticed() -> None:
-    assert (await examine_clock(SystemClock())).verdict is Verdict.GOOD
+    assert (await examine_clock(SystemClock())).verdict is FindingVerdict.GOOD
 
     bad = await examine_clock(BackwardsClock())
 
-    assert bad.verdict is Verdict.LOOK
+    assert bad.verdict is FindingVerdict.LOOK
     assert "went back 20 times" in bad.text
 
 
@@ -107,7 +107,7 @@ async def test_a_robot_is_tried_on_the_record(tmp_path: Path) -> None:
 
     stop, watchdog, after = [f async for f in try_robot(config, "omni", clock, SystemEntropy())]
 
-    assert stop.verdict is Verdict.GOOD
+    assert stop.verdict is FindingVerdict.GOOD
     measured = re.fullmatch(r"stop: at rest after (\d\.\d\d) s \(from a slow drive\)", stop.text)
     assert measured is not None
     assert 0.05 <= float(measured[1]) < 1
@@ -151,18 +151,18 @@ async def test_a_trial_that_did_not_go_well_leaves_the_robot_stopped(tmp_path: P
     latch = latch_of(config)
     store = DatabaseStore(config.data, clock=clock, kept=latch.kept)
     await store.open()
-    robot = NeverSeenAtRest(omni, Gate.new("omni"), clock)
+    robot = NeverSeenAtRest(omni, OrderGate.new("omni"), clock)
     await robot.open(print)
     try:
-        trial = Trial(omni, robot, store, latch, clock, SystemEntropy())
+        trial = StopTest(omni, robot, store, latch, clock, SystemEntropy())
         *_, stop, watchdog, after = [found async for found in trial.run()]
     finally:
         await robot.close()
-    assert stop.verdict is Verdict.LOOK
+    assert stop.verdict is FindingVerdict.LOOK
     assert watchdog.text == "watchdog: its stop was not confirmed, so it was not moved again"
-    assert after == Finding(
+    assert after == DiagnosticFinding(
         "omni",
-        Verdict.LOOK,
+        FindingVerdict.LOOK,
         "it stays stopped, also after a start, until somebody says: resume omni",
     )
     assert stops_of(latch.read(), {"omni": 1})["omni"] == (1, True)
@@ -178,14 +178,14 @@ async def test_a_trial_that_breaks_off_says_whether_the_robot_stays_stopped(
     latch = latch_of(config)
     store = DatabaseStore(config.data, clock=clock, kept=latch.kept)
     await store.open()
-    robot = GoesAway(omni, Gate.new("omni"), clock)
+    robot = GoesAway(omni, OrderGate.new("omni"), clock)
     await robot.open(print)
     try:
-        trial = Trial(omni, robot, store, latch, clock, SystemEntropy())
+        trial = StopTest(omni, robot, store, latch, clock, SystemEntropy())
         *_, gone, after = [found async for found in trial.run()]
     finally:
         await robot.close()
-    assert gone == Finding("omni", Verdict.LOOK, "omni is not there.")
+    assert gone == DiagnosticFinding("omni", FindingVerdict.LOOK, "omni is not there.")
     assert after.text == "it stays stopped, also after a start, until somebody says: resume omni"
     await store.close()
     await latch.close()
@@ -213,7 +213,7 @@ async def test_a_robot_that_streams_nothing_is_stopped_at_rest(tmp_path: Path) -
     ]
 
     assert "(it was not moving)" in stop.text
-    assert watchdog.verdict is Verdict.NOT_MEASURED
+    assert watchdog.verdict is FindingVerdict.NOT_MEASURED
 
 
 def test_the_command_prints_a_line_for_each(tmp_path: Path) -> None:
@@ -248,7 +248,7 @@ def test_with_a_running_gateway_the_robot_is_only_stopped(tmp_path: Path) -> Non
     ],
 )
 def test_what_the_gateway_says_of_a_stop_is_judged(told: str, well: bool) -> None:
-    assert (verdict_of(Answer(told)) is Verdict.GOOD) == well
+    assert (verdict_of(Answer(told)) is FindingVerdict.GOOD) == well
 
 
 def test_ctrl_c_in_a_trial_says_that_the_robot_may_stay_stopped(tmp_path: Path) -> None:
@@ -281,9 +281,9 @@ def test_a_robot_that_is_not_in_the_file_is_a_sentence(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("verdict", "line"),
     [
-        (Verdict.GOOD, "disk       fsync 1 ms"),
-        (Verdict.LOOK, "disk       look at this: fsync 1 ms"),
+        (FindingVerdict.GOOD, "disk       fsync 1 ms"),
+        (FindingVerdict.LOOK, "disk       look at this: fsync 1 ms"),
     ],
 )
-def test_a_finding_reads_well(verdict: Verdict, line: str) -> None:
-    assert str(Finding("disk", verdict, "fsync 1 ms")) == line
+def test_a_finding_reads_well(verdict: FindingVerdict, line: str) -> None:
+    assert str(DiagnosticFinding("disk", verdict, "fsync 1 ms")) == line

@@ -11,7 +11,7 @@ import sys
 import pytest
 
 import rosic as package
-from rosic.cli.entry import COMMANDS, main
+from rosic.cli.main import COMMANDS, main
 from tests.cli.running import ROSIC, cold_rosic, environment, rosic
 
 # Half of what is allowed: the rest is for a slower machine.
@@ -44,7 +44,7 @@ def test_help_imports_nothing_heavy() -> None:
     )  # fmt: skip
     imported = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
 
-    assert "rosic.cli.entry" in imported
+    assert "rosic.cli.main" in imported
     heavy = {"asyncio", "argparse", "msgspec", "prompt_toolkit", "sqlalchemy", "pint", "rosic.app"}
     assert heavy.isdisjoint(imported)
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 import pytest
 
 from rosic.testing.telegram import FakeTelegram
-from rosic.testing.telegram.transcript import START, View, transcript
+from rosic.testing.telegram.transcript import START, TranscriptView, transcript
 from tests.cli.following import CODE, answer_the_questions, lead_to, shown
 from tests.cli.terminal import rosic_at
 from tests.journeys.pictures import ASKED_TO_DRAW, DOCS, steady
@@ -205,6 +205,6 @@ class Phone:
 
     def saw(self, title: str) -> str:
         """Return the conversation, with codes covered."""
-        view = View(title=title, reader=self._user)
+        view = TranscriptView(title=title, reader=self._user)
         chat = transcript(self._server.messages(self._user), self._server.presses(self._user), view)
         return plain("\n".join(chat.lines()))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.cli.entry import COMMANDS, main
+from rosic.cli.main import COMMANDS, main
 from tests.cli.offline import MEMORY, Place
 from tests.cli.running import gateway, rosic, write_config
 from tests.cli.terminal import shell_at

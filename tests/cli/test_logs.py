@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.logs import log_to_standard_error
+from rosic.app.logging import log_to_standard_error
 from rosic.core.secret import Secret
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.cli.entry import main
-from rosic.stores.folder import LOCK
+from rosic.cli.main import main
+from rosic.stores.data_dir import LOCK
 from rosic.stores.record_mark import DATABASE, MARK, STOPS
 from tests.cli.running import CONFIG, gateway, rosic, write_config
 

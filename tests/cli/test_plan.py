@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import msgspec
 import pytest
 
+from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.offline import OfflineAdmin, OfflineSeeding
+from rosic.app.admin.schedule import BookAsk, SlotBooking, Who
+from rosic.app.admin.wishes import merged_who
 from rosic.app.config import load_config
-from rosic.app.desk.asked import Ask, Verb
-from rosic.app.desk.offline import Alone, Seeding
-from rosic.app.desk.planning import BookAsk, Booking, Who
-from rosic.app.desk.wishes import merged_who
 from rosic.errors import (
     NotPermitted,
     NotUnderstood,
@@ -23,8 +23,8 @@ from rosic.errors import (
     RobotTaken,
     TooManyRequests,
 )
-from rosic.organiser.allocation import NS_PER_MIN
-from rosic.organiser.occasions import Limits
+from rosic.organiser.occasions import SeriesLimits
+from rosic.organiser.planning.problem import NS_PER_MIN
 from rosic.system import SystemClock, SystemEntropy
 from tests.cli.offline import Place
 
@@ -94,28 +94,28 @@ def test_a_list_in_json_is_read_as_well(place: Place) -> None:
 
 def book(place: Place, *slots: tuple[str, str, int, int]) -> str:
     """Ask for slots (name, robot, minutes from now, seconds) as the second half of a plan does."""
-    alone = Alone(
+    alone = OfflineAdmin(
         place.folder / "rosic-data", load_config(place.config), SystemClock(), SystemEntropy()
     )
 
     async def booked() -> str:
-        answers = await alone.do(Ask(Verb.WHO), Seeding.WRITTEN)
+        answers = await alone.do(Ask(Verb.WHO), OfflineSeeding.WRITTEN)
         people = merged_who(msgspec.json.decode(text, type=Who) for text in answers).people
         now_ns = SystemClock().wall_ns()
         asked = BookAsk(
             tuple(
-                Booking(people[who], robot, now_ns + minutes * NS_PER_MIN, length_s)
+                SlotBooking(people[who], robot, now_ns + minutes * NS_PER_MIN, length_s)
                 for who, robot, minutes, length_s in slots
             )
         )
         ask = Ask(Verb.BOOK, body=msgspec.Raw(msgspec.json.encode(asked)))
-        return "".join(await alone.do(ask, Seeding.WRITTEN))
+        return "".join(await alone.do(ask, OfflineSeeding.WRITTEN))
 
     return asyncio.run(booked())
 
 
 def test_a_person_gets_no_more_than_one_may_have(place: Place) -> None:
-    most = Limits().most_upcoming
+    most = SeriesLimits().most_upcoming
     with pytest.raises(TooManyRequests, match=f"Bob would have {most + 1} slots to come"):
         book(place, *[("Bob", "omni", 10 * i, 300) for i in range(1, most + 2)])
 

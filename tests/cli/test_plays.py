@@ -12,22 +12,22 @@ from typing import TYPE_CHECKING
 import pytest
 from PIL import Image
 
-from rosic.app.plays.brisk import BriskClock
-from rosic.app.plays.curtain import Curtain
-from rosic.app.plays.play import OffScript
-from rosic.app.plays.playing import Wish, play
-from rosic.app.plays.repertoire import NAMES, play_named
 from rosic.core.message import Chat, Outbound
-from rosic.pictures.style import SEVERAL
-from rosic.robots.simulated.theatre import theatre_of
+from rosic.rendering.style import SEVERAL
 from rosic.system import SystemClock, SystemEntropy
+from rosic_sim.robots.theatre import theatre_of
+from rosic_sim.scenarios.brisk import FastClock
+from rosic_sim.scenarios.curtain import TerminalView
+from rosic_sim.scenarios.play import OffScript
+from rosic_sim.scenarios.playing import ScenarioOptions, play
+from rosic_sim.scenarios.repertoire import NAMES, play_named
 from tests.cli.running import ROSIC, Ran, environment, rosic
 from tests.cli.terminal import rosic_at
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rosic.app.plays.stage import Stage
+    from rosic_sim.scenarios.stage import ScenarioRunner
 
 WITHIN_S = 300.0
 SUMMARY = "What happened, by the record and by the robots\n"
@@ -148,8 +148,8 @@ def test_what_each_play_is_about_really_happened(ran: dict[str, Ran]) -> None:
 
 @pytest.mark.limit(300)
 async def test_the_summary_is_where_the_machines_are(capsys: pytest.CaptureFixture[str]) -> None:
-    clock = BriskClock(SystemClock(), 8.0)
-    assert await play(play_named("shift"), Wish(plain=True), clock, SystemEntropy()) == 0
+    clock = FastClock(SystemClock(), 8.0)
+    assert await play(play_named("shift"), ScenarioOptions(plain=True), clock, SystemEntropy()) == 0
     machines = theatre_of(clock).world.machines
     summary = capsys.readouterr().out.partition(SUMMARY)[2]
     seen = {found["shown"]: (found["x"], found["y"]) for found in PLACE.finditer(summary)}
@@ -164,13 +164,13 @@ async def test_the_summary_is_where_the_machines_are(capsys: pytest.CaptureFixtu
 async def test_a_play_that_goes_wrong_says_so_and_fails(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    async def script(stage: Stage) -> None:
+    async def script(stage: ScenarioRunner) -> None:
         await stage.says("Ranger", "watch goto x=0.1 y=0", hears="done ")
         raise OffScript("Nobody came.")
 
     odd = play_named("one-to-one")._replace(script=script)
-    clock = BriskClock(SystemClock(), 8.0)
-    assert await play(odd, Wish(plain=True), clock, SystemEntropy()) == 1
+    clock = FastClock(SystemClock(), 8.0)
+    assert await play(odd, ScenarioOptions(plain=True), clock, SystemEntropy()) == 1
     out = capsys.readouterr().out
     assert "This did not go as written. Nobody came." in out
     assert "1 order accepted: 1 done." in out
@@ -180,14 +180,14 @@ def test_what_is_longer_than_the_terminal_is_broken_between_words(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     long = "Task 2 (goto x=1.2 y=0; goto x=0.2 y=0): Carrier 3 has failed at it. It is stopped."
-    narrow = Curtain(["Ada"], lambda: 1.0, colour=True, columns=60)
+    narrow = TerminalView(["Ada"], lambda: 1.0, colour=True, columns=60)
     narrow.told("Ada", Outbound(chat=Chat(platform="phones", id="a"), text=f"{long}\n\nOmni: done"))
     narrow.plain(f"  {long}")
     narrow.aside(long)
     lines = re.sub(r"\x1b\[[\d;]*m", "", capsys.readouterr().out).splitlines()
     assert max(map(len, lines)) < 60
     assert " ".join(" ".join(lines).split()).count(long) == 3, "no word is cut, and none is lost"
-    wide = Curtain(["Ada"], lambda: 1.0, colour=False)
+    wide = TerminalView(["Ada"], lambda: 1.0, colour=False)
     wide.told("Ada", Outbound(chat=Chat(platform="phones", id="a"), text=long))
     assert f"            {long}\n" in capsys.readouterr().out
 
@@ -238,7 +238,7 @@ async def test_drones_go_on_hovering_where_a_busy_machine_has_no_processor_for_a
 ) -> None:
     """However fast a play is, the process stands still no faster than it does."""
 
-    async def script(stage: Stage) -> None:
+    async def script(stage: ScenarioRunner) -> None:
         drones = [stage.world.machines[name] for name in ("cf1", "cf2", "cf3")]
         await stage.says("Search leader", "crazyflies takeoff 1 m", hears="accepted")
         await stage.quiet()
@@ -249,7 +249,10 @@ async def test_drones_go_on_hovering_where_a_busy_machine_has_no_processor_for_a
         assert all(drone.holding for drone in drones)
 
     hovering = play_named("swarm")._replace(script=script)
-    assert await play(hovering, Wish(plain=True, fast=True), SystemClock(), SystemEntropy()) == 0
+    assert (
+        await play(hovering, ScenarioOptions(plain=True, fast=True), SystemClock(), SystemEntropy())
+        == 0
+    )
     assert "link lost" not in capsys.readouterr().out
 
 

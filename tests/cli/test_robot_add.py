@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 from tests.cli.running import CONFIG, Ran, gateway, rosic, write_config
-from tests.rooms.pipeline.rover import CAN, ROVER
+from tests.gateway.rover import CAN, ROVER
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.app.serving import GREETING
-from rosic.cli.asking import answers
+from rosic.app.admin.asked import Ask, Verb
+from rosic.app.service import GREETING
+from rosic.cli.client import answers
 from rosic.testing.telegram import FakeTelegram
 from tests.cli.running import TELEGRAM, gateway, rosic, write_config
 from tests.cli.terminal import rosic_run

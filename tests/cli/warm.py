@@ -29,7 +29,7 @@ from typing import IO, TYPE_CHECKING
 
 import msgspec
 
-from rosic.cli.entry import COMMANDS
+from rosic.cli.main import COMMANDS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -38,7 +38,7 @@ WARM = (
     *sorted({command.module for command in COMMANDS.values()}),
     "alembic.command", "alembic.context", "alembic.ddl.sqlite", "anyio._backends._asyncio",
     "httpcore", "rosic.messengers.telegram", "rosic.messengers.terminal", "rosic.robots.memory",
-    "rosic.robots.simulated.robot", "sqlalchemy.dialects.sqlite", "uvloop",
+    "rosic_sim.robots.robot", "sqlalchemy.dialects.sqlite", "uvloop",
 )  # fmt: skip
 LARGEST = 1 << 17
 STARTING = threading.Lock()

@@ -9,7 +9,7 @@ from rosic.core.message import Chat
 from rosic.messengers.memory import MemoryMessenger
 from rosic.messengers.telegram.messenger import telegram_messenger
 from rosic.system import SystemClock
-from rosic.testing.messengers import Seen
+from rosic.testing.messengers import SeenMessage
 from rosic.testing.telegram import FakeTelegram
 
 if TYPE_CHECKING:
@@ -49,10 +49,12 @@ class MemoryStage:
         button = next(button for button in buttons if button.label == label)
         self.memory.tap(button, under=message, account=person)
 
-    async def screen(self, person: str) -> list[Seen]:
+    async def screen(self, person: str) -> list[SeenMessage]:
         told = [one for one in self.memory.told if one.outbound.chat == self.chat(person)]
         return [
-            Seen(one.message, self.memory.shown(one.message).text) for one in told if not one.edited
+            SeenMessage(one.message, self.memory.shown(one.message).text)
+            for one in told
+            if not one.edited
         ]
 
     async def files(self, person: str) -> list[tuple[str, bytes]]:
@@ -103,10 +105,10 @@ class TelegramStage:
         account = self.accounts[person]
         self.server.tap(account, account, int(message), label)
 
-    async def screen(self, person: str) -> list[Seen]:
+    async def screen(self, person: str) -> list[SeenMessage]:
         shown = self.server.messages(self.accounts[person], by_bot=True)
         return [
-            Seen(str(one["message_id"]), one["text"] or one.get("caption") or "")
+            SeenMessage(str(one["message_id"]), one["text"] or one.get("caption") or "")
             for one in shown
             if not one["deleted"]
         ]

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.testing.faulty.messengers import SINNERS as OTHER_SINNERS
+from rosic.testing.faulty.messengers import FaultyMessenger, catches, rules
+from rosic.testing.faulty.wicked_fetchers import FETCHING_SINNERS
 from rosic.testing.messengers import MessengerConformance
-from rosic.testing.wicked_fetchers import FETCHING_SINNERS
-from rosic.testing.wicked_messengers import SINNERS as OTHER_SINNERS
-from rosic.testing.wicked_messengers import Wicked, catches, rules
 from tests.conformance.messenger_stages import MemoryStage, TelegramStage, telegram_stage
 
 if TYPE_CHECKING:
@@ -41,10 +41,10 @@ def test_every_rule_has_its_sinner() -> None:
 @pytest.mark.parametrize(
     ("rule", "sinner"), [(rule, sinner) for rule, all_of in SINNERS.items() for sinner in all_of]
 )
-async def test_a_sinner_is_caught(rule: str, sinner: type[Wicked]) -> None:
+async def test_a_sinner_is_caught(rule: str, sinner: type[FaultyMessenger]) -> None:
     assert await catches(rule, sinner, MemoryStage(SINNERS_PATIENCE_S))
 
 
 @pytest.mark.parametrize("rule", sorted(rules()))
 async def test_who_only_passes_on_is_not_caught(rule: str) -> None:
-    assert not await catches(rule, Wicked, MemoryStage())
+    assert not await catches(rule, FaultyMessenger, MemoryStage())

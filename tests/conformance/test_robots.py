@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, ClassVar
 
 import pytest
 
-from rosic.app.documents.profiles import load_profile, shipped_profiles
-from rosic.core.gate import Gate
-from rosic.core.robot import Link, Profile
-from rosic.core.skill import Skill
+from rosic.config.profiles import load_profile, shipped_profiles
+from rosic.core.order_gate import OrderGate
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Skill
 from rosic.robots.memory import MemoryRobot
-from rosic.robots.simulated.robot import SimulatedRobot
 from rosic.system import SystemClock
+from rosic.testing.faulty.robots import SINNERS, FaultyRobot
 from rosic.testing.robots import RobotConformance
-from rosic.testing.wicked_robots import SINNERS, Wicked
+from rosic_sim.robots.robot import SimulatedRobot
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.robot import Robot, Tell
     from rosic.core.order import Order, Outcome
-    from rosic.core.skill import Argument
+    from rosic.core.robot.skill import Argument
 
 
 @pytest.fixture
@@ -63,7 +63,7 @@ class TestMemory(RobotConformance):
 
     @pytest.fixture
     def make_robot(self, clock: SystemClock) -> Callable[[], AbstractAsyncContextManager[Robot]]:
-        return lambda: opened(SlowMemoryRobot(memory_profile(), Gate.new("m1"), clock))
+        return lambda: opened(SlowMemoryRobot(memory_profile(), OrderGate.new("m1"), clock))
 
 
 class TestSimulated(RobotConformance):
@@ -87,7 +87,7 @@ class TestSimulated(RobotConformance):
     @pytest.fixture
     def make_robot(self, clock: SystemClock) -> Callable[[], AbstractAsyncContextManager[Robot]]:
         return lambda: opened(
-            SimulatedRobot(load_profile(shipped_profiles()["omni"]), Gate.new("omni"), clock)
+            SimulatedRobot(load_profile(shipped_profiles()["omni"]), OrderGate.new("omni"), clock)
         )
 
 
@@ -102,18 +102,18 @@ def test_every_rule_has_its_sinner() -> None:
 
 @pytest.mark.parametrize("rule", RULES)
 async def test_the_sinner_is_caught(rule: str, clock: SystemClock) -> None:
-    sinner: type[Wicked] = SINNERS[rule]
+    sinner: type[FaultyRobot] = SINNERS[rule]
 
     @asynccontextmanager
-    async def make_wicked() -> AsyncIterator[Wicked]:
-        async with opened(SlowMemoryRobot(memory_profile(), Gate.new("m1"), clock)) as honest:
+    async def make_wicked() -> AsyncIterator[FaultyRobot]:
+        async with opened(SlowMemoryRobot(memory_profile(), OrderGate.new("m1"), clock)) as honest:
             yield sinner(honest)
 
     class Suite(TestMemory):
         bound_s = SINNERS_BOUND_S
 
         def acted(self, robot: Robot) -> int:
-            assert isinstance(robot, Wicked)
+            assert isinstance(robot, FaultyRobot)
             return super().acted(robot.honest)
 
     with pytest.raises((AssertionError, pytest.fail.Exception, TimeoutError)):

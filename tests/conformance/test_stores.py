@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.errors import RosicError
+from rosic.stores.data_dir import LOCK
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import LOCK
-from rosic.stores.latch import FileLatch, MemoryLatch
 from rosic.stores.memory import MemoryStore
+from rosic.stores.stop_latch import FileLatch, MemoryLatch
 from rosic.testing.clock import ManualClock
-from rosic.testing.latches import LATCH_SINNERS, LatchConformance, WickedLatchPremises
+from rosic.testing.faulty.stores import SINNERS
+from rosic.testing.faulty.wicked import WickedPremises
+from rosic.testing.stop_latches import LATCH_SINNERS, LatchConformance, WickedLatchPremises
 from rosic.testing.stores import StoreConformance
-from rosic.testing.wicked import WickedPremises
-from rosic.testing.wicked_stores import SINNERS
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rosic.contracts.store import Latch, Store
+    from rosic.contracts.store import StopLatch, Store
 
 CAUGHT = (AssertionError, RosicError, KeyError, pytest.fail.Exception)
 
@@ -75,7 +75,7 @@ class MemoryLatchPremises:
     def make(self) -> MemoryLatch:
         return MemoryLatch()
 
-    def survivor(self, latch: Latch) -> MemoryLatch:
+    def survivor(self, latch: StopLatch) -> MemoryLatch:
         assert isinstance(latch, MemoryLatch)
         return copy.deepcopy(latch)
 
@@ -84,7 +84,7 @@ class FileLatchPremises:
     def __init__(self, root: Path) -> None:
         self._root = root
         self._names = count()
-        self._files: dict[Latch, Path] = {}
+        self._files: dict[StopLatch, Path] = {}
 
     def make(self) -> FileLatch:
         path = self._root / str(next(self._names))
@@ -92,7 +92,7 @@ class FileLatchPremises:
         self._files[latch] = path
         return latch
 
-    def survivor(self, latch: Latch) -> FileLatch:
+    def survivor(self, latch: StopLatch) -> FileLatch:
         made = self.make()
         shutil.copy(self._files[latch], self._files[made])
         return made

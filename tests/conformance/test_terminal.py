@@ -15,8 +15,8 @@ from rosic.errors import MessengerFault
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.screen import GONE, PlainScreen
 from rosic.system import SystemClock
-from rosic.testing.file_rules import FILE
-from rosic.testing.messengers import MessengerConformance, Seen
+from rosic.testing.messenger_files import FILE
+from rosic.testing.messengers import MessengerConformance, SeenMessage
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
@@ -41,13 +41,13 @@ class Noted(TerminalMessenger):
 
     def __init__(self, paper: Paper) -> None:
         super().__init__(clock=SystemClock(), screen=paper, account="1000")
-        self.seen: list[Seen] = []
+        self.seen: list[SeenMessage] = []
         self._paper = paper
 
     async def send(self, outbound: Outbound) -> str:
         before = len(self._paper.lines)
         message = await super().send(outbound)
-        self.seen.append(Seen(message, "\n".join(self._paper.lines[before:])))
+        self.seen.append(SeenMessage(message, "\n".join(self._paper.lines[before:])))
         return message
 
 
@@ -74,9 +74,9 @@ class TerminalStage:
         assert number is not None, f"no button {label} is shown"
         await self.write(person, number[1])
 
-    async def screen(self, _person: str) -> list[Seen]:
+    async def screen(self, _person: str) -> list[SeenMessage]:
         return [
-            Seen(seen.message, re.sub(r"\nIt lies in .*", "", seen.text))
+            SeenMessage(seen.message, re.sub(r"\nIt lies in .*", "", seen.text))
             for seen in self.messenger.seen
         ]
 

@@ -7,8 +7,15 @@ from typing import Any
 
 import pytest
 
-from rosic.core.benchmark import Benchmark, Deviation, ErrorBound, Kind, Measured, judge
-from rosic.core.view import Pose
+from rosic.core.robot.benchmark import (
+    Benchmark,
+    BenchmarkKind,
+    BenchmarkMeasurement,
+    Deviation,
+    ErrorBound,
+    judge,
+)
+from rosic.core.robot.view import Pose
 
 MOVE = Benchmark(
     duration_s=2.0, per_s={"distance": 4.0}, energy=1.0,
@@ -18,8 +25,8 @@ MOVE = Benchmark(
 
 def judged(
     benchmark: Benchmark = MOVE, wanted: dict[str, float] | None = None, **measured: object
-) -> list[tuple[Kind, float]]:
-    given = Measured(**({"took_s": 5.0} | measured))  # type: ignore[arg-type]
+) -> list[tuple[BenchmarkKind, float]]:
+    given = BenchmarkMeasurement(**({"took_s": 5.0} | measured))  # type: ignore[arg-type]
     found = judge(
         benchmark, {"distance": 1.0}, given,
         {"distance": 1.0} if wanted is None else wanted, "%",
@@ -32,11 +39,11 @@ def test_what_is_as_expected_is_fine() -> None:
 
 
 def test_each_bound_is_judged_by_itself() -> None:
-    assert judged(took_s=9.1) == [(Kind.LATE, 9.1)]
-    assert judged(used=1.2) == [(Kind.ENERGY, 1.2)]
-    assert judged(facts={"distance_m": 0.8}) == [(Kind.ERROR, 0.2)]
+    assert judged(took_s=9.1) == [(BenchmarkKind.LATE, 9.1)]
+    assert judged(used=1.2) == [(BenchmarkKind.ENERGY, 1.2)]
+    assert judged(facts={"distance_m": 0.8}) == [(BenchmarkKind.ERROR, 0.2)]
     assert judged(took_s=10.0, used=2.0, facts={"distance_m": 2.0}) == [
-        (Kind.LATE, 10.0), (Kind.ENERGY, 2.0), (Kind.ERROR, 1.0),
+        (BenchmarkKind.LATE, 10.0), (BenchmarkKind.ENERGY, 2.0), (BenchmarkKind.ERROR, 1.0),
     ]  # fmt: skip
 
 
@@ -52,12 +59,12 @@ def test_a_heading_goes_round() -> None:
     near = judged(benchmark, {"heading": pi}, pose=Pose(0.0, 0.0, yaw_rad=-pi + 0.05))
     far = judged(benchmark, {"heading": pi}, pose=Pose(0.0, 0.0, yaw_rad=-pi + 0.2))
     assert near == []
-    assert far == [(Kind.ERROR, 0.2)]
+    assert far == [(BenchmarkKind.ERROR, 0.2)]
 
 
 def test_the_bound_is_said_with_it() -> None:
-    [found] = judge(MOVE, {"distance": 0.5}, Measured(took_s=7.0), {}, "%")
-    assert found == Deviation(Kind.LATE, 7.0, 6.0, "s")
+    [found] = judge(MOVE, {"distance": 0.5}, BenchmarkMeasurement(took_s=7.0), {}, "%")
+    assert found == Deviation(BenchmarkKind.LATE, 7.0, 6.0, "s")
 
 
 @pytest.mark.parametrize(

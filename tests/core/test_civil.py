@@ -4,10 +4,10 @@ from datetime import date, timedelta
 
 import pytest
 
-from rosic.core.civil import (
+from rosic.core.local_time import (
     FIRST_YEAR,
     LAST_YEAR,
-    Local,
+    LocalTime,
     date_of,
     day_number,
     is_date,
@@ -36,24 +36,24 @@ def test_months_are_as_long_as_they_are() -> None:
 def test_there_is_no_such_day(parts: tuple[int, int, int]) -> None:
     assert not is_date(*parts)
     with pytest.raises(ValueError, match="no such day"):
-        Local(*parts)
+        LocalTime(*parts)
 
 
 @pytest.mark.parametrize("clock", [(24, 0), (-1, 0), (0, 60), (0, -1)])
 def test_there_is_no_such_time_of_day(clock: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match="no such time"):
-        Local(2027, 1, 1, *clock)
+        LocalTime(2027, 1, 1, *clock)
 
 
 def test_hands_move_over_midnight_and_back() -> None:
-    late = Local(2026, 12, 31, 23, 30)
-    assert late.later(45) == Local(2027, 1, 1, 0, 15)
+    late = LocalTime(2026, 12, 31, 23, 30)
+    assert late.later(45) == LocalTime(2027, 1, 1, 0, 15)
     assert late.later(45).minutes_since(late) == 45
-    assert Local(2027, 1, 1, 0, 15).later(-45) == late
+    assert LocalTime(2027, 1, 1, 0, 15).later(-45) == late
     assert late < late.later(1)
     assert (late.date_text(), late.time_text()) == ("2026-12-31", "23:30")
 
 
 def test_the_calendar_ends() -> None:
     with pytest.raises(ValueError, match="no such day"):
-        Local(2199, 12, 31, 23, 59).later(1)
+        LocalTime(2199, 12, 31, 23, 59).later(1)

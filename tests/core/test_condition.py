@@ -8,16 +8,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.app.documents.profiles import known_units
-from rosic.core.alert import Reading
-from rosic.core.condition import Names, compile_condition
-from rosic.core.robot import Presence
+from rosic.config.profiles import known_units
+from rosic.core.alerts.condition import ConditionNames, compile_condition
+from rosic.core.alerts.state import AlertReading
+from rosic.core.robot.profile import Presence
 
-NAMES = Names({"battery": "%", "x": "m", "mode": "", "heat": "°C"}, known_units())
-BAD, BETWEEN, GOOD, MISSING = Reading.BAD, Reading.BETWEEN, Reading.GOOD, Reading.MISSING
+NAMES = ConditionNames({"battery": "%", "x": "m", "mode": "", "heat": "°C"}, known_units())
+BAD, BETWEEN, GOOD, MISSING = (
+    AlertReading.BAD,
+    AlertReading.BETWEEN,
+    AlertReading.GOOD,
+    AlertReading.MISSING,
+)
 
 
-def read(when: str, clear: str = "", **values: float | str) -> Reading:
+def read(when: str, clear: str = "", **values: float | str) -> AlertReading:
     presence = Presence(online=True, age_s=0.1, values=dict(values))
     return compile_condition(when, clear, NAMES).reading(presence)
 
@@ -35,7 +40,7 @@ def read(when: str, clear: str = "", **values: float | str) -> Reading:
         ("battery > 0.8", "", 81.0, MISSING),
     ],
 )
-def test_one_threshold(when: str, clear: str, value: float, reading: Reading) -> None:
+def test_one_threshold(when: str, clear: str, value: float, reading: AlertReading) -> None:
     if reading is MISSING:
         with pytest.raises(ValueError, match="needs a unit"):
             read(when, clear, battery=value)

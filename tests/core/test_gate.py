@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from rosic.core.common_start import TOO_LATE_NS
-from rosic.core.gate import Gate
 from rosic.core.identity import command_id
 from rosic.core.order import Order, Permit, Stop
-from rosic.core.skill import Skill, SkillClass
+from rosic.core.order_gate import OrderGate
+from rosic.core.robot.skill import Skill, SkillClass
+from rosic.core.synchronised_start import TOO_LATE_NS
 from rosic.errors import OrderVoid
 
 MOVE = Skill(id="move")
@@ -48,7 +48,7 @@ def order(
     return Order(command_id(str(n)), "r", skill, {}, n, deadline_ns, expires_ns, permit)
 
 
-def passes(gate: Gate, given_order: Order) -> bool:
+def passes(gate: OrderGate, given_order: Order) -> bool:
     try:
         gate.pass_order(given_order, NOW_NS, WALL_NS)
     except OrderVoid:
@@ -59,7 +59,7 @@ def passes(gate: Gate, given_order: Order) -> bool:
 @settings(max_examples=1_000, deadline=None)
 @given(events)
 def test_no_history_lets_a_wrong_order_act(history: list[tuple[object, ...]]) -> None:
-    gate = Gate.new("r")
+    gate = OrderGate.new("r")
     acted: list[int] = []
     fences, stops, latched = [0], [0], False
     for event in history:
@@ -87,11 +87,11 @@ def test_no_history_lets_a_wrong_order_act(history: list[tuple[object, ...]]) ->
 
 
 def test_a_good_order_passes() -> None:
-    assert passes(Gate.new("r"), order(1, 1, 0, NOW_NS))
+    assert passes(OrderGate.new("r"), order(1, 1, 0, NOW_NS))
 
 
 def test_looking_needs_no_lease_and_is_allowed_while_stopped_but_not_too_late() -> None:
-    gate = Gate("r", n=0, fence=5, generation=0, latched=False)
+    gate = OrderGate("r", n=0, fence=5, generation=0, latched=False)
     assert passes(gate, order(1, 0, 0, NOW_NS, LOOK))
     assert not passes(gate, order(2, 0, 0, NOW_NS - 1, LOOK))
     gate.apply_stop(Stop("r", 1))
@@ -100,11 +100,11 @@ def test_looking_needs_no_lease_and_is_allowed_while_stopped_but_not_too_late() 
 
 
 def test_an_order_for_another_robot_is_void() -> None:
-    assert not passes(Gate.new("q"), order(1, 1, 0, NOW_NS))
+    assert not passes(OrderGate.new("q"), order(1, 1, 0, NOW_NS))
 
 
 def test_what_was_ordered_before_a_stop_does_not_go_on_after_the_resume() -> None:
-    gate = Gate.new("r")
+    gate = OrderGate.new("r")
     before = order(1, 1, 0, NOW_NS)
     gate.pass_order(before, NOW_NS, WALL_NS)
     assert gate.still_allows(before)
@@ -116,14 +116,14 @@ def test_what_was_ordered_before_a_stop_does_not_go_on_after_the_resume() -> Non
 
 
 def test_looking_goes_on_through_a_stop() -> None:
-    gate = Gate.new("r")
+    gate = OrderGate.new("r")
     looking = order(1, 1, 0, NOW_NS, LOOK)
     gate.apply_stop(Stop("r", 1))
     assert gate.still_allows(looking)
 
 
 def test_the_same_stop_again_latches_nothing_that_was_resumed() -> None:
-    gate = Gate.new("r")
+    gate = OrderGate.new("r")
     gate.apply_stop(Stop("r", 1))
     gate.resume(1)
     gate.apply_stop(Stop("r", 1))
@@ -141,11 +141,11 @@ def test_what_is_too_late_is_told_for_what(late_ns: int, why: str) -> None:
     began_ns = NOW_NS - TOO_LATE_NS - 1
     together = replace(order(1, 1, 0, NOW_NS - late_ns), start_ns=began_ns)
     with pytest.raises(OrderVoid) as void:
-        Gate.new("r").pass_order(together, NOW_NS, WALL_NS, together=True)
+        OrderGate.new("r").pass_order(together, NOW_NS, WALL_NS, together=True)
     assert str(void.value) == why
 
 
 def test_a_new_gate_has_seen_nothing() -> None:
-    gate = Gate.new("r")
+    gate = OrderGate.new("r")
     assert (gate.robot, gate.n, gate.fence, gate.generation) == ("r", 0, 0, 0)
     assert not gate.latched

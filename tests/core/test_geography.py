@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.core.geography import FARTHEST_M, GeographicFrame, TooFar, local_m
+from rosic.core.robot.geography import FARTHEST_M, GeographicFrame, TooFar, local_m
 
 # Lengths of a hundredth of a degree on WGS 84, in metres: of latitude, of longitude.
 KNOWN = {0: (1105.74, 1113.19), 45: (1111.32, 788.47), 60: (1114.12, 558.00)}

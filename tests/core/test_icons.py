@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.core import words
-from rosic.core.skill import Skill
+from rosic.core import messages
+from rosic.core.robot.skill import Skill
 
 
 @pytest.mark.parametrize("icon", ["🦾", "⚙️", "👋🏽", "🧑‍🔧", "🏠"])
 def test_one_sign_stands_before_the_name(icon: str) -> None:
     skill = Skill(id="wave_hand", icon=icon)
-    assert words.button_label(skill) == f"{icon} Wave hand"
-    assert words.label(skill) == "Wave hand", "where it is no button it is a name"
+    assert messages.button_label(skill) == f"{icon} Wave hand"
+    assert messages.label(skill) == "Wave hand", "where it is no button it is a name"
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rosic.core.lease import Lease
-from rosic.core.rate import Bucket, RateLimit
+from rosic.core.rate_limit import Bucket, RateLimit
 
 IDLE_NS = 10
 S = 1_000_000_000

@@ -6,9 +6,9 @@ import gettext
 
 import pytest
 
-from rosic.app.languages import catalogue
-from rosic.core.measures import measured
-from rosic.core.saying import Imperial, Sentence, in_language, joined, said, said_n
+from rosic.config.translations import catalogue
+from rosic.core.i18n import Imperial, Sentence, in_language, joined, said, said_n
+from rosic.core.units import measured
 
 GERMAN = {
     "{robot} is free.": "{robot} ist frei.",

@@ -1,10 +1,10 @@
-"""What a scope may look like; what it reaches is in ``tests/core/rights``."""
+"""What a scope may look like; what it reaches is in ``tests/core/policy``."""
 
 from __future__ import annotations
 
 import pytest
 
-from rosic.core.authority import Scope
+from rosic.core.policy.authority import Scope
 
 
 @pytest.mark.parametrize(

@@ -3,16 +3,16 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from rosic.core.civil import Local
-from rosic.core.record import Fact
-from rosic.core.slot import SERIES, SLOT, Pattern, Series, Slot, read_fact
+from rosic.core.local_time import LocalTime
+from rosic.core.records import Fact
+from rosic.core.slot import SERIES, SLOT, BookedSlot, Pattern, Series, read_fact
 
 START_NS = 1_795_000_000_000_000_000
 HOUR_NS = 3_600_000_000_000
 
 
-def a_slot(start_ns: int = START_NS, end_ns: int = START_NS + HOUR_NS) -> Slot:
-    return Slot(
+def a_slot(start_ns: int = START_NS, end_ns: int = START_NS + HOUR_NS) -> BookedSlot:
+    return BookedSlot(
         id="s1", principal="p1", robot="kuka1", start_ns=start_ns, end_ns=end_ns, made_ns=1, by="p1"
     )
 
@@ -20,12 +20,12 @@ def a_slot(start_ns: int = START_NS, end_ns: int = START_NS + HOUR_NS) -> Slot:
 def test_a_slot_is_what_was_written_down() -> None:
     fact = a_slot().fact()
     assert (fact.kind, fact.key, fact.letter) == (SLOT, "s1", None)
-    assert read_fact(fact, Slot) == a_slot()
+    assert read_fact(fact, BookedSlot) == a_slot()
     assert a_slot().no_more() == Fact(kind=SLOT, key="s1", body=b"")
 
 
 def test_a_series_is_what_was_written_down() -> None:
-    pattern = Pattern(Local(2026, 11, 24, 14), 3600, "FREQ=WEEKLY;COUNT=3", "Europe/Vienna")
+    pattern = Pattern(LocalTime(2026, 11, 24, 14), 3600, "FREQ=WEEKLY;COUNT=3", "Europe/Vienna")
     series = Series(id="r1", principal="p1", robot="kuka1", pattern=pattern, made_ns=1, by="p2")
     assert series.fact().kind == SERIES
     assert read_fact(series.fact(), Series) == series
@@ -50,10 +50,10 @@ def test_no_other_slot_can_be_made_or_read(start_ns: int, end_ns: int) -> None:
         msgspec.structs.asdict(a_slot()) | {"start_ns": start_ns, "end_ns": end_ns}
     )
     with pytest.raises(ValueError, match="ends after it starts"):
-        read_fact(Fact(kind=SLOT, key="s1", body=body), Slot)
+        read_fact(Fact(kind=SLOT, key="s1", body=body), BookedSlot)
 
 
 @pytest.mark.parametrize("body", [b"\xc1", b"\x80", b"nonsense"])
 def test_what_is_no_slot_is_not_read(body: bytes) -> None:
     with pytest.raises(ValueError, match=r"."):
-        read_fact(Fact(kind=SLOT, key="s1", body=body), Slot)
+        read_fact(Fact(kind=SLOT, key="s1", body=body), BookedSlot)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.core.robot import Link, Presence, Profile
-from rosic.core.words import status_line
+from rosic.core.messages import status_line
+from rosic.core.robot.profile import Link, Presence, Profile
 
 AGV = Profile(id="agv", link=Link(kind="ros2", namespace="/agv"))
 

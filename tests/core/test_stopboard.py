@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from rosic.core.stopboard import StopBoard, not_known_yet
+from rosic.core.stop_registry import StopRegistry, not_known_yet
 
 
-def board() -> StopBoard:
-    return StopBoard(["omni", "kuka1", "cf1"], {"kuka1": (4, True)}, not_known_yet())
+def board() -> StopRegistry:
+    return StopRegistry(["omni", "kuka1", "cf1"], {"kuka1": (4, True)}, not_known_yet())
 
 
 def test_it_begins_with_what_was_found_and_nobody_stopped_in_this_run() -> None:
@@ -15,7 +15,7 @@ def test_it_begins_with_what_was_found_and_nobody_stopped_in_this_run() -> None:
     assert (stops["kuka1"].generation, stops["omni"].generation) == (4, 0)
     assert {entry.at_ns for entry in stops.values()} == {0}
     assert stops.newest() == (4, "")
-    assert StopBoard([], {}, not_known_yet()).newest() == (0, "")
+    assert StopRegistry([], {}, not_known_yet()).newest() == (0, "")
     assert stops.barred("omni") is not None, "until it is known what may be resumed, nothing is"
     stops.barred.bind(lambda _robot: None)
     assert stops.barred("omni") is None

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
-from rosic.core.robot import Presence, Profile
+from rosic.core.order import Ending, Order, Outcome, Rest, Stage, StageReport, Stop
+from rosic.core.robot.profile import Presence, Profile
 from rosic.errors import ConfigurationError, RobotUnreachable
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
-    from rosic.core.gate import Gate
+    from rosic.core.order_gate import OrderGate
 
 PORT = "ROSIC_TEST_COUNTER_PORT"
 PATIENCE_S = 1.0
@@ -59,7 +59,7 @@ class CountingRobot:
 
     stops_itself = True  # its counter is told of every stop, and answers
 
-    def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
+    def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
         self.profile = profile
         self.gate = gate
         self._clock = clock
@@ -110,7 +110,7 @@ class CountingRobot:
                 cid=cid, n=order.n, fence=permit.fence, skill=order.skill.id,
             )
         )  # fmt: skip
-        tell(Report(Stage.SENT))
+        tell(StageReport(Stage.SENT))
         self._doing = order.skill.id
         self._halted.clear()
         try:
@@ -124,8 +124,8 @@ class CountingRobot:
             answer = await asyncio.wait_for(coming, PATIENCE_S)
         except TimeoutError:
             raise RobotUnreachable(f"{self.profile.shown} has not answered.") from None
-        tell(Report(Stage.RECEIVED))
-        tell(Report(Stage.RUNNING, 0.5))
+        tell(StageReport(Stage.RECEIVED))
+        tell(StageReport(Stage.RUNNING, 0.5))
         with suppress(TimeoutError):
             await asyncio.wait_for(self._halted.wait(), answer.work_s)
         if not self.gate.still_allows(order):

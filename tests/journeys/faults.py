@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.app.builder import latch_of, parts_of, secrets_of, settings_of
 from rosic.app.closing import close_in_time
 from rosic.app.config import load_config
 from rosic.app.face import face_of
-from rosic.app.gateway import Gateway, Parts
-from rosic.app.logs import log_to_standard_error
-from rosic.app.start import latch_of, parts_of, secrets_of, settings_of
-from rosic.core.record import Claimed, Concluded, Memory, Record, Refused
+from rosic.app.gateway import Gateway, GatewayParts
+from rosic.app.logging import log_to_standard_error
+from rosic.core.records import Claimed, Concluded, Memory, Record, Refused
 from rosic.errors import Repeated
 from rosic.system import SystemClock, SystemEntropy
 
@@ -109,7 +109,7 @@ async def serve(config_file: str, wicked: Callable[[Store], Store]) -> None:
     config, clock = load_config(config_file), SystemClock()
     log_to_standard_error(config.log_level.value, face_of(), secrets_of(config))
     latch = latch_of(config)
-    parts: Parts = parts_of(config, latch, clock, SystemEntropy())
+    parts: GatewayParts = parts_of(config, latch, clock, SystemEntropy())
     parts = msgspec.structs.replace(parts, store=wicked(parts.store))
     gateway = Gateway(settings_of(config), parts)
     ended = asyncio.Event()

@@ -32,7 +32,7 @@ WARM = (
     "rosic.cli.run",
     "rosic.messengers.telegram",
     "rosic.robots.memory",
-    "rosic.robots.simulated.robot",
+    "rosic_sim.robots.robot",
     "sqlalchemy.dialects.sqlite",
     "tests.journeys.counting",
 )
@@ -109,7 +109,7 @@ def _install(folder: Path) -> None:
 def _warm_up() -> None:
     for module in WARM:
         __import__(module)
-    from rosic.app.documents.profiles import known_units  # noqa: PLC0415 - after the path was set
+    from rosic.config.profiles import known_units  # noqa: PLC0415 - after the path was set
 
     known_units()
     if COLD not in sys.argv:

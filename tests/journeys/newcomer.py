@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import msgspec
 
-from rosic.testing.telegram.transcript import ENGLISH, START, App, Transcript, View, transcript
+from rosic.testing.telegram.transcript import (
+    ENGLISH,
+    START,
+    App,
+    Transcript,
+    TranscriptView,
+    transcript,
+)
 from tests.journeys.lab import Lab
 
 BOT = "Lab robots"
@@ -58,5 +65,5 @@ class Newcomer(msgspec.Struct):
     async def saw(self) -> Transcript:
         """Return the whole conversation."""
         control, chat = self.place.control, self.account
-        view = View(title=BOT, reader=chat, below="bot", app=self.app)
+        view = TranscriptView(title=BOT, reader=chat, below="bot", app=self.app)
         return transcript(await control.messages(chat), await control.presses(chat), view)

@@ -8,10 +8,10 @@ from difflib import unified_diff
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from rosic.app.languages import LANGUAGES, catalogue
-from rosic.core.civil import MONTHS, WEEKDAYS, Local
-from rosic.core.saying import in_language
-from rosic.organiser.words_calendar import clock_and_day
+from rosic.config.translations import LANGUAGES, catalogue
+from rosic.core.i18n import in_language
+from rosic.core.local_time import MONTHS, WEEKDAYS, LocalTime
+from rosic.organiser.calendar_messages import clock_and_day
 from rosic.testing.telegram.picture import draw, in_picture
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def _in_every_language(sentences: Iterable[str]) -> str:
 
 
 _WEEKDAY, _MONTH = _in_every_language(WEEKDAYS), _in_every_language(MONTHS)
-_NEXT_DAY: Final = _in_every_language([clock_and_day(Local.at(1), Local.at(0))]).replace(
+_NEXT_DAY: Final = _in_every_language([clock_and_day(LocalTime.at(1), LocalTime.at(0))]).replace(
     "00:00", ""
 )
 

@@ -6,9 +6,9 @@ import time
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
-from rosic.robots.ros2.topics import Quality
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.client.topics import TopicQos
+from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.testing.ros2.graph import RosGraph
 from tests.real.ros2.simulated import Simulated
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from pathlib import Path
 
-    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.ros2.client.rclpy_import import RosObject
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 STATUS = "action_msgs/msg/GoalStatusArray"
@@ -52,8 +52,8 @@ class Onlooker:
 
     async def listen(self, runtime: RosRuntime) -> None:
         """Subscribe."""
-        await runtime.stream("/omni/odom", ODOMETRY, self._place, Quality(depth=KEPT))
-        latched = Quality(latched=True, depth=KEPT)
+        await runtime.stream("/omni/odom", ODOMETRY, self._place, TopicQos(depth=KEPT))
+        latched = TopicQos(latched=True, depth=KEPT)
         await runtime.stream("/omni/move/_action/status", STATUS, self._status, latched)
 
     def _place(self, message: RosObject) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 
-from rosic.app.placing.painting import jpeg_drawer
-from rosic.robots.ros2.simulation import main
+from rosic.app.painting import jpeg_drawer
+from rosic_sim.ros2.simulation import main
 
 if __name__ == "__main__":
     sys.exit(main(sys.argv[1:], jpeg_drawer()))

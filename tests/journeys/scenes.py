@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from rosic.app.plays.props import FOLDER
-from rosic.robots.ros2.parameters import SET_PARAMETERS
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
+from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.testing.ros2.graph import RosGraph
+from rosic_sim.scenarios.props import FOLDER
 from tests.journeys.fleet import Person
 from tests.journeys.lab import Lab, lab
 from tests.journeys.ros import VARIABLES

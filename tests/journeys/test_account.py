@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import aiohttp
 import pytest
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.app.desk.control_client import ask_gateway
+from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.control_client import ask_gateway
 from tests.journeys.fleet import TOKEN
 from tests.journeys.lab import Lab, lab
 from tests.pace import patience

@@ -17,7 +17,7 @@ import msgspec
 import pytest
 import pytest_asyncio
 
-from rosic.pipeline.among.digests import EVERY_S
+from rosic.features.robot_to_robot.digest import EVERY_S
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
 from rosic.testing.ros2.environment import why_missing
 from rosic.testing.ros2.graph import RosGraph

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from rosic.pipeline.arrears import QUIET_S
-from rosic.stores.latch import FileLatch
+from rosic.gateway.delivery.catch_up import QUIET_S
+from rosic.stores.stop_latch import FileLatch
 from tests.journeys.fleet import ROBOTS
 from tests.journeys.lab import Lab, lab
 from tests.journeys.record import refused_as

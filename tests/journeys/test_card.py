@@ -6,9 +6,9 @@ import re
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from rosic.pipeline.livecards.drawing import PRIVATE
-from rosic.pipeline.livecards.livecards import LOOK_S
-from rosic.testing.telegram.transcript import View, transcript
+from rosic.features.dashboard.dashboards import LOOK_S
+from rosic.features.dashboard.rendering import PRIVATE
+from rosic.testing.telegram.transcript import TranscriptView, transcript
 from tests.journeys.lab import Lab, lab
 from tests.journeys.newcomer import BOT
 from tests.journeys.pictures import check_picture
@@ -170,4 +170,6 @@ def draw(messages: list[dict[str, Any]], reader: int) -> None:
         one | {"versions": one["versions"][-1:]} if STAMP.search(one["text"] or "") else one
         for one in messages
     ]
-    check_picture("card", transcript(now, [], View(title=BOT, reader=reader, below="bot")))
+    check_picture(
+        "card", transcript(now, [], TranscriptView(title=BOT, reader=reader, below="bot"))
+    )

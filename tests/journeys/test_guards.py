@@ -24,7 +24,7 @@ CONTESTED = "test_while_somebody_else_receives_nothing_moves_and_stops_work"
 GUARDS = (
     Fault(
         name="I5 a stop is queued like everything else",
-        file="pipeline/way.py",
+        file="gateway/pipeline.py",
         guard="if urgent is not None and await self._urgent.take(messenger, inbound, urgent):",
         without=(
             "if urgent is not None and not await asyncio.sleep(3.0)"
@@ -55,21 +55,21 @@ GUARDS = (
     ),
     Fault(
         name="I2 old motion is carried out",
-        file="pipeline/freshness.py",
+        file="gateway/requests.py",
         guard="if now_ns > request.deadline_ns:",
         without="if False:",
         caught_by=(f"{JOURNEYS}/test_backlog.py",),
     ),
     Fault(
         name="I2 what was sent while nobody listened is carried out",
-        file="pipeline/freshness.py",
+        file="gateway/requests.py",
         guard="if request.skill.actuates and inbound.sent_ns < inbound.listening_since_ns:",
         without="if False:",
         caught_by=(f"{JOURNEYS}/test_backlog.py",),
     ),
     Fault(
         name="I5 an older resume undoes a younger stop",
-        file="pipeline/resuming.py",
+        file="gateway/resume.py",
         guard="inbound.received_ns <= stopped_ns or inbound.sent_ns + SECOND_NS < stopped_ns:",
         without="False:",
         caught_by=(
@@ -78,28 +78,28 @@ GUARDS = (
     ),
     Fault(
         name="I17 edited and forwarded messages are accepted",
-        file="pipeline/way.py",
+        file="gateway/pipeline.py",
         guard="if inbound.standing is not FRESH:",
         without="if False:",
         caught_by=(f"{JOURNEYS}/test_inert.py",),
     ),
     Fault(
         name="I16 a button works twice",
-        file="authoriser/buttons.py",
+        file="authoriser/button_tokens.py",
         guard="        del self._bound[nonce]\n",
         without="",
         caught_by=(f"{JOURNEYS}/test_buttons.py::test_a_button_pressed_twice_acts_once",),
     ),
     Fault(
         name="I16 anybody's tap counts",
-        file="authoriser/buttons.py",
+        file="authoriser/button_tokens.py",
         guard="if bound.principal not in {principal, ANYBODY} or bound.chat != inbound.chat.id:",
         without="if False:",
         caught_by=(f"{JOURNEYS}/test_buttons.py::test_another_person_cannot_press_it",),
     ),
     Fault(
         name="I16 a button survives a gap",
-        file="authoriser/buttons.py",
+        file="authoriser/button_tokens.py",
         guard="missed = bound.issued.wall_ns < inbound.listening_since_ns and not bound.still",
         without="missed = False",
         caught_by=(
@@ -108,14 +108,14 @@ GUARDS = (
     ),
     Fault(
         name="motion goes on while somebody else receives",
-        file="messengers/telegram/listening.py",
+        file="messengers/telegram/polling_gap.py",
         guard="        self._freeze()\n        self._calm_from_ns",
         without="        self._calm_from_ns",
         caught_by=(f"{JOURNEYS}/test_account.py::{CONTESTED}",),
     ),
     Fault(
         name="a revocation is kept in memory only",
-        file="pipeline/changes.py",
+        file="gateway/transactions.py",
         guard=(
             "            await self._store.write(*records)\n"
             "        except StoreFault as fault:\n            raise RecordUnavailable("
@@ -128,21 +128,21 @@ GUARDS = (
     ),
     Fault(
         name="L1 an order that was refused after its claim is not told after a kill",
-        file="pipeline/recovery.py",
+        file="gateway/recovery.py",
         guard="if life.robot:",
         without='if life.ending != "refused":',
         caught_by=(SIXTY,),
     ),
     Fault(
         name="I7 robots that were commanded together are told of one by one after a kill",
-        file="pipeline/recovery.py",
+        file="gateway/recovery.py",
         guard="    before = cards.setdefault(key, told)\n",
         without="    key = life.cid\n    before = cards.setdefault(key, told)\n",
         caught_by=(SIXTY,),
     ),
     Fault(
         name="I7 a group's command that was claimed is told to be refused after a kill",
-        file="pipeline/requesting.py",
+        file="gateway/requesting.py",
         guard="robot_command_id(cid, robot) if requests else cid,",
         without="robot_command_id(cid, robot),",
         caught_by=(f"{JOURNEYS}/test_given_again.py",),

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import pytest
 import yaml
 
-from rosic.app.documents.profiles import shipped_profiles
+from rosic.config.profiles import shipped_profiles
 from tests.journeys.lab import Lab, lab
 
 if TYPE_CHECKING:

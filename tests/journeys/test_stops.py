@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.stores.latch import FileLatch
+from rosic.stores.stop_latch import FileLatch
 from tests.journeys.lab import Lab, lab
 from tests.journeys.record import settled
 from tests.pace import patience

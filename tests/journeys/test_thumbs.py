@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import yaml
 
-from rosic.app.documents.profiles import shipped_profiles
-from rosic.pipeline.alerts.placed import TOLD
+from rosic.config.profiles import shipped_profiles
+from rosic.features.alerts.active_alerts import TOLD
 from tests.journeys.lab import Lab, lab
 from tests.journeys.record import ask_record
 

@@ -19,89 +19,90 @@ class Module(msgspec.Struct, frozen=True):
     tests: tuple[str, ...]
 
 
-PIPELINE = "tests/rooms/pipeline"
-STORES = "tests/rooms/stores"
+PIPELINE = "tests/gateway"
+STORES = "tests/stores"
 
 RIGHTS = tuple(
-    f"tests/core/rights/test_{name}.py"
+    f"tests/core/policy/test_{name}.py"
     for name in ("answers", "decision", "exhaustive", "limits", "mistakes", "oracle", "rights")
 )
 
 MODULES = (
-    Module("gate", "core/gate.py", (
-        "tests/core/test_gate.py", "tests/rooms/robots/test_common_start.py",
+    Module("gate", "core/order_gate.py", (
+        "tests/core/test_gate.py", "tests/robots/test_common_start.py",
     )),
-    Module("stop board", "core/stopboard.py", (
-        "tests/core/test_stopboard.py", "tests/rooms/test_linker.py",
-        f"{PIPELINE}/test_stopping.py", f"{PIPELINE}/test_stops_meet.py",
-        f"{PIPELINE}/test_set_back.py", f"{PIPELINE}/test_fleet.py",
+    Module("stop board", "core/stop_registry.py", (
+        "tests/core/test_stopboard.py", "tests/linker/test_linker.py",
+        "tests/gateway/test_stopping.py", "tests/gateway/test_stops_meet.py",
+        "tests/gateway/test_set_back.py", "tests/features/fleet/test_fleet.py",
     )),
     Module("linker", "linker/linker.py", (
-        "tests/rooms/test_linker.py", "tests/rooms/test_mailbox.py",
-        f"{PIPELINE}/test_stopping.py", f"{PIPELINE}/test_stops_meet.py",
-        f"{PIPELINE}/test_between.py", f"{PIPELINE}/test_replacing.py",
-        "tests/rooms/test_pursuit.py", f"{PIPELINE}/test_stop_pursued.py",
+        "tests/linker/test_linker.py", "tests/linker/test_mailbox.py",
+        "tests/gateway/test_stopping.py", "tests/gateway/test_stops_meet.py",
+        "tests/gateway/test_between.py", "tests/gateway/test_replacing.py",
+        "tests/linker/test_pursuit.py", "tests/gateway/test_stop_pursued.py",
     )),
     Module("stop pursuit", "linker/pursuit.py", (
-        "tests/rooms/test_pursuit.py", f"{PIPELINE}/test_stop_pursued.py",
+        "tests/linker/test_pursuit.py", "tests/gateway/test_stop_pursued.py",
     )),
-    Module("mailbox", "linker/mailbox.py", (
-        "tests/rooms/test_mailbox.py", "tests/rooms/test_linker.py",
-        f"{PIPELINE}/test_waited.py",
-        f"{PIPELINE}/test_replacing.py",
+    Module("mailbox", "linker/robot_queue.py", (
+        "tests/linker/test_mailbox.py", "tests/linker/test_linker.py",
+        "tests/gateway/test_waited.py",
+        "tests/gateway/test_replacing.py",
     )),
-    Module("latch", "stores/latch.py", (
-        f"{STORES}/test_latch.py", f"{STORES}/test_latch_places.py",
-        f"{STORES}/test_overwritten.py", "tests/conformance/test_stores.py",
-        "tests/rooms/test_linker.py",
+    Module("latch", "stores/stop_latch.py", (
+        "tests/stores/test_latch.py", "tests/stores/test_latch_places.py",
+        "tests/stores/test_overwritten.py", "tests/conformance/test_stores.py",
+        "tests/linker/test_linker.py",
     )),
-    Module("stop file", "stores/slots.py", (f"{STORES}/test_latch.py",)),
-    Module("write thread", "stores/lane.py", (
-        f"{STORES}/test_lane.py", f"{STORES}/test_trouble.py", f"{STORES}/test_latch.py",
+    Module("stop file", "stores/slots.py", ("tests/stores/test_latch.py",)),
+    Module("write thread", "stores/write_thread.py", (
+        "tests/stores/test_lane.py", "tests/stores/test_trouble.py", "tests/stores/test_latch.py",
     )),
     Module("writer", "stores/writer.py", (
-        f"{STORES}/test_reconnecting.py", f"{STORES}/test_lost_record.py",
-        f"{STORES}/test_trouble.py", f"{STORES}/test_opening.py", f"{STORES}/test_decisions.py",
-        f"{STORES}/test_sealing.py", f"{STORES}/test_overwritten.py",
-        f"{STORES}/test_parts_of_records.py", "tests/conformance/test_stores.py",
+        "tests/stores/test_reconnecting.py", "tests/stores/test_lost_record.py",
+        "tests/stores/test_trouble.py", "tests/stores/test_opening.py",
+        "tests/stores/test_decisions.py",
+        "tests/stores/test_sealing.py", "tests/stores/test_overwritten.py",
+        "tests/stores/test_parts_of_records.py", "tests/conformance/test_stores.py",
         "tests/app/test_retention.py",
     )),
-    Module("root key", "stores/rootkey.py", (
-        f"{STORES}/test_rootkey.py", f"{STORES}/test_opening.py",
+    Module("root key", "stores/root_key.py", (
+        "tests/stores/test_rootkey.py", "tests/stores/test_opening.py",
     )),
-    Module("rights", "core/rights.py", RIGHTS),
-    Module("decision", "core/decision.py", RIGHTS),
-    Module("limits", "core/limits.py", RIGHTS),
-    Module("tables of rights", "core/tables.py", RIGHTS),
-    Module("consent", "pipeline/consent.py", (
-        f"{PIPELINE}/test_second_person.py", f"{PIPELINE}/test_rights.py",
-        f"{PIPELINE}/test_turned_away.py", f"{PIPELINE}/test_agreed_acts.py",
-        f"{PIPELINE}/test_withdrawing.py",
+    Module("rights", "core/policy/permissions.py", RIGHTS),
+    Module("decision", "core/policy/evaluate.py", RIGHTS),
+    Module("limits", "core/policy/limits.py", RIGHTS),
+    Module("tables of rights", "core/policy/compiled.py", RIGHTS),
+    Module("consent", "gateway/confirmation.py", (
+        "tests/gateway/test_second_person.py", "tests/gateway/test_rights.py",
+        "tests/gateway/test_turned_away.py", "tests/gateway/test_agreed_acts.py",
+        "tests/gateway/test_withdrawing.py",
     )),
-    Module("agreements", "pipeline/agreement.py", (
-        f"{PIPELINE}/test_agreements.py", f"{PIPELINE}/test_agreed_acts.py",
-        f"{PIPELINE}/test_second_person.py", f"{PIPELINE}/test_end_buttons.py",
+    Module("agreements", "gateway/agreement.py", (
+        "tests/gateway/test_agreements.py", "tests/gateway/test_agreed_acts.py",
+        "tests/gateway/test_second_person.py", "tests/gateway/test_end_buttons.py",
     )),
-    Module("buttons", "authoriser/buttons.py", (
-        "tests/rooms/authoriser/test_buttons.py", f"{PIPELINE}/test_buttons.py",
-        "tests/rooms/test_authoriser.py",
-        f"{PIPELINE}/test_retracting.py", f"{PIPELINE}/test_end_buttons.py",
+    Module("buttons", "authoriser/button_tokens.py", (
+        "tests/authoriser/test_buttons.py", "tests/gateway/test_buttons.py",
+        "tests/authoriser/test_authoriser.py",
+        "tests/gateway/test_retracting.py", "tests/gateway/test_end_buttons.py",
     )),
-    Module("enrolment", "authoriser/enrolment.py", ("tests/rooms/authoriser",)),
+    Module("enrolment", "authoriser/enrolment.py", ("tests/authoriser",)),
     Module("guessing", "authoriser/guessing.py", (
-        "tests/rooms/authoriser/test_guess_limits.py", "tests/rooms/authoriser/test_guessing.py",
+        "tests/authoriser/test_guess_limits.py", "tests/authoriser/test_guessing.py",
     )),
-    Module("Telegram listener", "messengers/telegram/listener.py", (
-        "tests/rooms/messengers/test_listener.py",
-        "tests/rooms/messengers/test_listener_trouble.py",
-        "tests/rooms/messengers/test_reading.py",
+    Module("Telegram listener", "messengers/telegram/polling.py", (
+        "tests/messengers/test_listener.py",
+        "tests/messengers/test_listener_trouble.py",
+        "tests/messengers/test_reading.py",
     )),
     Module("Telegram reading", "messengers/telegram/reading.py", (
-        "tests/rooms/messengers/test_listener.py",
-        "tests/rooms/messengers/test_listener_trouble.py",
-        "tests/rooms/messengers/test_reading.py",
+        "tests/messengers/test_listener.py",
+        "tests/messengers/test_listener_trouble.py",
+        "tests/messengers/test_reading.py",
     )),
-    Module("Telegram listening", "messengers/telegram/listening.py", (
-        "tests/rooms/messengers/test_listening.py",
+    Module("Telegram listening", "messengers/telegram/polling_gap.py", (
+        "tests/messengers/test_listening.py",
     )),
 )  # fmt: skip

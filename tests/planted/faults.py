@@ -6,26 +6,33 @@ fail because of it. The product itself has no switch for any of this.
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import msgspec
 
-WAY = "tests/rooms/pipeline/test_way.py"
-STOPPING = "tests/rooms/pipeline/test_stopping.py"
-BUTTONS = "tests/rooms/pipeline/test_buttons.py"
-EDGES = "tests/rooms/pipeline/test_edges.py"
-RIGHTS = "tests/rooms/pipeline/test_rights.py"
-ONE_LEASE = "tests/rooms/pipeline/test_one_lease.py"
-TURNED_AWAY = "tests/rooms/pipeline/test_turned_away.py"
-REDEEMERS = "tests/rooms/pipeline/test_redeemers.py"
-WRONG = "tests/rooms/pipeline/test_wrong_rights_and_times.py"
-ISOLATION = "tests/rooms/pipeline/test_isolation.py"
+WAY = "tests/gateway/test_way.py"
+STOPPING = "tests/gateway/test_stopping.py"
+BUTTONS = "tests/gateway/test_buttons.py"
+EDGES = "tests/gateway/test_edges.py"
+RIGHTS = "tests/gateway/test_rights.py"
+ONE_LEASE = "tests/gateway/test_one_lease.py"
+TURNED_AWAY = "tests/gateway/test_turned_away.py"
+REDEEMERS = "tests/gateway/test_redeemers.py"
+WRONG = "tests/gateway/test_wrong_rights_and_times.py"
+ISOLATION = "tests/gateway/test_isolation.py"
 GATE = "tests/core/test_gate.py"
+
+
+def place(file: str) -> Path:
+    """Return where a file of a fault is, below ``src``."""
+    return Path(file) if file.startswith("rosic_sim/") else Path("rosic", file)
 
 
 class Fault(msgspec.Struct, frozen=True, kw_only=True):
     """One planted fault.
 
     Attributes:
-        file: Below ``src/rosic``.
+        file: Below ``src/rosic``, or below ``src`` where that begins with ``rosic_sim``.
         guard: The text that is there, exactly once.
         without: What stands there instead.
         caught_by: Ids of tests of which at least one must fail.
@@ -48,7 +55,7 @@ FAULTS = (
     ),
     Fault(
         name="I1 the order number is ignored at the robot",
-        file="core/gate.py",
+        file="core/order_gate.py",
         guard="if order.n <= self.n:",
         without="if False:",
         caught_by=(
@@ -58,21 +65,21 @@ FAULTS = (
     ),
     Fault(
         name="I2 expiry ignored at admission and at the robot",
-        file="pipeline/freshness.py",
+        file="gateway/requests.py",
         guard="if now_ns > request.deadline_ns:",
         without="if False:",
         caught_by=(f"{WAY}::test_motion_older_than_its_lifetime_expires",),
     ),
     Fault(
         name="I2 expiry ignored at the robot",
-        file="core/gate.py",
+        file="core/order_gate.py",
         guard="late = now_ns > order.deadline_ns or wall_ns > order.expires_ns",
         without="late = False",
         caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
     ),
     Fault(
         name="I4 fence ignored",
-        file="core/gate.py",
+        file="core/order_gate.py",
         guard="if permit.fence < self.fence:",
         without="if False:",
         caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
@@ -86,21 +93,21 @@ FAULTS = (
     ),
     Fault(
         name="I5 a stop is not latched at the robot",
-        file="core/gate.py",
+        file="core/order_gate.py",
         guard="            self.latched = True\n",
         without="",
         caught_by=(f"{STOPPING}::test_a_named_stop_stops_only_those",),
     ),
     Fault(
         name="I5 stop generation ignored",
-        file="core/gate.py",
+        file="core/order_gate.py",
         guard="if self.latched or permit.stop_generation < self.generation:",
         without="if self.latched:",
         caught_by=(f"{GATE}::test_no_history_lets_a_wrong_order_act",),
     ),
     Fault(
         name="I5 a stop is queued like everything else",
-        file="pipeline/way.py",
+        file="gateway/pipeline.py",
         guard="if urgent is not None and await self._urgent.take(messenger, inbound, urgent):",
         without=(
             "if urgent is not None:\n            await self._turns.take(inbound.chat)\n"
@@ -122,7 +129,7 @@ FAULTS = (
         without=":",
         caught_by=(
             f"{WAY}::test_a_right_that_ends_while_an_order_waits_is_asked_again",
-            "tests/rooms/test_mailbox.py",
+            "tests/linker/test_mailbox.py",
         ),
     ),
     Fault(
@@ -143,7 +150,7 @@ FAULTS = (
     ),
     Fault(
         name="I10 a stop waits for the record",
-        file="pipeline/stopping.py",
+        file="gateway/stop.py",
         guard="        halting = self.stop_robots(robots, by, own_of(by) if by else ())\n",
         without=(
             "        await self._store.write(Stopped(robot=robots[0], generation=0, principal=by,"
@@ -181,35 +188,35 @@ FAULTS = (
     ),
     Fault(
         name="I16 a button works twice",
-        file="authoriser/buttons.py",
+        file="authoriser/button_tokens.py",
         guard="        if bound.principal != ANYBODY:\n            del self._bound[nonce]\n",
         without="",
         caught_by=(f"{BUTTONS}::test_a_button_works_once",),
     ),
     Fault(
         name="I16 anybody's tap counts",
-        file="authoriser/buttons.py",
+        file="authoriser/button_tokens.py",
         guard="if bound.principal not in {principal, ANYBODY} or bound.chat != inbound.chat.id:",
         without="if False:",
         caught_by=(f"{BUTTONS}::test_another_persons_tap_does_nothing_and_uses_nothing_up",),
     ),
     Fault(
         name="I16 a button survives a gap",
-        file="authoriser/buttons.py",
+        file="authoriser/button_tokens.py",
         guard="missed = bound.issued.wall_ns < inbound.listening_since_ns and not bound.still",
         without="missed = False",
         caught_by=(f"{BUTTONS}::test_a_button_is_dead_after_a_gap_in_listening",),
     ),
     Fault(
         name="I17 edited and forwarded messages are accepted",
-        file="pipeline/way.py",
+        file="gateway/pipeline.py",
         guard="if inbound.standing is not FRESH:",
         without="if False:",
         caught_by=(f"{WAY}::test_what_is_not_fresh_changes_nothing",),
     ),
     Fault(
         name="a backlog moves robots",
-        file="pipeline/freshness.py",
+        file="gateway/requests.py",
         guard="if request.skill.actuates and inbound.sent_ns < inbound.listening_since_ns:",
         without="if False:",
         caught_by=(f"{WAY}::test_what_was_sent_while_nobody_listened_moves_nothing",),
@@ -223,7 +230,7 @@ FAULTS = (
     ),
     Fault(
         name="after a crash a robot in doubt moves on",
-        file="pipeline/recovery.py",
+        file="gateway/recovery.py",
         guard="if exists(life.robot):",
         without="if False:",
         caught_by=(
@@ -232,14 +239,14 @@ FAULTS = (
     ),
     Fault(
         name="I5 an older resume undoes a younger stop",
-        file="pipeline/resuming.py",
+        file="gateway/resume.py",
         guard="if inbound.received_ns <= stopped_ns or inbound.sent_ns + SECOND_NS < stopped_ns:",
         without="if False:",
         caught_by=(f"{STOPPING}::test_a_resume_that_a_later_stop_overtook_undoes_nothing",),
     ),
     Fault(
         name="I7 an ending is told before it is on disk",
-        file="pipeline/lives.py",
+        file="gateway/order_execution.py",
         guard="conclude(life.order, outcome, life.words, at_ns, life.concluded)",
         without=(
             "conclude(life.order, outcome, life.words, at_ns, lambda: None)"
@@ -249,17 +256,17 @@ FAULTS = (
     ),
     Fault(
         name="I5 what waited over a stop moves after the resume",
-        file="pipeline/requesting.py",
+        file="gateway/requesting.py",
         guard=(
             "if inbound.received_ns <= stopped.at_ns and not stopped.latched "
             "and request.skill.actuates:"
         ),
         without="if False:",
-        caught_by=("tests/rooms/pipeline/test_waited.py",),
+        caught_by=("tests/gateway/test_waited.py",),
     ),
     Fault(
         name="L1 a message that shows an ending is not on disk before it does",
-        file="pipeline/telling.py",
+        file="gateway/delivery/sender.py",
         guard="if card.ending:",
         without="if card.untold:",
         caught_by=(f"{EDGES}::test_a_message_is_on_disk_before_it_shows_an_ending",),
@@ -275,28 +282,28 @@ FAULTS = (
     ),
     Fault(
         name="L1 an order is cut off before its first step",
-        file="pipeline/lives.py",
+        file="gateway/order_execution.py",
         guard="server.task is not None and begun:",
         without="server.task is not None:",
         caught_by=(f"{EDGES}::test_an_order_that_has_not_begun_when_the_gateway_closes_is_told",),
     ),
     Fault(
         name="L1 a life that nobody can be told of takes room for ever",
-        file="pipeline/recovery.py",
+        file="gateway/recovery.py",
         guard="self._let_go(life)  # erased with its container: there is nobody to tell",
         without="pass",
         caught_by=(f"{EDGES}::test_a_life_that_nobody_can_be_told_of_is_closed_at_the_next_start",),
     ),
     Fault(
         name="I8 a lock keeps nobody out",
-        file="pipeline/way.py",
+        file="gateway/pipeline.py",
         guard="            self._rooms.organiser.check_unlocked(caller)\n",
         without="",
         caught_by=(RIGHTS,),
     ),
     Fault(
         name="I8 what somebody locked out moves goes on",
-        file="app/placing/authority.py",
+        file="app/policy.py",
         guard="if locked or gone or lost:",
         without="if gone or lost:",
         caught_by=(RIGHTS,),
@@ -338,14 +345,14 @@ FAULTS = (
     ),
     Fault(
         name="a phone's code is good twice",
-        file="authoriser/stepup.py",
+        file="authoriser/two_factor.py",
         guard="[step for step in steps if step > self._last_step(principal)]",
         without="list(steps)",
         caught_by=(TURNED_AWAY,),
     ),
     Fault(
         name="nobody counts taps on somebody else's button",
-        file="authoriser/buttons.py",
+        file="authoriser/button_tokens.py",
         guard='            self._count("button-other")\n',
         without="",
         caught_by=(TURNED_AWAY,),
@@ -359,14 +366,14 @@ FAULTS = (
     ),
     Fault(
         name="I11 what somebody keeps can be read without being let",
-        file="container/shelf.py",
+        file="container/shared_data.py",
         guard="return reader == owner or self._sees_robot(reader, owner)",
         without="return True",
         caught_by=(ISOLATION,),
     ),
     Fault(
         name="a lock waits for the disk",
-        file="pipeline/changes.py",
+        file="gateway/transactions.py",
         guard=(
             "        self._apply(records)\n        try:\n"
             "            await self._store.write(*records)\n"
@@ -379,7 +386,7 @@ FAULTS = (
     ),
     Fault(
         name="changes are made side by side, and two come in by one code",
-        file="pipeline/changes.py",
+        file="gateway/transactions.py",
         guard="        async with self._one:\n            yield",
         without="        if True:\n            yield",
         caught_by=(REDEEMERS,),

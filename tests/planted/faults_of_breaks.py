@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-STILL = "tests/robots/test_standing_still.py"
-AFTER = "tests/rooms/pipeline/test_after_a_break.py"
-AWAY = "tests/rooms/pipeline/test_absences.py"
+STILL = "tests/rosic_sim/test_standing_still.py"
+AFTER = "tests/gateway/test_after_a_break.py"
+AWAY = "tests/features/alerts/test_absences.py"
 DEAD_MAN = "tests/core/test_deadman.py"
 
-PURSUED = "tests/rooms/test_pursuit.py"
+PURSUED = "tests/linker/test_pursuit.py"
 FROZEN = "tests/real/ros2/test_frozen_goal.py"
 HALVES = "tests/real/ros2/test_halves.py"
-MOVES = "tests/rooms/pipeline/test_broken_stops.py"
-REBIRTHS = "tests/robots/test_rebirths.py"
+MOVES = "tests/gateway/test_broken_stops.py"
+REBIRTHS = "tests/rosic_sim/test_rebirths.py"
 
 OF_BREAKS = (
     Fault(
@@ -125,7 +125,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I6 simulated machines go on while this process stands still",
-        file="robots/simulated/theatre.py",
+        file="rosic_sim/robots/theatre.py",
         guard="            self._lose_links(now_s)\n",
         without="",
         caught_by=(
@@ -135,21 +135,21 @@ OF_BREAKS = (
     ),
     Fault(
         name="I6 what waits behind a broken motion begins",
-        file="pipeline/lives.py",
+        file="gateway/order_execution.py",
         guard="            self._linker.void(life.order.robot, AFTER_A_BREAK)",
         without="            pass",
         caught_by=(f"{AFTER}::test_what_waits_behind_a_motion_that_was_broken_off_is_not_done",),
     ),
     Fault(
         name="I6 a task is begun again after ROSIC stood still",
-        file="pipeline/fleet/attempting.py",
+        file="features/fleet/attempt.py",
         guard="    if outcome.code == STOOD_STILL:\n        return End.INTERRUPTED\n",
         without="",
         caught_by=(f"{AFTER}::test_a_task_waits_for_a_person_when_rosic_stood_still",),
     ),
     Fault(
         name="I6 a task comes back to the robot that ended it by itself",
-        file="pipeline/fleet/attempting.py",
+        file="features/fleet/attempt.py",
         guard="return End.FAILED if outcome.code == INTERRUPTED else End.TAKEN",
         without="return End.TAKEN",
         caught_by=(
@@ -158,7 +158,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I7 nobody is told that a stopped robot moves all the same",
-        file="app/placing/alarming.py",
+        file="app/alert_feature.py",
         guard=", self.broken_stops.run()",
         without="",
         caught_by=(
@@ -167,7 +167,7 @@ OF_BREAKS = (
     ),
     Fault(
         name="I7 nobody is told that a robot at work is not there any more",
-        file="app/placing/alarming.py",
+        file="app/alert_feature.py",
         guard=", self.absences.run()",
         without="",
         caught_by=(

@@ -4,33 +4,33 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-BUSY = "tests/rooms/pipeline/test_busy.py"
+BUSY = "tests/gateway/test_busy.py"
 
 OF_BUSY = (
     Fault(
         name="an order for a busy robot is claimed and accepted before it is refused",
-        file="pipeline/way.py",
+        file="gateway/pipeline.py",
         guard="            self._busy.check(requests, caller.principal, line.text)\n",
         without="",
         caught_by=(f"{BUSY}::test_it_is_said_once_and_nothing_is_claimed",),
     ),
     Fault(
         name="a drone that is busy does not land",
-        file="linker/mailbox.py",
+        file="linker/robot_queue.py",
         guard="        if entry.order.skill.to_safety:\n",
         without="        if False:\n",
         caught_by=(f"{BUSY}::test_a_drone_may_always_land",),
     ),
     Fault(
         name="stop, then this leaves what runs",
-        file="pipeline/busy.py",
+        file="gateway/busy.py",
         guard="                if order.robot in robots:\n",
         without="                if False:\n",
         caught_by=(f"{BUSY}::test_stop_then_this_ends_ones_own_and_latches_nothing",),
     ),
     Fault(
         name="stop, then this is offered for somebody else's order",
-        file="pipeline/busy.py",
+        file="gateway/busy.py",
         guard="        if whose != principal:\n",
         without="        if False:\n",
         caught_by=(f"{BUSY}::test_of_somebody_elses_it_says_whose_and_ends_nothing",),

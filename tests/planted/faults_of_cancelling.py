@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-CANCEL = "tests/rooms/pipeline/test_cancel.py"
-OWN_STOP = "tests/rooms/pipeline/test_own_stop.py"
-CONTINUING = "tests/rooms/pipeline/test_continuing.py"
-SEVERAL = "tests/rooms/pipeline/test_resuming_several.py"
+CANCEL = "tests/gateway/test_cancel.py"
+OWN_STOP = "tests/gateway/test_own_stop.py"
+CONTINUING = "tests/gateway/test_continuing.py"
+SEVERAL = "tests/gateway/test_resuming_several.py"
 
 CONSOLE = "tests/app/test_console.py"
-LOWERING = "tests/rooms/pipeline/test_lowering.py"
+LOWERING = "tests/gateway/test_lowering.py"
 
 OF_CANCELLING = (
     Fault(
         name="what is said to others in a group undoes a stop",
-        file="pipeline/fleet/pausing.py",
+        file="features/fleet/pause.py",
         guard="meant = addressed or bool(robots)",
         without="meant = True",
         caught_by=(
@@ -25,14 +25,14 @@ OF_CANCELLING = (
     ),
     Fault(
         name="continue lets a robot begin a task that waits, and does not ask first",
-        file="pipeline/fleet/pausing.py",
+        file="features/fleet/pause.py",
         guard="elif begins := self._begin_by_themselves(who, stopped):",
         without="elif begins := None:",
         caught_by=(f"{CONTINUING}::test_where_a_task_would_begin_by_itself_it_is_asked_first",),
     ),
     Fault(
         name="a stop of one's own hides somebody else's, and continue undoes both",
-        file="core/stopboard.py",
+        file="core/stop_registry.py",
         guard="        if not entry.latched:\n            entry.stoppers = {}",
         without="        entry.stoppers = {}",
         caught_by=(
@@ -49,7 +49,7 @@ OF_CANCELLING = (
     ),
     Fault(
         name="a default within one's limits is said to a group in one robot's unit",
-        file="pipeline/lowering.py",
+        file="gateway/limit_clamping.py",
         guard='word = "" if all(one.unit == unit for one in robots) else unit.symbol',
         without='word = ""',
         caught_by=(
@@ -58,49 +58,49 @@ OF_CANCELLING = (
     ),
     Fault(
         name="a cancel ends everybody's orders",
-        file="pipeline/lives.py",
+        file="gateway/order_execution.py",
         guard="if o is not None and o.permit.principal == principal]",
         without="if o is not None]",
         caught_by=(f"{CANCEL}::test_in_a_group_it_is_whoever_says_it",),
     ),
     Fault(
         name="a cancel leaves what waits for a robot",
-        file="linker/mailbox.py",
+        file="linker/robot_queue.py",
         guard="if entry.order.permit.principal == principal]",
         without="if False]",
         caught_by=(f"{CANCEL}::test_what_waits_for_a_busy_robot_is_not_done",),
     ),
     Fault(
         name="what is on its way to the disk begins though it was cancelled",
-        file="pipeline/lives.py",
+        file="gateway/order_execution.py",
         guard="elif self._linker.cancels and self._linker.outdated(order):",
         without="elif False:",
         caught_by=(f"{CANCEL}::test_an_order_on_its_way_to_the_disk_does_not_begin",),
     ),
     Fault(
         name="what was received before a cancel and is read after it is done",
-        file="pipeline/cancel.py",
+        file="gateway/cancel.py",
         guard="if recent and inbound.received_ns <= received_ns:",
         without="if False:",
         caught_by=(f"{CANCEL}::test_what_was_received_before_and_is_read_after_it_is_void",),
     ),
     Fault(
         name="a cancel leaves tasks, which take the next robot",
-        file="app/placing/fleeting.py",
+        file="app/fleet_feature.py",
         guard="        pipeline.cancels.also(pausing.cancel)\n",
         without="",
         caught_by=(f"{CANCEL}::test_tasks_end_and_nobody_else_takes_them",),
     ),
     Fault(
         name="what does not come to rest by a cancel is left moving",
-        file="pipeline/cancel.py",
+        file="gateway/cancel.py",
         guard="        if not rests:\n",
         without="        if False:\n",
         caught_by=(f"{CANCEL}::test_what_does_not_come_to_rest_is_stopped",),
     ),
     Fault(
         name="a question of before a cancel may still be answered",
-        file="pipeline/cancel.py",
+        file="gateway/cancel.py",
         guard="self._rooms.authoriser.buttons.void(who, CONFIRMED)",
         without="pass",
         caught_by=(f"{CANCEL}::test_a_question_that_waits_for_an_answer_is_void",),
@@ -114,7 +114,7 @@ OF_CANCELLING = (
     ),
     Fault(
         name="I5 the operator's resume undoes a stop that came meanwhile",
-        file="pipeline/resuming.py",
+        file="gateway/resume.py",
         guard="            await self._container.resume(cid, OPERATING, robot, generation)\n",
         without="            generation = self._board[robot].generation\n"
         "            await self._container.resume(cid, OPERATING, robot, generation)\n",
@@ -124,21 +124,21 @@ OF_CANCELLING = (
     ),
     Fault(
         name="stopping what somebody else has stopped makes it one's own",
-        file="pipeline/stopping.py",
+        file="gateway/stop.py",
         guard="if r in own and (not board[r].latched or board[r].own == by)]",
         without="if r in own]",
         caught_by=(f"{OWN_STOP}::test_what_others_stopped_besides_is_not_ones_own",),
     ),
     Fault(
         name="a later stop of somebody else leaves it one's own",
-        file="core/stopboard.py",
+        file="core/stop_registry.py",
         guard='entry.by, entry.own = by, ""',
         without="entry.by = by",
         caught_by=(f"{OWN_STOP}::test_what_others_stopped_besides_is_not_ones_own",),
     ),
     Fault(
         name="the stop of somebody else's order counts as one's own",
-        file="pipeline/lives.py",
+        file="gateway/order_execution.py",
         guard='            and principal in {"", entry.order.permit.principal}\n',
         without="",
         caught_by=(f"{OWN_STOP}::test_of_a_group_only_what_carries_ones_own_order_out_is_ones_own",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-BETWEEN = "tests/rooms/pipeline/test_between.py"
+BETWEEN = "tests/gateway/test_between.py"
 
 OF_DISPATCH = (
     Fault(
@@ -30,7 +30,7 @@ OF_DISPATCH = (
     ),
     Fault(
         name="a booking leaves what was admitted before as it was",
-        file="app/placing/access.py",
+        file="app/access.py",
         guard="calendar.apply(fact)\n        self._authority.moved()",
         without="calendar.apply(fact)",
         caught_by=(f"{BETWEEN}::test_a_slot_that_is_given_back_by_somebody_else",),

@@ -5,10 +5,10 @@ from __future__ import annotations
 from tests.planted.faults import Fault
 
 HISTORIES = "tests/core/fleet/test_histories.py::test_whatever_fails_no_promise_is_broken"
-FOLLOW = "tests/robots/machines/test_follow.py"
-TIMES = "tests/rooms/pipeline/test_mission_times.py"
-REACTING = "core/fleet/reacting.py"
-ASSIGNING = "tests/rooms/organiser/test_assigning.py"
+FOLLOW = "tests/rosic_sim/machines/test_follow.py"
+TIMES = "tests/features/fleet/test_mission_times.py"
+REACTING = "core/fleet/transitions.py"
+ASSIGNING = "tests/organiser/test_assigning.py"
 
 OF_FLEET = (
     Fault(
@@ -41,7 +41,7 @@ OF_FLEET = (
     ),
     Fault(
         name="somebody's robot is given to another's task",
-        file="core/fleet/planning.py",
+        file="core/fleet/candidates.py",
         guard="if glance.holder is not None and glance.holder != task.author:",
         without="if False:",
         caught_by=(HISTORIES,),
@@ -49,7 +49,9 @@ OF_FLEET = (
     Fault(
         name="a task that waits is lost",
         file="core/fleet/state.py",
-        guard="        elif task.state is State.QUEUED:\n            self.waiting[key] = None\n",
+        guard=(
+            "        elif task.state is TaskState.QUEUED:\n            self.waiting[key] = None\n"
+        ),
         without="",
         caught_by=(HISTORIES,),
     ),
@@ -63,8 +65,8 @@ OF_FLEET = (
     Fault(
         name="what may have been done is repeated after a crash",
         file=REACTING,
-        guard="        return _doubted(task, Why.RESTARTED, now_ns)\n",
-        without="        return _left(fleet, task, Why.TAKEN, now_ns)\n",
+        guard="        return _doubted(task, TaskReason.RESTARTED, now_ns)\n",
+        without="        return _left(fleet, task, TaskReason.TAKEN, now_ns)\n",
         caught_by=(HISTORIES,),
     ),
     Fault(
@@ -76,18 +78,18 @@ OF_FLEET = (
     ),
     Fault(
         name="what is urgent is weighed like anything else",
-        file="core/fleet/planning.py",
+        file="core/fleet/candidates.py",
         guard="            levels.setdefault(task.priority, []).append(task)",
         without="            levels.setdefault(0, []).append(task)",
         caught_by=(f"{ASSIGNING}::test_what_is_urgent_chooses_first_even_if_that_costs_more",),
     ),
 )
 
-TASKS = "tests/rooms/pipeline/test_tasks.py"
-EDGES = "tests/rooms/pipeline/test_tasks_at_the_edges.py"
-ROBOTS = "tests/rooms/pipeline/test_fleet.py"
-USAGE = "tests/rooms/pipeline/test_usage.py"
-COMPLETIONS = "tests/rooms/pipeline/test_task_completions.py"
+TASKS = "tests/features/fleet/test_tasks.py"
+EDGES = "tests/features/fleet/test_tasks_at_the_edges.py"
+ROBOTS = "tests/features/fleet/test_fleet.py"
+USAGE = "tests/features/fleet/test_usage.py"
+COMPLETIONS = "tests/features/fleet/test_task_completions.py"
 
 DISABLED = (
     f"{ROBOTS}::test_a_robot_that_is_disabled_in_the_middle_gives_its_task_away_and_stays_stopped"
@@ -96,28 +98,28 @@ DISABLED = (
 OF_TASKS = (
     Fault(
         name="of those that begin together some go on without the one that does not",
-        file="pipeline/fleet/company.py",
+        file="features/fleet/multi_robot.py",
         guard="                life.over = partial(pact.ended, order)\n",
         without="                pass\n",
-        caught_by=("tests/rooms/pipeline/test_together.py",),
+        caught_by=("tests/features/fleet/test_together.py",),
     ),
     Fault(
         name="I8 a task is carried out although whoever gave it may not any more",
-        file="pipeline/fleet/attempting.py",
+        file="features/fleet/attempt.py",
         guard="        caller = self.check_author(task.author)\n",
         without="        caller = self._rooms.authoriser.stand_for(task.author)\n",
         caught_by=(f"{TASKS}::test_whoever_is_locked_lets_no_robot_do_anything",),
     ),
     Fault(
         name="I16 a task confirms by itself",
-        file="pipeline/fleet/reading.py",
+        file="features/fleet/reading.py",
         guard="        if organiser.rights.caution(robot, skill.id).needs:\n",
         without="        if False:\n",
         caught_by=(f"{TASKS}::test_what_wants_a_tap_is_not_given_as_a_task",),
     ),
     Fault(
         name="a lost robot's late answer moves it again",
-        file="pipeline/fleet/recalling.py",
+        file="features/fleet/recalling.py",
         guard='        self._hands.stop_lane.stop_robots((robot,), "")\n',
         without="",
         caught_by=(
@@ -126,21 +128,21 @@ OF_TASKS = (
     ),
     Fault(
         name="a robot counts as at rest without being seen so",
-        file="pipeline/resting.py",
+        file="gateway/resting.py",
         guard="    while linker.presence(robot).at_rest is False:\n",
         without="    while False:\n",
         caught_by=(f"{TASKS}::test_a_failure_moves_it_once_and_what_is_done_is_not_repeated",),
     ),
     Fault(
         name="a stop sends the task to the next robot",
-        file="pipeline/fleet/attempting.py",
+        file="features/fleet/attempt.py",
         guard="    if stopped and ending not in {Ending.DONE, Ending.SENT}:\n",
         without="    if False:\n",
         caught_by=(f"{TASKS}::test_a_stop_is_meant_so_the_task_goes_nowhere_else_by_itself",),
     ),
     Fault(
         name="I5 whoever is disabled can be resumed",
-        file="pipeline/resuming.py",
+        file="gateway/resume.py",
         guard="            self._check_not_barred(robot)\n            self._check_later",
         without="            self._check_later",
         caught_by=(DISABLED,),
@@ -154,56 +156,56 @@ OF_TASKS = (
     ),
     Fault(
         name="what is offered for a task is a direct order",
-        file="pipeline/fleet/completing.py",
+        file="features/fleet/alternatives.py",
         guard="offers=(*found, *lacking.other)",
         without="offers=why.offers",
         caught_by=(f"{COMPLETIONS}::test_where_to_is_asked_for_the_task_and_a_tap_gives_it",),
     ),
     Fault(
         name="what a robot worked is forgotten when it is given an order at work",
-        file="pipeline/fleet/usage.py",
+        file="features/fleet/usage.py",
         guard="            if not (robot.held or robot.ordered):\n",
         without="            if True:\n",
         caught_by=(f"{USAGE}::test_each_second_counts_once_whatever_begins_and_ends_in_it",),
     ),
     Fault(
         name="one that is not ready, and the others begin",
-        file="pipeline/fleet/company.py",
+        file="features/fleet/multi_robot.py",
         guard="        if any(states.values()):\n",
         without="        if False:\n",
         caught_by=(f"{ROBOTS}::test_together_all_begin_at_one_moment_or_none",),
     ),
     Fault(
         name="a shift is handed over to whoever says so",
-        file="pipeline/fleet/handing.py",
+        file="features/fleet/shift_handover.py",
         guard="offer.taker != asked.caller.principal",
         without="False",
         caught_by=(f"{ROBOTS}::test_an_offer_is_good_for_one_person_and_for_a_while",),
     ),
     Fault(
         name="I1 a message gives its task again after a crash",
-        file="pipeline/fleet/dispatching.py",
+        file="features/fleet/dispatcher.py",
         guard="            self.origins.check(cid)\n            given",
         without="            given",
         caught_by=(f"{TASKS}::test_the_same_message_has_its_effect_once_whatever_crashes_between",),
     ),
     Fault(
         name="I9 a task is given to a robot before that is on disk",
-        file="pipeline/fleet/dispatching.py",
+        file="features/fleet/dispatcher.py",
         guard="            if happened:\n",
         without="            if True:\n",
         caught_by=(f"{TASKS}::test_nothing_moves_that_could_not_be_written_down",),
     ),
     Fault(
         name="I11 everybody reads what somebody has said for a task",
-        file="pipeline/fleet/telling.py",
+        file="features/fleet/integration.py",
         guard="        if who == task.author:\n",
         without="        if True:\n",
         caught_by=(f"{ROBOTS}::test_what_somebody_has_said_is_read_by_them_alone",),
     ),
     Fault(
         name="a task that was cancelled while it was claimed moves its robot",
-        file="pipeline/fleet/attempting.py",
+        file="features/fleet/attempt.py",
         guard="        wanted = asker.wanted()\n",
         without="        wanted = True\n",
         caught_by=(
@@ -213,14 +215,14 @@ OF_TASKS = (
     ),
     Fault(
         name="I2 a task that was sent long ago is given",
-        file="pipeline/freshness.py",
+        file="gateway/requests.py",
         guard="    if is_missed(inbound):\n        raise",
         without="    if False:\n        raise",
         caught_by=(f"{EDGES}::test_a_task_that_waited_on_the_way_here_is_not_given",),
     ),
     Fault(
         name="I5 a task begins while a stop is still to come",
-        file="pipeline/fleet/dispatching.py",
+        file="features/fleet/dispatcher.py",
         guard="        while self.behind():  #",
         without="        while False:  #",
         caught_by=(f"{EDGES}::test_no_task_begins_before_what_was_sent_meanwhile_has_come",),
@@ -237,7 +239,7 @@ OF_TASKS = (
     ),
     Fault(
         name="a mission that is late is said again and again",
-        file="core/fleet/reacting.py",
+        file="core/fleet/transitions.py",
         guard="    if task.over or known:\n",
         without="    if task.over:\n",
         caught_by=(
@@ -246,7 +248,7 @@ OF_TASKS = (
     ),
     Fault(
         name="a part is late before it could begin",
-        file="pipeline/fleet/deadlines.py",
+        file="features/fleet/deadlines.py",
         guard="if not task.due.lasts_ns or not fleet.ready(task):",
         without="if not task.due.lasts_ns:",
         caught_by=(
@@ -255,35 +257,35 @@ OF_TASKS = (
     ),
     Fault(
         name="a value of a mission is out of its bounds",
-        file="core/fleet/filling.py",
+        file="core/fleet/template.py",
         guard="not quantity.min - edge <= value <= quantity.max + edge:",
         without="value != value:",
         caught_by=(f"{TIMES}::test_a_value_that_is_missing_wrong_or_unknown_begins_nothing",),
     ),
     Fault(
         name="a drone that follows does not keep up with whom it follows",
-        file="robots/simulated/machines/following.py",
+        file="rosic_sim/robots/machines/following.py",
         guard="                flight.goal_velocity = self._velocity()\n",
         without="",
         caught_by=(f"{FOLLOW}::test_it_keeps_its_distance_and_bearing_while_the_leader_moves",),
     ),
     Fault(
         name="a stop of the leader is taken for the end of its order",
-        file="robots/simulated/machines/following.py",
+        file="rosic_sim/robots/machines/following.py",
         guard="if seen is None or seen.landing or not seen.flying:\n            return said(",
         without="if seen is None:\n            return said(",
         caught_by=(f"{FOLLOW}::test_a_stop_of_the_leader_ends_it_and_the_follower_hovers",),
     ),
     Fault(
         name="drones follow each other in a circle",
-        file="robots/simulated/machines/following.py",
+        file="rosic_sim/robots/machines/following.py",
         guard="        if seen.leader == robot:\n            return True\n",
         without="",
         caught_by=(f"{FOLLOW}::test_one_behind_the_other_is_a_row_and_a_circle_is_none",),
     ),
     Fault(
         name="a drone follows for ever",
-        file="robots/simulated/machines/following.py",
+        file="rosic_sim/robots/machines/following.py",
         guard="return self._busy and not seen.busy",
         without="return False",
         caught_by=(f"{FOLLOW}::test_it_keeps_its_distance_and_bearing_while_the_leader_moves",),

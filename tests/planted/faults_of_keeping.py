@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from tests.planted.faults import GATE, Fault
 
-LINKER = "tests/rooms/test_linker.py"
-HUNG = "tests/rooms/pipeline/test_hung.py"
-LATCH = "tests/rooms/stores/test_latch.py"
-LANE = "tests/rooms/stores/test_lane.py"
-ROOT_KEY = "tests/rooms/stores/test_rootkey.py"
-SECOND_PERSON = "tests/rooms/pipeline/test_second_person.py"
-OPENING = "tests/rooms/stores/test_opening.py"
+LINKER = "tests/linker/test_linker.py"
+HUNG = "tests/gateway/test_hung.py"
+LATCH = "tests/stores/test_latch.py"
+LANE = "tests/stores/test_lane.py"
+ROOT_KEY = "tests/stores/test_rootkey.py"
+SECOND_PERSON = "tests/gateway/test_second_person.py"
+OPENING = "tests/stores/test_opening.py"
 
-LOST_RECORD = "tests/rooms/stores/test_lost_record.py"
-PARTS = "tests/rooms/stores/test_parts_of_records.py"
-OVERWRITTEN = "tests/rooms/stores/test_overwritten.py"
+LOST_RECORD = "tests/stores/test_lost_record.py"
+PARTS = "tests/stores/test_parts_of_records.py"
+OVERWRITTEN = "tests/stores/test_overwritten.py"
 
 OF_KEEPING = (
     Fault(
@@ -47,21 +47,21 @@ OF_KEEPING = (
     ),
     Fault(
         name="I5 the generation is ignored by what goes on",
-        file="core/gate.py",
+        file="core/order_gate.py",
         guard="return not self.latched and order.permit.stop_generation >= self.generation",
         without="return not self.latched",
         caught_by=(f"{GATE}::test_what_was_ordered_before_a_stop_does_not_go_on_after_the_resume",),
     ),
     Fault(
         name="I10 a stop is not waited for at the disk",
-        file="stores/latch.py",
+        file="stores/stop_latch.py",
         guard="            self._wait_for_disk(descriptor)\n",
         without="",
         caught_by=(f"{LATCH}::test_a_stop_is_kept_only_when_the_disk_has_confirmed_it",),
     ),
     Fault(
         name="I13 the name of a key is not waited for at the disk",
-        file="stores/rootkey.py",
+        file="stores/root_key.py",
         guard="        wait_for_disk(folder)\n",
         without="        pass\n",
         caught_by=(
@@ -70,7 +70,7 @@ OF_KEEPING = (
     ),
     Fault(
         name="a key is not waited for at the disk before it has its name",
-        file="stores/rootkey.py",
+        file="stores/root_key.py",
         guard="            wait_for_disk(file.fileno())\n",
         without="",
         caught_by=(
@@ -86,7 +86,7 @@ OF_KEEPING = (
     ),
     Fault(
         name="a write that is cut off is not waited for",
-        file="stores/lane.py",
+        file="stores/write_thread.py",
         guard="            await self._decided(job)\n",
         without="",
         caught_by=(
@@ -95,7 +95,7 @@ OF_KEEPING = (
     ),
     Fault(
         name="I16 an agreement never expires",
-        file="pipeline/consent.py",
+        file="gateway/confirmation.py",
         guard=" or passed_ns(self._clock, request.asked) > int(ASKED_FOR_S * 1e9):",
         without=":",
         caught_by=(
@@ -104,20 +104,20 @@ OF_KEEPING = (
     ),
     Fault(
         name="I16 what was agreed to is not compared at all",
-        file="pipeline/consent.py",
+        file="gateway/confirmation.py",
         guard="if not theirs or request.act.command != text or request.act.digest != act:",
         without="if not theirs:",
         caught_by=(
-            "tests/rooms/pipeline/test_agreed_acts.py::test_an_agreement_counts_for_its_own_act_alone",
+            "tests/gateway/test_agreed_acts.py::test_an_agreement_counts_for_its_own_act_alone",
         ),
     ),
     Fault(
         name="I16 what was agreed to for one is done for another",
-        file="pipeline/consent.py",
+        file="gateway/confirmation.py",
         guard="        if not theirs or request",
         without="        if request",
         caught_by=(
-            "tests/rooms/pipeline/test_agreed_acts.py::test_an_agreement_counts_for_whoever_asked_for_it_alone",
+            "tests/gateway/test_agreed_acts.py::test_an_agreement_counts_for_whoever_asked_for_it_alone",
         ),
     ),
     Fault(
@@ -212,15 +212,15 @@ OF_KEEPING = (
     ),
     Fault(
         name="the lock holds by its file alone",
-        file="stores/folder.py",
+        file="stores/data_dir.py",
         guard="            self._lock_itself()\n",
         without="",
         caught_by=(f"{LOST_RECORD}::test_the_lock_holds_though_its_file_is_gone",),
     ),
     Fault(
         name="I13 a change is said to be done where there is no record",
-        file="app/desk/offline.py",
-        guard="if seeding is Seeding.WRITTEN and not there:",
+        file="app/admin/offline.py",
+        guard="if seeding is OfflineSeeding.WRITTEN and not there:",
         without="if False:",
         caught_by=(
             "tests/cli/test_access.py::test_nothing_is_said_to_be_done_where_there_is_no_record",
@@ -228,18 +228,18 @@ OF_KEEPING = (
     ),
     Fault(
         name="digests of robots bypass the archive",
-        file="app/placing/fellows.py",
+        file="app/fellows.py",
         guard="teller, reach.messengers)",
         without="teller, parts.messengers)",
         caught_by=(
-            "tests/rooms/pipeline/among/test_sharing.py::test_a_digest_is_in_the_archive_of_the_chat_that_reads_it",
+            "tests/features/robot_to_robot/test_sharing.py::test_a_digest_is_in_the_archive_of_the_chat_that_reads_it",
         ),
     ),
     Fault(
         name="a bad value in the record is a trace",
-        file="stores/reading.py",
+        file="stores/decoding.py",
         guard="if value is not None and not isinstance(value, kind):",
         without="if False:",
-        caught_by=("tests/rooms/stores/test_bad_values.py",),
+        caught_by=("tests/stores/test_bad_values.py",),
     ),
 )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-READING = "tests/rooms/messengers/test_reading.py"
-WINDOW = "tests/rooms/messengers/test_window.py"
-STEPS = "tests/rooms/pipeline/test_steps.py"
-HUNG = "tests/rooms/pipeline/test_hung.py"
-IN_GROUPS = "tests/rooms/pipeline/people/test_codes_in_groups.py"
+READING = "tests/messengers/test_reading.py"
+WINDOW = "tests/messengers/test_window.py"
+STEPS = "tests/gateway/test_steps.py"
+HUNG = "tests/gateway/test_hung.py"
+IN_GROUPS = "tests/features/access/test_codes_in_groups.py"
 SECRECY = "tests/core/language/test_secrecy.py"
-TWO_BOTS = "tests/rooms/pipeline/test_two_bots.py"
+TWO_BOTS = "tests/gateway/test_two_bots.py"
 
 OF_READING = (
     Fault(
@@ -29,7 +29,7 @@ OF_READING = (
     ),
     Fault(
         name="what an earlier run left unread keeps the next from reading",
-        file="messengers/telegram/listener.py",
+        file="messengers/telegram/polling.py",
         guard="            self.reading.begin()\n",
         without="",
         caught_by=(f"{READING}::test_nothing_is_lost_whenever_a_run_is_cut_off",),
@@ -62,14 +62,14 @@ OF_READING = (
     ),
     Fault(
         name="L2 what strangers sent fills what Telegram gives out",
-        file="messengers/telegram/listener.py",
+        file="messengers/telegram/polling.py",
         guard="            window.clear_the_way()\n",
         without="            pass\n",
         caught_by=(f"{STEPS}::test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over",),
     ),
     Fault(
         name="L2 what strangers sent is read while more is to be fetched",
-        file="messengers/telegram/listener.py",
+        file="messengers/telegram/polling.py",
         guard="self.reading.hurry(on=full and fresh)",
         without="self.reading.hurry(on=False)",
         caught_by=(f"{STEPS}::test_a_stop_behind_a_mix_is_found_as_soon_as_it_is_handed_over",),
@@ -92,21 +92,21 @@ OF_READING = (
     ),
     Fault(
         name="L1 an order waits for what nobody sent after it",
-        file="messengers/telegram/window.py",
+        file="messengers/telegram/update_window.py",
         guard="if before is None or update_id < before:",
         without="if before is None:",
         caught_by=(f"{READING}::test_an_order_does_not_wait_for_what_nobody_sent_after_it",),
     ),
     Fault(
         name="L1 what was handed to nobody is confirmed where something is held up",
-        file="messengers/telegram/window.py",
+        file="messengers/telegram/update_window.py",
         guard=" - {number for number, _ in self._admitted}",
         without="",
         caught_by=(f"{WINDOW}::test_what_waits_for_something_to_be_read_is_never_confirmed",),
     ),
     Fault(
         name="L2 a hundred that are held up hide a stop",
-        file="messengers/telegram/listener.py",
+        file="messengers/telegram/polling.py",
         guard="                window.relieve()\n",
         without="                pass\n",
         caught_by=(f"{READING}::test_a_hundred_that_are_held_up_hide_no_stop_behind_them",),
@@ -134,35 +134,35 @@ OF_READING = (
     ),
     Fault(
         name="a code is good that a group read in a message that is not followed",
-        file="pipeline/unfollowed_messages.py",
+        file="gateway/unfollowed_messages.py",
         guard="burnt = not private and await self._showed_a_code(messenger, inbound)",
         without="burnt = False",
         caught_by=(IN_GROUPS,),
     ),
     Fault(
         name="of several codes that a group was shown one is burnt",
-        file="pipeline/people/joining.py",
+        file="features/access/join.py",
         guard="        for code in codes:\n",
         without="        for code in codes[:1]:\n",
         caught_by=(IN_GROUPS,),
     ),
     Fault(
         name="a code is good that a group reads behind a word, or in a line for another bot",
-        file="pipeline/people/joining.py",
+        file="features/access/join.py",
         guard='read = "\\n".join((inbound.written or text, *inbound.links))',
         without="read = text",
         caught_by=(f"{IN_GROUPS}::test_a_code_is_burnt_that_stands_beside_the_text",),
     ),
     Fault(
         name="a code is good that a group read beside a stop",
-        file="pipeline/way.py",
+        file="gateway/pipeline.py",
         guard="await self._unfollowed.take(messenger, inbound)\n            return\n        if",
         without="self._unfollowed.answer(messenger, inbound)\n            return\n        if",
         caught_by=(f"{IN_GROUPS}::test_a_whole_gateway_burns_a_code_whatever_else_is_said",),
     ),
     Fault(
         name="a code is good that somebody known shows a group in a line that is understood",
-        file="pipeline/reception.py",
+        file="gateway/reception.py",
         guard=" or inbound.chat.kind is not ChatKind.PRIVATE:\n        return True",
         without=":\n        return True",
         caught_by=(f"{IN_GROUPS}::test_a_whole_gateway_burns_a_code_whatever_else_is_said",),
@@ -190,7 +190,7 @@ OF_READING = (
     ),
     Fault(
         name="I1 in a small group the same in another second is the same line",
-        file="messengers/telegram/window.py",
+        file="messengers/telegram/update_window.py",
         guard="inbound.sender.account, str(date_s), written)",
         without="inbound.sender.account, written)",
         caught_by=(
@@ -199,21 +199,21 @@ OF_READING = (
     ),
     Fault(
         name="I1 in a small group a line is another one to the bot that another line names",
-        file="messengers/telegram/window.py",
+        file="messengers/telegram/update_window.py",
         guard="str(date_s), written)",
         without="str(date_s), inbound.text)",
         caught_by=(f"{TWO_BOTS}::test_in_a_group_a_line_is_the_same_whichever_bot_is_named",),
     ),
     Fault(
         name="I1 a line has another place to the bot that another line names",
-        file="pipeline/requesting.py",
+        file="gateway/requesting.py",
         guard="    if inbound.written:",
         without="    if False:",
         caught_by=(f"{TWO_BOTS}::test_in_a_group_a_line_is_the_same_whichever_bot_is_named",),
     ),
     Fault(
         name="I1 in a small group the same once more in a second is the same line",
-        file="messengers/telegram/window.py",
+        file="messengers/telegram/update_window.py",
         guard="{numbers.index(inbound.message)}",
         without="0",
         caught_by=(

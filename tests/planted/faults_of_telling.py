@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-OUTBOX = "tests/rooms/pipeline/test_outbox.py"
-EXPIRING = "tests/rooms/pipeline/test_expiring.py"
-SPEAKING = "tests/rooms/pipeline/test_turns_to_speak.py"
+OUTBOX = "tests/gateway/test_outbox.py"
+EXPIRING = "tests/gateway/test_expiring.py"
+SPEAKING = "tests/gateway/test_turns_to_speak.py"
 
-END_BUTTONS = "tests/rooms/pipeline/test_end_buttons.py"
-LISTENING = "tests/rooms/messengers/test_listening.py"
+END_BUTTONS = "tests/gateway/test_end_buttons.py"
+LISTENING = "tests/messengers/test_listening.py"
 
 OF_TELLING = (
     Fault(
         name="I16 whatever a tap brings is taken for something that moves nothing",
-        file="authoriser/buttons.py",
+        file="authoriser/button_tokens.py",
         guard="if nonce.startswith(OPEN) and is_open(nonce[1:]):",
         without="if nonce.startswith(OPEN):",
         caught_by=(f"{END_BUTTONS}::test_nothing_else_can_be_asked_for_that_way",),
     ),
     Fault(
         name="I1 two taps on what is nobody's are one",
-        file="pipeline/requesting.py",
+        file="gateway/requesting.py",
         guard="if nonce is not None and not nonce.startswith(OPEN):",
         without="if nonce is not None:",
         caught_by=(
@@ -30,14 +30,14 @@ OF_TELLING = (
     ),
     Fault(
         name="what is tapped beneath an end takes its place",
-        file="pipeline/replies.py",
+        file="gateway/replies.py",
         guard='return "" if lasts else inbound.under',
         without="return inbound.under",
         caught_by=(f"{END_BUTTONS}::test_again_asks_with_the_same_values_and_moves_once",),
     ),
     Fault(
         name="I7 the network is blamed though somebody answered",
-        file="messengers/telegram/listening.py",
+        file="messengers/telegram/polling_gap.py",
         guard="if self._away and not self._answered:",
         without="if self._away:",
         caught_by=(
@@ -46,72 +46,70 @@ OF_TELLING = (
     ),
     Fault(
         name="I7 the network is blamed for a time in which we slept",
-        file="messengers/telegram/listening.py",
+        file="messengers/telegram/polling_gap.py",
         guard="if took_ns > within_s * SECOND_NS:",
         without="if False:",
         caught_by=(f"{LISTENING}::test_of_a_time_in_which_we_did_not_run_nothing_is_said",),
     ),
     Fault(
         name="L1 an alarm is not written down before it is said",
-        file="pipeline/reach.py",
+        file="gateway/delivery/notifier.py",
         guard="if self.outbox is not None and lasts:",
         without="if False:",
         caught_by=(f"{OUTBOX}::test_an_alarm_that_was_not_said_is_said_by_the_next_run_once",),
     ),
     Fault(
         name="L1 an alarm that is said again cannot be acknowledged",
-        file="pipeline/outbox.py",
+        file="gateway/delivery/outbox.py",
         guard="if found.matter:",
         without="if False:",
-        caught_by=("tests/rooms/pipeline/test_alert_said_again.py",),
+        caught_by=("tests/features/alerts/test_alert_said_again.py",),
     ),
     Fault(
         name="a name gives others a command",
-        file="core/language/cleaning.py",
+        file="core/language/sanitise.py",
         guard='return inert_text(" ".join(',
         without='return (" ".join(',
         caught_by=("tests/core/language/test_cleaning.py",),
     ),
     Fault(
         name="L1 the answer to a stop is owed by nobody",
-        file="pipeline/stopping.py",
+        file="gateway/stop.py",
         guard="if by and self.outbox is not None:",
         without="if False:",
         caught_by=(f"{OUTBOX}::test_a_stop_whose_answer_was_cut_off_is_answered_by_the_next_run",),
     ),
     Fault(
         name="L3 a backlog is answered one by one",
-        file="pipeline/replies.py",
+        file="gateway/replies.py",
         guard="if is_missed(inbound):",
         without="if False:",
-        caught_by=("tests/rooms/pipeline/test_arrears.py",),
+        caught_by=("tests/gateway/test_arrears.py",),
     ),
     Fault(
         name="what was said in a group in the last minute is forgotten over a restart",
-        file="messengers/telegram/limiter.py",
+        file="messengers/telegram/rate_limiter.py",
         guard="pace.go_on(self._lately.take(chat))",
         without="pass",
-        caught_by=(
-            "tests/rooms/messengers/test_limiter.py::test_a_groups_minute_outlives_a_restart",
-        ),
+        caught_by=("tests/messengers/test_limiter.py::test_a_groups_minute_outlives_a_restart",),
     ),
     Fault(
         name="L2 the next message of a chat waits until a refusal is on disk",
-        file="pipeline/replies.py",
+        file="gateway/replies.py",
         guard="if self.arrears.settles(said.messenger):",
         without="if is_missed(said.inbound) and self.arrears.settles(said.messenger):",
-        caught_by=("tests/rooms/pipeline/test_arrears.py",),
+        caught_by=("tests/gateway/test_arrears.py",),
     ),
     Fault(
         name="L1 what has become an outcome goes on waiting as a question",
-        file="pipeline/voice.py",
+        file="gateway/delivery/chat_queue.py",
         guard="            self.asking.cancel()\n",
         without="            pass\n",
         caught_by=(f"{SPEAKING}::test_an_outcome_goes_before_an_answer_and_progress_goes_last",),
     ),
     Fault(
         name="what was taken out of a chat is said there again",
-        file="pipeline/voice.py",
+        file="gateway/delivery/chat_queue.py",
         guard="if note.edit_only:",
         without="if False:",
         caught_by=(
@@ -120,7 +118,7 @@ OF_TELLING = (
     ),
     Fault(
         name="buttons outlive their time beside ones that live longer",
-        file="pipeline/expiring.py",
+        file="gateway/button_expiry.py",
         guard="if self._watching is not None and due_ns < self._looks_ns:",
         without="if False:",
         caught_by=(
@@ -129,16 +127,16 @@ OF_TELLING = (
     ),
     Fault(
         name="L1 a life that was perhaps told is told again unmarked",
-        file="pipeline/telling.py",
+        file="gateway/delivery/sender.py",
         guard="card.doubted = fault.perhaps_sent",
         without="pass",
         caught_by=(f"{SPEAKING}::test_what_may_stand_there_already_is_said_again_with_a_mark",),
     ),
     Fault(
         name="I15 a chat with much to say keeps the others waiting",
-        file="messengers/telegram/limiter.py",
+        file="messengers/telegram/rate_limiter.py",
         guard="return one.weight, self._of(one)[0].paid_ns, one.number",
         without="return one.weight, 0, one.number",
-        caught_by=("tests/rooms/messengers/test_limiter.py",),
+        caught_by=("tests/messengers/test_limiter.py",),
     ),
 )

@@ -4,30 +4,30 @@ from __future__ import annotations
 
 from tests.planted.faults import Fault
 
-TWO_BOTS = "tests/rooms/pipeline/test_two_bots.py"
-LIMITER = "tests/rooms/messengers/test_limiter.py"
-STOPPING = "tests/rooms/pipeline/test_stopping.py"
+TWO_BOTS = "tests/gateway/test_two_bots.py"
+LIMITER = "tests/messengers/test_limiter.py"
+STOPPING = "tests/gateway/test_stopping.py"
 STOP_WORDS = "tests/core/language/test_stopping.py"
-STEPS = "tests/rooms/pipeline/test_steps.py"
+STEPS = "tests/gateway/test_steps.py"
 
 MESSENGER_FAULTS = (
     Fault(
         name="I17 an edited message counts as fresh",
-        file="messengers/telegram/mapping.py",
+        file="messengers/telegram/incoming.py",
         guard='if message.chat.type == "channel" else Standing.EDITED',
         without='if message.chat.type == "channel" else Standing.FRESH',
         caught_by=("tests/real/telegram/test_generated.py",),
     ),
     Fault(
         name="I15 a sign that stands for a sentence is written out wherever it is read",
-        file="core/language/cleaning.py",
+        file="core/language/sanitise.py",
         guard='unicodedata.normalize("NFKC", text.translate(_SENTENCES))',
         without='unicodedata.normalize("NFKC", text)',
         caught_by=(f"{STOP_WORDS}::test_a_sign_that_is_a_whole_sentence_hides_no_stop",),
     ),
     Fault(
         name="I15 a chat's messages are one step",
-        file="messengers/telegram/window.py",
+        file="messengers/telegram/update_window.py",
         guard="            await asyncio.sleep(0)  # a message is a step",
         without="            # a message is a step",
         caught_by=(f"{STEPS}::test_no_batch_makes_a_step_long",),
@@ -41,21 +41,21 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="L2 what came is followed before all of it is searched for a stop",
-        file="messengers/telegram/window.py",
+        file="messengers/telegram/update_window.py",
         guard="            self._admitted.append((one.update_id, one.inbound))\n",
         without="            self._queue(one.update_id, one.inbound)\n",
         caught_by=(f"{STEPS}::test_a_stop_is_found_before_anything_that_came_with_it_is_followed",),
     ),
     Fault(
         name="I1 a message is known without the bot that received it",
-        file="pipeline/requesting.py",
+        file="gateway/requesting.py",
         guard="    if inbound.account:\n",
         without="    if False:\n",
         caught_by=(f"{TWO_BOTS}::test_messages_of_the_same_number_to_two_bots_are_two_commands",),
     ),
     Fault(
         name="I1 after an upgrade nothing is known of what was done before",
-        file="app/placing/intake.py",
+        file="app/messenger_setup.py",
         guard="    since_ns = 0 if memory == Memory() else now_ns + CLOCKS_APART_NS\n",
         without="    since_ns = 0\n",
         caught_by=(
@@ -64,21 +64,21 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="I1 since when the bot counts is not kept",
-        file="app/placing/intake.py",
+        file="app/messenger_setup.py",
         guard='await store.write(Fact(kind=KIND, key=KEY, body=b"%d" % since_ns))',
         without="pass",
         caught_by=(f"{TWO_BOTS}::test_what_is_brought_once_more_over_a_restart_is_done_once",),
     ),
     Fault(
         name="I1 a supergroup's message is done once for each bot that hears it",
-        file="messengers/telegram/mapping.py",
+        file="messengers/telegram/incoming.py",
         guard='shared = message.chat.type in {"supergroup", "channel"}',
         without="shared = False",
         caught_by=(f"{TWO_BOTS}::test_all_who_are_in_a_supergroup_share_its_numbers",),
     ),
     Fault(
         name="429 what is under way does not count for Telegram's limits",
-        file="messengers/telegram/limiter.py",
+        file="messengers/telegram/rate_limiter.py",
         guard="        most = self._rate.within[weight] - self._under_way\n",
         without="        most = self._rate.within[weight]\n",
         caught_by=(
@@ -87,7 +87,7 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="429 a run begins as if nothing had been said before it",
-        file="messengers/telegram/limiter.py",
+        file="messengers/telegram/rate_limiter.py",
         guard="            self._overall.used_up(self._begun_ns)\n",
         without="            pass\n",
         caught_by=(
@@ -96,7 +96,7 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="429 a gesture does not wait where Telegram asked to wait",
-        file="messengers/telegram/gestures.py",
+        file="messengers/telegram/reactions.py",
         guard="        await self._limiter.obey(str(where))\n        await self._line.ask(",
         without="        await self._line.ask(",
         caught_by=(
@@ -114,7 +114,7 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="I17 a chat's admins are not asked for",
-        file="pipeline/stopping.py",
+        file="gateway/stop.py",
         guard="        visible = visible or await self._company.ask(messenger, inbound)\n",
         without="",
         caught_by=(
@@ -123,24 +123,24 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="a chat that we were put out of is written to all the same",
-        file="messengers/telegram/speaker.py",
+        file="messengers/telegram/outgoing.py",
         guard="if self._chats.gone(chat):",
         without="if False:",
         caught_by=("tests/real/telegram/test_groups.py",),
     ),
     Fault(
         name="what is said to another bot is taken for ours",
-        file="messengers/telegram/mapping.py",
+        file="messengers/telegram/incoming.py",
         guard="if to_another and",
         without="if False and to_another and",
         caught_by=("tests/real/telegram/test_groups.py",),
     ),
     Fault(
         name="a reply means whatever was chosen, not the robot it replies to",
-        file="pipeline/subjects.py",
+        file="gateway/reply_context.py",
         guard="if about and visible.intersection(members(about)):",
         without="if False:",
-        caught_by=("tests/rooms/pipeline/test_spoken_of.py",),
+        caught_by=("tests/gateway/test_spoken_of.py",),
     ),
     Fault(
         name="what stayed behind in a group is sought where the group is now",
@@ -151,14 +151,14 @@ MESSENGER_FAULTS = (
     ),
     Fault(
         name="everything in a topic is an answer to whoever created it",
-        file="messengers/telegram/mapping.py",
+        file="messengers/telegram/incoming.py",
         guard="if first is not None and message.is_topic_message:",
         without="if False:",
         caught_by=("tests/real/telegram/test_groups.py",),
     ),
     Fault(
         name="a bank card's number can be tapped",
-        file="messengers/telegram/entities.py",
+        file="messengers/telegram/formatting.py",
         guard="if _DIGITS.search(text) is not None:",
         without="if False:",
         caught_by=("tests/real/telegram/test_inert_text.py",),

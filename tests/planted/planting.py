@@ -15,6 +15,7 @@ import msgspec
 import pytest
 
 from tests.pace import pace
+from tests.planted.faults import place
 from tests.planted.nursery import Run
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def assert_caught(fault: Fault, folder: Path, nursery: Nursery) -> None:
     status, said = nursery.end_of(run), log.read_text()
     assert status == pytest.ExitCode.TESTS_FAILED, f"nothing noticed: {fault.name}\n{said[-2500:]}"
     assert f"source: {source}" in said, "the planted source was not what ran"
-    assert f"changed: {source / 'rosic' / fault.file}" in said, "the fault was not loaded"
+    assert f"changed: {source / place(fault.file)}" in said, "the fault was not loaded"
 
 
 def plant(fault: Fault, source: Path) -> None:
@@ -106,8 +107,8 @@ def plant(fault: Fault, source: Path) -> None:
 
     Compiled files come along, with the times that make them valid: only what changes is compiled.
     """
-    here, there = ROOT / "src" / "rosic", source / "rosic"
-    *folders, name = Path(fault.file).parts
+    here, there = ROOT / "src", source
+    *folders, name = place(fault.file).parts
     for folder in (*folders, None):
         compiled = there / "__pycache__"
         compiled.mkdir(parents=True)

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from tests.planted.every import ALL
-from tests.planted.faults import Fault
+from tests.planted.faults import Fault, place
 
 ROOT = Path(__file__).parents[2]
 
@@ -16,7 +16,7 @@ def test_what_a_fault_takes_out_is_there_once() -> None:
     moved = [
         f"{fault.name}: {fault.file}"
         for fault in ALL
-        if (ROOT / "src" / "rosic" / fault.file).read_text(encoding="utf-8").count(fault.guard) != 1
+        if (ROOT / "src" / place(fault.file)).read_text(encoding="utf-8").count(fault.guard) != 1
     ]
     assert not moved
 

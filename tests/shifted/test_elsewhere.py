@@ -30,9 +30,9 @@ ROOT = Path(__file__).parents[2]
 NOBODY = 65534
 WITHIN_S = 3_000
 PARTS = (
-    "tests/app", "tests/conformance", "tests/rooms/organiser", "tests/rooms/authoriser",
-    "tests/rooms/pipeline/times", "tests/rooms/pipeline/people", "tests/rooms/container",
-    "tests/rooms/stores", "tests/testing", "tests/real/stores", "tests/real/telegram",
+    "tests/app", "tests/conformance", "tests/organiser", "tests/authoriser",
+    "tests/features/booking", "tests/features/access", "tests/container",
+    "tests/stores", "tests/testing", "tests/real/stores", "tests/real/telegram",
     "tests/cli/test_control.py", "tests/cli/test_run.py", "tests/cli/test_running_access.py",
     "tests/journeys/test_first_time.py", "tests/journeys/test_pictures.py",
     "tests/journeys/test_card.py", "tests/journeys/test_stepping.py",

@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 from msgspec import inspect
 
-from rosic.app.documents.config_file import (
+from rosic.app.alert_feature import author_findings
+from rosic.app.fellows import robot_findings
+from rosic.app.people import Seed
+from rosic.config.gateway_file import (
     ConfigFile,
     Keep,
     LogLevel,
@@ -22,26 +25,23 @@ from rosic.app.documents.config_file import (
     said_addresses,
     said_roles,
 )
-from rosic.app.documents.missions import Missions
-from rosic.app.documents.profiles import find_profile, fleet_findings, known_units, read_profile
-from rosic.app.documents.rulebook import rulebook_of
-from rosic.app.documents.secret_settings import SecretSettings
-from rosic.app.documents.shape import Finding, Walker
-from rosic.app.documents.toml_file import read_toml
-from rosic.app.placing.alarming import author_findings
-from rosic.app.placing.fellows import robot_findings
-from rosic.app.placing.people import Seed
-from rosic.container.drawer import Room
+from rosic.config.missions import Missions
+from rosic.config.profiles import find_profile, fleet_findings, known_units, read_profile
+from rosic.config.rulebook import rulebook_of
+from rosic.config.secrets import SecretSettings
+from rosic.config.toml_source import read_toml
+from rosic.config.validation import ValidationFinding, Walker
+from rosic.container.files import FileQuota
 from rosic.core.fleet.mission import Mission
-from rosic.core.rate import RateLimit, parse_rate
-from rosic.core.robot import Profile, RobotId
-from rosic.core.roles import Rulebook
+from rosic.core.policy.roles import RoleRules
+from rosic.core.rate_limit import RateLimit, parse_rate
+from rosic.core.robot.profile import Profile, RobotId
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from rosic.app.documents.source import Source
+    from rosic.config.source_map import Source
     from rosic.core.language import UnitTable
 
 
@@ -87,12 +87,12 @@ class Config(msgspec.Struct, frozen=True, kw_only=True):
     messengers: tuple[MessengerSettings, ...]
     robots: tuple[Profile, ...]
     people: tuple[Seed, ...]
-    rulebook: Rulebook
+    rulebook: RoleRules
     zone: str
     limits: RateLimit
     robot_limits: dict[RobotId, RateLimit]
     keep: Keep
-    room: Room
+    room: FileQuota
     missions: tuple[Mission, ...] = ()
     robot_limit: RateLimit | None = None
     files: tuple[Path, ...] = ()
@@ -254,12 +254,12 @@ class _Reading:
                 missions.read(path)
             else:
                 place = ("mission", index, "file")
-                self._note([Finding(place, f"There is no mission at {table.file}.")])
+                self._note([ValidationFinding(place, f"There is no mission at {table.file}.")])
         found = missions.found()
         self.errors += missions.errors
         return found
 
-    def _note(self, findings: Iterable[Finding]) -> None:
+    def _note(self, findings: Iterable[ValidationFinding]) -> None:
         self.errors += [self._source.error(*finding) for finding in findings]
 
     def _robot(self, index: int, units: UnitTable | None) -> Profile | None:
@@ -271,7 +271,7 @@ class _Reading:
             self.errors.append(self._source.error(place, str(error)))
             return None
         if not path.exists():
-            self._note([Finding(place, f"There is no profile at {table.profile}.")])
+            self._note([ValidationFinding(place, f"There is no profile at {table.profile}.")])
             return None
         if Path(table.profile).suffix:  # none that ships
             self.files.append(path)

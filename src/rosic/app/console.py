@@ -6,9 +6,9 @@ import asyncio
 from contextlib import suppress
 from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
-from rosic.app.desk.operating import Operating
+from rosic.app.admin.dispatch import AdminDispatcher
+from rosic.core.i18n import filled, in_language, joined, said
 from rosic.core.identity import OPERATOR
-from rosic.core.saying import filled, in_language, joined, said
 from rosic.errors import MessengerFault
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ async def _bring_to_rest(console: Console, gateway: Gateway) -> asyncio.Task[Non
         Shows it. Cancelling that ends nothing but the showing.
     """
     found = gateway.rooms.authoriser.directory.at(console.address)
-    lines = Operating(gateway).stop(by=found[0].id if found is not None else OPERATOR)
+    lines = AdminDispatcher(gateway).stop(by=found[0].id if found is not None else OPERATOR)
     # The stop is given by now, and nothing was waited for.
     _show(console, gateway, await anext(lines))
     return asyncio.create_task(_show_rest(console, gateway, lines))

@@ -7,29 +7,29 @@ import logging
 import sys
 from typing import TYPE_CHECKING, Any
 
-from rosic.app.adapters import robot_factory
+from rosic.app.admin.dispatch import AdminDispatcher
 from rosic.app.closing import close_in_time, on_signals
 from rosic.app.console import console_of, mind_console, read_at
-from rosic.app.desk.operating import Operating
-from rosic.app.documents.profiles import known_units, read_profile, shipped_profiles
 from rosic.app.face import face_of
-from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.languages import of_locale
-from rosic.app.placing.painting import painter
-from rosic.app.placing.people import Seed
-from rosic.app.quiet import PIPED, until_done, until_quiet
+from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
+from rosic.app.painting import painter
+from rosic.app.people import Seed
+from rosic.app.runtime import PIPED, until_done, until_quiet
+from rosic.config.plugins import robot_factory
+from rosic.config.profiles import known_units, read_profile, shipped_profiles
+from rosic.config.translations import of_locale
+from rosic.core.i18n import filled, in_language, joined, said, titled
 from rosic.core.identity import Address
-from rosic.core.rate import RateLimit
-from rosic.core.saying import filled, in_language, joined, said, titled
+from rosic.core.rate_limit import RateLimit
 from rosic.messengers.terminal import TerminalMessenger
 from rosic.messengers.terminal.messenger import is_terminal, own_locale
-from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
+from rosic.stores.stop_latch import MemoryLatch
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.entropy import Entropy
-    from rosic.core.robot import Profile
+    from rosic.core.robot.profile import Profile
 
 FLEET = ("kuka1", "omni", "yumi", "cf1", "cf2", "cf3")
 # Longer than any single skill of the six takes within its bounds; a script never waits longer.
@@ -55,7 +55,7 @@ LEFT = said("Left. Nothing was kept. For real robots: rosic init, then rosic run
 YOU = titled("you", {"de": "Gast"})
 
 
-class Script:
+class DemoScript:
     """Waits for what the lines of a script ask for.
 
     Attributes:
@@ -94,7 +94,7 @@ async def demonstrate(clock: Clock, entropy: Entropy, *, plain: bool, begun_ns: 
     messenger.know(profiles)
     gateway = gateway_of(profiles, messenger, clock, entropy)
     await gateway.open()
-    script = None if is_terminal(sys.stdin) else Script(gateway, messenger, clock)
+    script = None if is_terminal(sys.stdin) else DemoScript(gateway, messenger, clock)
     if script is not None:
         messenger.pace = script.line
     # Whoever closes the pipe knows that nothing reaches them any more.
@@ -131,7 +131,7 @@ def gateway_of(
     """Make the gateway. Its one person may do everything, and is whoever started it."""
     address = Address(messenger.platform, messenger.account)
     you = Seed(name=YOU, addresses=(address,), roles=("admin",))
-    parts = Parts(
+    parts = GatewayParts(
         messengers=(messenger,),
         robot_factory=robot_factory,
         store=MemoryStore(),
@@ -143,24 +143,24 @@ def gateway_of(
         painter=painter(),
     )
     limit = RateLimit() if is_terminal(sys.stdin) else PIPED
-    return Gateway(Settings(profiles=tuple(profiles), people=(you,), limit=limit), parts)
+    return Gateway(GatewaySettings(profiles=tuple(profiles), people=(you,), limit=limit), parts)
 
 
 async def _take_leave(gateway: Gateway, messenger: TerminalMessenger, *, script: bool) -> None:
     """Say how it ends; of what still moves or flies only once it was measured at rest."""
     if script:
-        found = joined("\n", (AT_THE_END, *Operating(gateway).status()))
+        found = joined("\n", (AT_THE_END, *AdminDispatcher(gateway).status()))
         messenger.show(read_at(messenger, gateway, found))
         return
     moving = [profile.id for profile in gateway.not_at_rest()]
     if moving:
-        async for line in Operating(gateway).stop(moving):
+        async for line in AdminDispatcher(gateway).stop(moving):
             messenger.show(read_at(messenger, gateway, line))
     messenger.show(read_at(messenger, gateway, LEFT))
 
 
 async def _until_over(
-    gateway: Gateway, messenger: TerminalMessenger, script: Script | None
+    gateway: Gateway, messenger: TerminalMessenger, script: DemoScript | None
 ) -> None:
     """Listen until the input ends, somebody leaves, or a signal comes."""
     left = asyncio.Event()

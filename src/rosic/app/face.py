@@ -6,7 +6,7 @@ from datetime import datetime, tzinfo
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rosic.core.life import Face
+    from rosic.core.order_status import Face
 
 SECOND_NS = 1_000_000_000
 

@@ -9,46 +9,46 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from rosic.app.languages import LANGUAGES, catalogue, whose
-from rosic.app.opening import Opening
-from rosic.app.parts import Parts, Settings
-from rosic.app.placing.access import Access, authoriser_of
-from rosic.app.placing.authority import Authority
-from rosic.app.placing.enlisted import KIND as ENLISTED
-from rosic.app.placing.enlisted import with_enlisted
-from rosic.app.placing.enlisting import Enlisting, Ways
-from rosic.app.placing.fellows import fellowship_of
-from rosic.app.placing.furnishing import Furnishing
-from rosic.app.placing.gates import board_of, robots_of
-from rosic.app.placing.gathering import gathering_of
-from rosic.app.placing.holding import Holding, Own, preferences_of
-from rosic.app.placing.intake import take_in
-from rosic.app.placing.minding import Minder
-from rosic.app.placing.newcomers import newcomers_of
-from rosic.app.placing.owing import owe_over_crashes
-from rosic.app.placing.painting import furnish_seeing
-from rosic.app.placing.people import remember, seed
-from rosic.app.placing.record_watch import record_watch_of
-from rosic.app.placing.retention import Ledger, Retention
-from rosic.app.placing.saving import rates_of, save, save_now_and_then
-from rosic.authoriser.highwater import HighWater
+from rosic.app.access import AccessFeature, authoriser_of
+from rosic.app.added_robots import KIND as ENLISTED
+from rosic.app.added_robots import with_enlisted
+from rosic.app.data_feature import DataFeature, OwnDataQueries, preferences_of
+from rosic.app.features import FeatureSetup
+from rosic.app.fellows import fellowship_of
+from rosic.app.maintenance import Maintenance
+from rosic.app.messenger_setup import take_in
+from rosic.app.newcomers import newcomers_of
+from rosic.app.opening import StartupNotices
+from rosic.app.owing import owe_over_crashes
+from rosic.app.painting import furnish_seeing
+from rosic.app.people import remember, seed
+from rosic.app.policy import PolicyService
+from rosic.app.record_monitor import record_watch_of
+from rosic.app.retention import AuditStore, Retention
+from rosic.app.robot_registry import RobotConnections, RobotRegistry
+from rosic.app.robot_startup import board_of, robots_of
+from rosic.app.robot_to_robot_feature import gathering_of
+from rosic.app.saving import rates_of, save, save_now_and_then
+from rosic.app.settings import GatewayParts, GatewaySettings
+from rosic.authoriser.monotonic_clock import MonotonicWallClock
+from rosic.config.translations import LANGUAGES, catalogue, whose
 from rosic.container.container import Containers
-from rosic.container.words_container import SETTINGS_DAMAGED
+from rosic.container.messages import SETTINGS_DAMAGED
 from rosic.core.language import Vocabulary, inert_text
 from rosic.core.message import Outbound
 from rosic.errors import ConfigurationError
+from rosic.features.dashboard.oncard import DashboardCamera
+from rosic.features.personal_data.context import ContainerStore
+from rosic.gateway import Pipeline
+from rosic.gateway.components import Components
+from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
+from rosic.gateway.delivery.translation import ChatLanguages
+from rosic.gateway.order_execution import inert_words
+from rosic.gateway.recovery import Recovery
+from rosic.gateway.resume import ResumeHandler
+from rosic.gateway.stop import StopLane
 from rosic.linker.linker import Linker
 from rosic.organiser.organiser import Organiser
-from rosic.pipeline import Pipeline
-from rosic.pipeline.containers.parts import Vault
-from rosic.pipeline.languages import Languages
-from rosic.pipeline.lives import inert_words
-from rosic.pipeline.recovery import Recovery
-from rosic.pipeline.resuming import Resuming
-from rosic.pipeline.rooms import Rooms
-from rosic.pipeline.seeing.oncard import CardCamera
-from rosic.pipeline.stopping import StopLane
-from rosic.pipeline.telling import Note, Teller
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -57,11 +57,11 @@ if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Robot
     from rosic.core.identity import PrincipalId
-    from rosic.core.record import Memory
-    from rosic.core.robot import Profile, RobotId
-    from rosic.pipeline.seeing.parts import Seeing
+    from rosic.core.records import Memory
+    from rosic.core.robot.profile import Profile, RobotId
+    from rosic.features.media.context import MediaContext
 
-__all__ = ["Gateway", "Parts", "Settings"]
+__all__ = ["Gateway", "GatewayParts", "GatewaySettings"]
 
 log = logging.getLogger("rosic.gateway")
 
@@ -84,25 +84,25 @@ class Gateway:
     """
 
     pipeline: Pipeline
-    rooms: Rooms
+    rooms: Components
     stop_lane: StopLane
     robots: dict[RobotId, Robot]
     profiles: dict[RobotId, Profile]
-    authority: Authority
-    access: Access
-    furnishing: Furnishing
-    holding: Holding
-    seeing: Seeing
-    languages: Languages
-    enlisting: Enlisting
+    authority: PolicyService
+    access: AccessFeature
+    furnishing: FeatureSetup
+    holding: DataFeature
+    seeing: MediaContext
+    languages: ChatLanguages
+    enlisting: RobotRegistry
 
-    def __init__(self, settings: Settings, parts: Parts) -> None:
+    def __init__(self, settings: GatewaySettings, parts: GatewayParts) -> None:
         self._settings = settings
         self._parts = parts
         self._messengers: tuple[Messenger, ...] = parts.messengers
         self._opened: list[Robot] = []
         self._listening: list[asyncio.Task[None]] = []
-        self._teller: Teller | None = None
+        self._teller: ChatSender | None = None
 
     async def open(self) -> None:
         """Read the record, make the rooms, connect the robots, settle what was interrupted.
@@ -116,7 +116,7 @@ class Gateway:
             if self._know_enlisted(memory):
                 vocabulary = self._vocabulary()
             await self._compose(memory, vocabulary)
-            opening = Opening(self._robot_says, self.furnishing, self._opened)
+            opening = StartupNotices(self._robot_says, self.furnishing, self._opened)
             await opening.all(self.robots.values())
             await self._recover(memory)
         except BaseException:
@@ -148,12 +148,14 @@ class Gateway:
         board = board_of(profiles, parts.latch.read(), memory)
         numbers = {robot: memory.numbers.get(robot, (0, 0)) for robot in profiles}
         self.robots = robots_of(parts, profiles, numbers, board)
-        time = HighWater(parts.clock)
+        time = MonotonicWallClock(parts.clock)
         authoriser = authoriser_of(time, parts.clock, parts.entropy)
         preferences = preferences_of(profiles.values(), parts.units, parts.clock, memory)
-        self._own = Own(preferences, settings.room)
+        self._own = OwnDataQueries(preferences, settings.room)
         authority = await self._authority(authoriser, memory)
-        self.access = Access(authoriser, authority, parts.store, parts.entropy, settings.place)
+        self.access = AccessFeature(
+            authoriser, authority, parts.store, parts.entropy, settings.place
+        )
         rights = authority.draw_up()
         organiser = Organiser(
             rights, profiles, board, self.access.state,
@@ -169,7 +171,9 @@ class Gateway:
         for choice in memory.selected:
             container.restore_selection(choice.principal, choice.chat, choice.robot)
         linker = Linker(self.robots, board, parts.latch, parts.clock, time.wall_ns)
-        self.rooms = Rooms(authoriser, organiser, container, linker, vocabulary, profiles, board)
+        self.rooms = Components(
+            authoriser, organiser, container, linker, vocabulary, profiles, board
+        )
         self.authority = authority
         await self._furnish(memory)
 
@@ -177,19 +181,19 @@ class Gateway:
         """Put a pipeline through the rooms, and everything in its place beside it."""
         parts, authority = self._parts, self.authority
         authoriser, time = self.rooms.authoriser, self.access.time
-        self.languages = languages = Languages(catalogue, LANGUAGES)
+        self.languages = languages = ChatLanguages(catalogue, LANGUAGES)
         languages.at = partial(whose, authoriser)
-        self._teller = Teller(self.rooms.container, parts.clock, languages)
+        self._teller = ChatSender(self.rooms.container, parts.clock, languages)
         self.stop_lane = StopLane(
-            self.rooms, parts.store, parts.clock, self._teller, Resuming(self.rooms)
+            self.rooms, parts.store, parts.clock, self._teller, ResumeHandler(self.rooms)
         )
         authority.attach(self.rooms, self.stop_lane)
-        self.holding = Holding(
+        self.holding = DataFeature(
             self.rooms, self.access, authority, parts.clock, languages, self._own
         )
         self._messengers = self.holding.record(parts.messengers, parts.store)
         self.pipeline = Pipeline(self.rooms, self.stop_lane, self._teller, parts.clock, parts.face)
-        self.furnishing = Furnishing(
+        self.furnishing = FeatureSetup(
             self.rooms, self.pipeline, self.access, self.stop_lane, self._teller
         )
         zone = self._settings.zone
@@ -197,30 +201,30 @@ class Gateway:
         self.seeing = furnish_seeing(
             self.rooms, self.pipeline, self._teller, parts.painter, parts.clock
         )
-        self.furnishing.live_cards.drawing.picturing.camera = CardCamera(self.seeing)
+        self.furnishing.live_cards.drawing.picturing.camera = DashboardCamera(self.seeing)
         self.alarms = self.furnishing.alarms(memory, self._settings, time, parts.face)
         self.alarms.watch(self._messengers)
         gathering = gathering_of(self, self._teller, parts.clock, self._settings.place)
         gathering.gather(self._messengers, memory)
         self.among = fellowship_of(self, parts, self._teller, memory)
         self.record_watch = record_watch_of(parts.store, parts.latch, parts.clock, self.furnishing)
-        ways = Ways(self._opened.append, self._robot_says)
-        self.enlisting = Enlisting(self, self._settings, parts, memory, ways)
+        ways = RobotConnections(self._opened.append, self._robot_says)
+        self.enlisting = RobotRegistry(self, self._settings, parts, memory, ways)
         settled, now_ns = self.pipeline.arrears.settled, time.wall_ns()
         await take_in(self._messengers, memory, parts.store, self.rooms, settled, now_ns)
-        if isinstance(parts.store, Vault):
+        if isinstance(parts.store, ContainerStore):
             await self.holding.furnish(self.pipeline, self.furnishing, parts.store, memory, parts)
             self.furnishing.reach.tell(self.holding.preferences.damaged(), SETTINGS_DAMAGED)
             newcomers_of(self)
 
-    async def _authority(self, authoriser: Authoriser, memory: Memory) -> Authority:
+    async def _authority(self, authoriser: Authoriser, memory: Memory) -> PolicyService:
         """Make everybody known, of the record and of the configuration; return their rights."""
         parts, settings = self._parts, self._settings
         roles = remember(authoriser, memory)
         roles.update(
             await seed(settings.people, memory, authoriser, parts.store, parts.clock, parts.entropy)
         )
-        authority = Authority(
+        authority = PolicyService(
             settings.rulebook, settings.profiles, parts.units, authoriser.keys.time,
             self._own.preferences.limits,
         )  # fmt: skip
@@ -253,7 +257,7 @@ class Gateway:
             asyncio.create_task(m.run(partial(self.pipeline.receive, m))) for m in self._messengers
         ]
         access, rates, parts = self.access, self.rooms.organiser.rates, self._parts
-        minder = Minder(
+        minder = Maintenance(
             access, self.authority, self.furnishing, self.holding, access.time, self._daily
         )
         keeping = [
@@ -277,7 +281,7 @@ class Gateway:
         store = self._parts.store
         retention = Retention(
             self._settings.keep, self.rooms.organiser.calendar, self.access.changes,
-            store if isinstance(store, Ledger) else None, self.access.time.wall_ns,
+            store if isinstance(store, AuditStore) else None, self.access.time.wall_ns,
         )  # fmt: skip
         await self.holding.tidy()
         await retention.forget()
@@ -331,7 +335,9 @@ class Gateway:
         said = f"{profile.shown}: {inert_text(text)}"
         for messenger, chat in self.pipeline.audience.of(profile.id):
             if self._teller is not None:
-                self._teller.say(Note(messenger, Outbound(chat=chat, text=said), about=profile.id))
+                self._teller.say(
+                    OutgoingMessage(messenger, Outbound(chat=chat, text=said), about=profile.id)
+                )
 
     async def close(self) -> None:
         """Fall deaf, bring robots to rest, write and tell outcomes, close. At most some seconds.

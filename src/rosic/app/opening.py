@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rosic.core.saying import joined, said
+from rosic.core.i18n import joined, said
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.app.placing.furnishing import Furnishing
+    from rosic.app.features import FeatureSetup
     from rosic.contracts.robot import Robot
-    from rosic.core.robot import Profile
+    from rosic.core.robot.profile import Profile
 
 
-class Opening:
+class StartupNotices:
     """Opens one robot after the other.
 
     Args:
@@ -26,7 +26,7 @@ class Opening:
     def __init__(
         self,
         says: Callable[[Profile, str], None],
-        furnishing: Furnishing,
+        furnishing: FeatureSetup,
         opened: list[Robot],
     ) -> None:
         self._says = says

@@ -9,13 +9,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.pictures.draw import portrait
-from rosic.robots.simulated.machines.world import World, build_world
-from rosic.robots.simulated.scenery.scene import room_scene
+from rosic.rendering.draw import portrait
+from rosic_sim.robots.machines.world import SimulatedWorld, build_world
+from rosic_sim.robots.scenery.scene import room_scene
 
 if TYPE_CHECKING:
-    from rosic.core.view import Drawing
-    from rosic.robots.simulated.machines.arguments import Value
+    from rosic.core.robot.view import Drawing
+    from rosic_sim.robots.machines.arguments import Value
 
 FILE = "docs/pictures/robots.png"
 NAMES = {"omni": "omni", "kuka1": "KUKA iiwa", "yumi": "YuMi", "cf1": "Crazyflies"}
@@ -34,7 +34,7 @@ PLAY: tuple[tuple[float, str, str, dict[str, Value]], ...] = (
 )
 
 
-def played() -> World:
+def played() -> SimulatedWorld:
     """Return the world at the moment of the picture; always the same."""
     world = build_world()
     world.step(0.0)

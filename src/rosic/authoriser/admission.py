@@ -6,15 +6,15 @@ from typing import TypeAlias
 
 import msgspec
 
-from rosic.authoriser import words_entry as words
-from rosic.authoriser.codes import shared_words
-from rosic.authoriser.invitation import Given
+from rosic.authoriser import messages as words
+from rosic.authoriser.invitation import InvitedRights
+from rosic.authoriser.invite_codes import shared_words
 from rosic.core.identity import Address, AuthorisationKey, Principal, PrincipalId
-from rosic.core.record import Record
-from rosic.core.roles import Grant
+from rosic.core.policy.roles import Grant
+from rosic.core.records import Record
 
 
-class Redeemed(msgspec.Struct, frozen=True, kw_only=True):
+class CodeRedeemed(msgspec.Struct, frozen=True, kw_only=True):
     """Somebody is in as soon as the records are written.
 
     Attributes:
@@ -35,7 +35,7 @@ class Redeemed(msgspec.Struct, frozen=True, kw_only=True):
     sentence: str
 
 
-class Pending(msgspec.Struct, frozen=True, kw_only=True):
+class PendingApplicant(msgspec.Struct, frozen=True, kw_only=True):
     """The body of the fact ``pending``: somebody with a good code waits for an admin's tap.
 
     Attributes:
@@ -48,7 +48,7 @@ class Pending(msgspec.Struct, frozen=True, kw_only=True):
     id: str
     invitation: str
     principal: PrincipalId
-    given: Given
+    given: InvitedRights
     issuer: PrincipalId
     returning: bool
     expires_ns: int
@@ -57,7 +57,7 @@ class Pending(msgspec.Struct, frozen=True, kw_only=True):
 class Applicant(msgspec.Struct, frozen=True):
     """A pending redemption with what its letter holds."""
 
-    pending: Pending
+    pending: PendingApplicant
     name: str
     address: Address
 
@@ -73,7 +73,7 @@ class Applicant(msgspec.Struct, frozen=True):
         return words.wants_in(self.name, asked.given.words, self.words, returning=asked.returning)
 
 
-class Waiting(msgspec.Struct, frozen=True):
+class ApplicantWaits(msgspec.Struct, frozen=True):
     """The code was good and is used up; an admin has to tap.
 
     Attributes:
@@ -86,7 +86,7 @@ class Waiting(msgspec.Struct, frozen=True):
     sentence: str
 
 
-class Alarm(msgspec.Struct, frozen=True):
+class EnrolmentAlarm(msgspec.Struct, frozen=True):
     """Something that all admins are told, now.
 
     Attributes:
@@ -109,7 +109,7 @@ class TurnedAway(msgspec.Struct, frozen=True):
 
     kind: str
     sentence: str
-    alarm: Alarm | None = None
+    alarm: EnrolmentAlarm | None = None
     records: tuple[Record, ...] = ()
 
 
@@ -129,4 +129,4 @@ class Declined(msgspec.Struct, frozen=True):
     sentence: str
 
 
-Answer: TypeAlias = Redeemed | Waiting | TurnedAway
+Answer: TypeAlias = CodeRedeemed | ApplicantWaits | TurnedAway

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, ClassVar
 
 import msgspec
 
-from rosic.authoriser.admission import Applicant, Pending
-from rosic.core.record import Fact, Letter, PersonalCard
+from rosic.authoriser.admission import Applicant, PendingApplicant
+from rosic.core.records import Fact, Letter, PersonRecord
 
 if TYPE_CHECKING:
     from rosic.core.identity import Address
 
 _log = logging.getLogger(__name__)
 _encode = msgspec.msgpack.Encoder().encode
-_decode = msgspec.msgpack.Decoder(Pending).decode
-_decode_card = msgspec.msgpack.Decoder(PersonalCard).decode
+_decode = msgspec.msgpack.Decoder(PendingApplicant).decode
+_decode_card = msgspec.msgpack.Decoder(PersonRecord).decode
 
 
 class Applicants:
@@ -48,7 +48,7 @@ class Applicants:
     def fact(self, applicant: Applicant) -> Fact:
         """Return what makes somebody wait."""
         asked = applicant.pending
-        card = _encode(PersonalCard(applicant.name, (applicant.address,)))
+        card = _encode(PersonRecord(applicant.name, (applicant.address,)))
         letter = Letter(asked.principal, card)
         return Fact(kind=self.KIND, key=asked.id, body=_encode(asked), letter=letter)
 

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.authoriser.buttons import Buttons
+from rosic.authoriser.button_tokens import ButtonTokens
+from rosic.core.i18n import said
 from rosic.core.identity import Address, AuthorisationKey, Caller, KeyId, Principal, PrincipalId
 from rosic.core.message import ChatKind
-from rosic.core.saying import said
 from rosic.errors import Unrecognised
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Authoriser:
         self.keys = keys
         self._count = keys.tally.count
         self._wall_ns = keys.time.wall_ns
-        self.buttons = Buttons(clock, entropy, count=self._count_tap)
+        self.buttons = ButtonTokens(clock, entropy, count=self._count_tap)
         self._clock = clock
         self._entropy = entropy
         self._sessions: OrderedDict[tuple[str, str, str], Session] = OrderedDict()

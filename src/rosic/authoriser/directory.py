@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from rosic.core.i18n import said
 from rosic.core.identity import OPERATOR
-from rosic.core.saying import said
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -6,36 +6,43 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
-from rosic.authoriser import words_entry as words
-from rosic.authoriser.admission import Alarm, Answer, Applicant, Declined, Pending, TurnedAway
+from rosic.authoriser import messages as words
+from rosic.authoriser.admission import (
+    Answer,
+    Applicant,
+    Declined,
+    EnrolmentAlarm,
+    PendingApplicant,
+    TurnedAway,
+)
 from rosic.authoriser.applicants import Applicants
-from rosic.authoriser.guessing import Guessing, GuessLimits
-from rosic.authoriser.invitation import State
+from rosic.authoriser.enrolment_records import EnrolmentRecords
+from rosic.authoriser.guessing import BruteForceGuard, GuessLimits
+from rosic.authoriser.invitation import InvitationState
 from rosic.authoriser.invitations import ADMIN, KIND, PEPPER, Invitations
-from rosic.authoriser.newcomers import Newcomers
-from rosic.authoriser.words_keys import LOCKED
+from rosic.authoriser.keys_messages import LOCKED
 from rosic.core.identity import OPERATOR
-from rosic.core.record import Decided
+from rosic.core.records import Decided
 from rosic.errors import Expired, NotPermitted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from rosic.authoriser.admission import Redeemed
+    from rosic.authoriser.admission import CodeRedeemed
+    from rosic.authoriser.counters import Counters
     from rosic.authoriser.directory import Directory
-    from rosic.authoriser.highwater import HighWater
-    from rosic.authoriser.invitation import Given, Invitation, Offer
+    from rosic.authoriser.invitation import Invitation, InvitedRights, NewInvitation
     from rosic.authoriser.locks import Locks
-    from rosic.authoriser.tally import Tally
+    from rosic.authoriser.monotonic_clock import MonotonicWallClock
     from rosic.contracts.entropy import Entropy
     from rosic.core.identity import Address, PrincipalId
-    from rosic.core.record import Fact, Record
+    from rosic.core.records import Fact, Record
 
 _KINDS: Final = {
-    State.USED: "code-used",
-    State.BURNT: "code-burnt",
-    State.WITHDRAWN: "code-withdrawn",
-    State.OPEN: "code-expired",
+    InvitationState.USED: "code-used",
+    InvitationState.BURNT: "code-burnt",
+    InvitationState.WITHDRAWN: "code-withdrawn",
+    InvitationState.OPEN: "code-expired",
 }
 
 
@@ -47,7 +54,7 @@ class EnrolmentRules(NamedTuple):
         limits: How often a code may be guessed.
     """
 
-    may_invite: Callable[[PrincipalId, Given], bool]
+    may_invite: Callable[[PrincipalId, InvitedRights], bool]
     limits: GuessLimits = GuessLimits()
 
 
@@ -67,19 +74,21 @@ class Enrolment:
         self,
         directory: Directory,
         locks: Locks,
-        time: HighWater,
+        time: MonotonicWallClock,
         entropy: Entropy,
-        tally: Tally,
+        tally: Counters,
         rules: EnrolmentRules,
     ) -> None:
         self.invitations = Invitations(time, entropy)
         self.applicants = Applicants()
-        self._newcomers = Newcomers(directory, self.invitations, self.applicants, time, entropy)
+        self._newcomers = EnrolmentRecords(
+            directory, self.invitations, self.applicants, time, entropy
+        )
         self._directory = directory
         self._locks = locks
         self._time = time
         self._tally = tally
-        self._guessing = Guessing(rules.limits)
+        self._guessing = BruteForceGuard(rules.limits)
         self.may_invite = rules.may_invite
 
     def restore(self, facts: Iterable[Fact]) -> None:
@@ -94,7 +103,7 @@ class Enrolment:
         elif fact.kind in {KIND, PEPPER}:
             self.invitations.apply(fact)
 
-    def first_admin_code(self) -> Offer | None:
+    def first_admin_code(self) -> NewInvitation | None:
         """Return a code for the first admin, or None when somebody is admin already."""
         return None if self._has_admin() else self.invitations.first_admin()
 
@@ -125,7 +134,7 @@ class Enrolment:
             return found
         self._guessing.right(address)
         applicant = self._newcomers.applicant(found, address, name)
-        used = self.invitations.ended(found, State.USED, applicant.pending.principal)
+        used = self.invitations.ended(found, InvitationState.USED, applicant.pending.principal)
         if found.needs_confirmation or (applicant.pending.returning and not found.first_admin):
             return self._newcomers.waits(applicant, used)
         return self._newcomers.comes_in(applicant, found.issuer, used)
@@ -167,8 +176,11 @@ class Enrolment:
             return TurnedAway("code-paused", words.IN_GROUP)
         self._tally.count("code-in-group")
         made = self.invitations
-        records = (made.decided("burn", found.issuer, found), made.ended(found, State.BURNT))
-        alarm = Alarm("code-in-group", words.shown_in_group(found.given.words))
+        records = (
+            made.decided("burn", found.issuer, found),
+            made.ended(found, InvitationState.BURNT),
+        )
+        alarm = EnrolmentAlarm("code-in-group", words.shown_in_group(found.given.words))
         return TurnedAway("code-in-group", words.IN_GROUP, alarm, records)
 
     def _not_now(self, address: Address) -> TurnedAway | None:
@@ -217,7 +229,7 @@ class Enrolment:
         alarm = None
         if opened:
             self._tally.count("code-breaker")
-            alarm = Alarm("code-breaker", words.guessing(limits))
+            alarm = EnrolmentAlarm("code-breaker", words.guessing(limits))
         return msgspec.structs.replace(self._counted(kind, words.NOT_GOOD), alarm=alarm)
 
     def _counted(self, kind: str, sentence: str) -> TurnedAway:
@@ -231,7 +243,7 @@ class Enrolment:
 
     # ---- an admin taps ----
 
-    def confirm(self, pending: str, by: PrincipalId, *, may_admit: bool) -> Redeemed:
+    def confirm(self, pending: str, by: PrincipalId, *, may_admit: bool) -> CodeRedeemed:
         """Return what lets an applicant in.
 
         Args:
@@ -268,7 +280,7 @@ class Enrolment:
         self._tally.count("declined")
         return self._ends(applicant, by, words.declined())
 
-    def _check_tap(self, asked: Pending, by: PrincipalId, *, may_admit: bool) -> None:
+    def _check_tap(self, asked: PendingApplicant, by: PrincipalId, *, may_admit: bool) -> None:
         if not may_admit and by != asked.principal:
             raise self._tally.refuse("confirm-no-right", NotPermitted(words.NO_RIGHT))
 
@@ -291,10 +303,10 @@ class Enrolment:
         late = [a for a in self.applicants.all() if self._too_late(a.pending)]
         return tuple(self._ends(a, a.pending.principal, words.lapsed()) for a in late)
 
-    def _too_late(self, asked: Pending) -> bool:
+    def _too_late(self, asked: PendingApplicant) -> bool:
         return self._time.wall_ns() >= asked.expires_ns
 
-    def _left_s(self, asked: Pending) -> float:
+    def _left_s(self, asked: PendingApplicant) -> float:
         return (asked.expires_ns - self._time.wall_ns()) / 1e9
 
     def _decided(self, act: str, by: PrincipalId, about: str) -> Decided:

@@ -55,7 +55,7 @@ class _Tries(msgspec.Struct):
     until_ns: int = 0
 
 
-class Guessing:
+class BruteForceGuard:
     """Wrong codes on the monotonic clock. Bounded: the addresses seen longest ago go first."""
 
     def __init__(self, limits: GuessLimits) -> None:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.authoriser import words_entry as words
+from rosic.authoriser import messages as words
 from rosic.core.identity import PrincipalId
-from rosic.core.record import Record
-from rosic.core.roles import Grant
+from rosic.core.policy.roles import Grant
+from rosic.core.records import Record
 from rosic.core.secret import Secret
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 CODE_TTL_S: Final = 600.0
 
 
-class State(enum.Enum):
+class InvitationState(enum.Enum):
     """What became of an invitation."""
 
     OPEN = "open"
@@ -28,7 +28,7 @@ class State(enum.Enum):
     WITHDRAWN = "withdrawn"
 
 
-class Given(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+class InvitedRights(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """What somebody is given: roles, perhaps bare scopes, where, how far and for how long.
 
     Attributes:
@@ -84,7 +84,7 @@ class Given(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
         return tuple(found)
 
 
-class Wanted(msgspec.Struct, frozen=True, kw_only=True):
+class InvitationRequest(msgspec.Struct, frozen=True, kw_only=True):
     """What an invitation shall be.
 
     Attributes:
@@ -93,7 +93,7 @@ class Wanted(msgspec.Struct, frozen=True, kw_only=True):
         name: How the newcomer shall be shown; empty: as their messenger says.
     """
 
-    given: Given
+    given: InvitedRights
     code_ttl_s: float = CODE_TTL_S
     needs_confirmation: bool | None = None
     name: str = ""
@@ -111,17 +111,17 @@ class Invitation(msgspec.Struct, frozen=True, kw_only=True):
 
     id: str
     digest: bytes
-    given: Given
+    given: InvitedRights
     issuer: PrincipalId
     issued_ns: int
     expires_ns: int
     needs_confirmation: bool
     first_admin: bool = False
-    state: State = State.OPEN
+    state: InvitationState = InvitationState.OPEN
     user: PrincipalId = ""
 
 
-class Offer(msgspec.Struct, frozen=True):
+class NewInvitation(msgspec.Struct, frozen=True):
     """A new invitation with its code, which is shown once and kept nowhere.
 
     Attributes:

@@ -9,24 +9,37 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.authoriser import words_entry as words
-from rosic.authoriser.codes import PEPPER_BYTES, codes_in, digest, new_code, normal, reads_as_stop
-from rosic.authoriser.invitation import Given, Invitation, Offer, State, Wanted
-from rosic.core.authority import READ, Scope
+from rosic.authoriser import messages as words
+from rosic.authoriser.invitation import (
+    Invitation,
+    InvitationRequest,
+    InvitationState,
+    InvitedRights,
+    NewInvitation,
+)
+from rosic.authoriser.invite_codes import (
+    PEPPER_BYTES,
+    codes_in,
+    digest,
+    new_code,
+    normal,
+    reads_as_stop,
+)
+from rosic.core.i18n import said
 from rosic.core.identity import OPERATOR
-from rosic.core.language.cleaning import clean_name
-from rosic.core.limits import parse_limit
-from rosic.core.record import Decided, Fact, Letter
-from rosic.core.saying import said
+from rosic.core.language.sanitise import clean_name
+from rosic.core.policy.authority import READ, Scope
+from rosic.core.policy.limits import parse_limit
+from rosic.core.records import Decided, Fact, Letter
 from rosic.errors import NotUnderstood, OutOfBounds, TooManyRequests
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.authoriser.highwater import HighWater
+    from rosic.authoriser.monotonic_clock import MonotonicWallClock
     from rosic.contracts.entropy import Entropy
     from rosic.core.identity import PrincipalId
-    from rosic.core.record import Record
+    from rosic.core.records import Record
 
 KIND: Final = "invitation"
 PEPPER: Final = "code-key"
@@ -50,7 +63,7 @@ _decode = msgspec.msgpack.Decoder(Invitation).decode
 class Invitations:
     """Every invitation that is open, or ended not long ago; found by the digest of its code."""
 
-    def __init__(self, time: HighWater, entropy: Entropy) -> None:
+    def __init__(self, time: MonotonicWallClock, entropy: Entropy) -> None:
         self._time = time
         self._entropy = entropy
         self._pepper: bytes | None = None
@@ -82,7 +95,10 @@ class Invitations:
 
     def is_good(self, invitation: Invitation) -> bool:
         """Whether it is open and its code has not expired."""
-        return invitation.state is State.OPEN and self._time.wall_ns() < invitation.expires_ns
+        return (
+            invitation.state is InvitationState.OPEN
+            and self._time.wall_ns() < invitation.expires_ns
+        )
 
     def open(self) -> tuple[Invitation, ...]:
         """Return the invitations whose code is good; looks at all of them."""
@@ -94,7 +110,9 @@ class Invitations:
 
     # ---- decisions: nothing changes until the facts are applied ----
 
-    def invite(self, wanted: Wanted, by: PrincipalId, *, first_admin: bool = False) -> Offer:
+    def invite(
+        self, wanted: InvitationRequest, by: PrincipalId, *, first_admin: bool = False
+    ) -> NewInvitation:
         """Return an invitation and its code.
 
         Whether ``by`` may give these roles is decided before.
@@ -133,17 +151,19 @@ class Invitations:
         if self._pepper is None:
             secret = Letter(OPERATOR, pepper)
             records.append(Fact(kind=PEPPER, key=PEPPER, body=b"\x01", letter=secret))
-        return Offer(made, code, (*records, fact))
+        return NewInvitation(made, code, (*records, fact))
 
-    def first_admin(self) -> Offer:
+    def first_admin(self) -> NewInvitation:
         """Return the invitation of the first admin; those of earlier starts end."""
-        given = Given(roles=(ADMIN,))
-        wanted = Wanted(given=given, code_ttl_s=FIRST_ADMIN_TTL_S, needs_confirmation=False)
+        given = InvitedRights(roles=(ADMIN,))
+        wanted = InvitationRequest(
+            given=given, code_ttl_s=FIRST_ADMIN_TTL_S, needs_confirmation=False
+        )
         offer = self.invite(wanted, OPERATOR, first_admin=True)
         old = tuple(
-            self.ended(made, State.WITHDRAWN)
+            self.ended(made, InvitationState.WITHDRAWN)
             for made in self._known.values()
-            if made.first_admin and made.state is State.OPEN
+            if made.first_admin and made.state is InvitationState.OPEN
         )
         return msgspec.structs.replace(offer, records=(*offer.records, *old))
 
@@ -156,9 +176,9 @@ class Invitations:
         made = self._known.get(invitation)
         if made is None or not self.is_good(made):
             raise NotUnderstood(words.NO_SUCH)
-        return (self.decided("withdraw", by, made), self.ended(made, State.WITHDRAWN))
+        return (self.decided("withdraw", by, made), self.ended(made, InvitationState.WITHDRAWN))
 
-    def ended(self, invitation: Invitation, state: State, user: PrincipalId = "") -> Fact:
+    def ended(self, invitation: Invitation, state: InvitationState, user: PrincipalId = "") -> Fact:
         """Return the fact that an invitation is over; the name in it is forgotten."""
         over = msgspec.structs.replace(invitation, state=state, user=user)
         return Fact(kind=KIND, key=over.id, body=_encode(over))
@@ -177,7 +197,7 @@ class Invitations:
             if made.expires_ns < before_ns
         )
 
-    def _check(self, wanted: Wanted) -> None:
+    def _check(self, wanted: InvitationRequest) -> None:
         given = wanted.given
         if not (given.roles or given.scopes) or not all(given.roles):
             raise NotUnderstood(words.NO_ROLE)
@@ -233,7 +253,7 @@ def _checked(invitation: Invitation, key: str) -> Invitation:
     return invitation
 
 
-def _check_bounds(given: Given) -> None:
+def _check_bounds(given: InvitedRights) -> None:
     """Let pass what can be kept.
 
     Raises:

@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.authoriser import words_keys as words
+from rosic.authoriser import keys_messages as words
+from rosic.core.i18n import said
 from rosic.core.identity import AuthorisationKey, KeyId, PrincipalId
-from rosic.core.record import Decided, Fact, KeyIssued, KeyRevoked, Record
-from rosic.core.saying import said
+from rosic.core.records import Decided, Fact, KeyIssued, KeyRevoked, Record
 from rosic.errors import NotUnderstood, OutOfBounds, Unrecognised
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from rosic.authoriser.highwater import HighWater
-    from rosic.authoriser.tally import Tally
+    from rosic.authoriser.counters import Counters
+    from rosic.authoriser.monotonic_clock import MonotonicWallClock
     from rosic.contracts.entropy import Entropy
 
 KIND: Final = "key-end"
@@ -79,7 +79,7 @@ class KeyRing:
         tally: Counts whoever is turned away.
     """
 
-    def __init__(self, time: HighWater, entropy: Entropy, tally: Tally) -> None:
+    def __init__(self, time: MonotonicWallClock, entropy: Entropy, tally: Counters) -> None:
         self.time = time
         self._entropy = entropy
         self.tally = tally

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.authoriser import words_keys as words
+from rosic.authoriser import keys_messages as words
 from rosic.core.identity import PrincipalId
-from rosic.core.record import Decided, Fact
+from rosic.core.records import Decided, Fact
 from rosic.errors import NotPermitted, NotUnderstood
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
 
-    from rosic.authoriser.highwater import HighWater
-    from rosic.core.record import Record
+    from rosic.authoriser.monotonic_clock import MonotonicWallClock
+    from rosic.core.records import Record
 
 KIND: Final = "lock"
 UNKNOWN: Final = "somebody"
@@ -48,7 +48,7 @@ class Locks:
     not the store took it.
     """
 
-    def __init__(self, time: HighWater) -> None:
+    def __init__(self, time: MonotonicWallClock) -> None:
         self._time = time
         self._locks: dict[PrincipalId, Lock] = {}
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import msgspec
 
-from rosic.authoriser import words_keys as words
+from rosic.authoriser import keys_messages as words
 from rosic.core.identity import PrincipalId
 from rosic.core.message import Chat
-from rosic.core.record import Record
+from rosic.core.records import Record
 from rosic.core.secret import Secret
 
 
-class Phone(msgspec.Struct, frozen=True):
+class TotpDevice(msgspec.Struct, frozen=True):
     """The body of the fact; its key is the principal, its letter the secret.
 
     Attributes:
@@ -23,7 +23,7 @@ class Phone(msgspec.Struct, frozen=True):
     since_ns: int
 
 
-class Setup(msgspec.Struct, frozen=True):
+class TotpSetup(msgspec.Struct, frozen=True):
     """What a phone needs, once, until the first code has come back.
 
     Attributes:
@@ -40,7 +40,7 @@ class Setup(msgspec.Struct, frozen=True):
         return words.scan(self.key.reveal())
 
 
-class Proof(msgspec.Struct, frozen=True):
+class TotpProof(msgspec.Struct, frozen=True):
     """A right code. It counts as soon as the records are written and applied, by `admit`.
 
     Attributes:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import OrderedDict
 from typing import TYPE_CHECKING, Final
 
-from rosic.contracts.clock import Reading, passed_ns, reading
+from rosic.contracts.clock import ClockReading, passed_ns, reading
 
 if TYPE_CHECKING:
-    from rosic.authoriser.highwater import HighWater
+    from rosic.authoriser.monotonic_clock import MonotonicWallClock
     from rosic.core.identity import PrincipalId
     from rosic.core.message import Chat
 
@@ -16,12 +16,12 @@ IDLE_NS: Final = 3_600_000_000_000
 PROVEN_AT_MOST: Final = 20_000
 
 
-class Proven:
+class SecondFactorSessions:
     """Principal and chat to the last use; an idle hour ends it, by either clock."""
 
-    def __init__(self, time: HighWater) -> None:
+    def __init__(self, time: MonotonicWallClock) -> None:
         self._time = time
-        self._used: OrderedDict[tuple[PrincipalId, str, str], Reading] = OrderedDict()
+        self._used: OrderedDict[tuple[PrincipalId, str, str], ClockReading] = OrderedDict()
 
     def fresh(self, principal: PrincipalId, chat: Chat) -> bool:
         """Whether an hour without use has not passed."""

@@ -11,20 +11,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 
 from rosic.app import heap
-from rosic.app.gateway import Gateway, Settings
-from rosic.app.placing.people import Seed
+from rosic.app.gateway import Gateway, GatewaySettings
+from rosic.app.people import Seed
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.stand_in import TOKEN
 from rosic.core.identity import Address
-from rosic.core.rate import RateLimit
-from rosic.core.robot import Busy, Link, Profile
-from rosic.core.skill import Parameter, Skill
-from rosic.messengers.telegram.limiter import CHAT, OVERALL, PUBLISHED
+from rosic.core.rate_limit import RateLimit
+from rosic.core.robot.profile import Busy, Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
 from rosic.messengers.telegram.messenger import TelegramMessenger
+from rosic.messengers.telegram.rate_limiter import CHAT, OVERALL, PUBLISHED
 from rosic.messengers.telegram.settings import read_settings
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
-from rosic.stores.latch import FileLatch
+from rosic.stores.stop_latch import FileLatch
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,7 +61,7 @@ class Batch(msgspec.Struct, frozen=True, kw_only=True):
         return min(self.chats * CHAT_PER_S, OVERALL_PER_S) * self.faster
 
 
-class Found(NamedTuple):
+class BatchFigures(NamedTuple):
     """What one batch came to.
 
     Attributes:
@@ -83,7 +83,7 @@ class Found(NamedTuple):
     wrong: tuple[str, ...] = ()
 
 
-class Place:
+class BatchSite:
     """People with a chat each, at a server that has just been told its limits."""
 
     def __init__(self, control: Control, batch: Batch) -> None:
@@ -131,7 +131,7 @@ class Place:
         found = await self.control.messages(person, by_bot=True)
         return len({one["reply_to"] for one in found if ENDED in one["text"]})
 
-    async def found(self, stops: Sequence[tuple[int, int]], burst: int, whole: int) -> Found:
+    async def found(self, stops: Sequence[tuple[int, int]], burst: int, whole: int) -> BatchFigures:
         """Read the server's record.
 
         Args:
@@ -163,7 +163,7 @@ class Place:
         for (chat, _), (said, answered) in zip(stops, answers, strict=True):
             before = sum(said < at < answered for _, at in outcomes[chat])
             overtaken += max(0, before - 1)  # one was under way already
-        return Found(
+        return BatchFigures(
             rate,
             calls_per_s / permitted,
             [int(seconds * 1e9) for seconds in waited],
@@ -249,7 +249,7 @@ def _after_burst(
 # ---- ROSIC ----
 
 
-async def through_rosic(control: Control, batch: Batch) -> Found:
+async def through_rosic(control: Control, batch: Batch) -> BatchFigures:
     """Have a gateway with its record on disk follow a batch.
 
     What came to nothing, and what came twice, is said in what is returned.
@@ -258,7 +258,7 @@ async def through_rosic(control: Control, batch: Batch) -> Found:
         AssertionError: There is nothing to measure: no outcome, or a stop without an answer.
         TimeoutError: The gateway did not take in what was said.
     """
-    place = Place(control, batch)
+    place = BatchSite(control, batch)
     await place.prepare()
     with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
         latch = FileLatch(Path(folder) / "stops")
@@ -288,7 +288,7 @@ async def through_rosic(control: Control, batch: Batch) -> Found:
     return found._replace(wrong=tuple(wrong))
 
 
-async def _listening(place: Place) -> None:
+async def _listening(place: BatchSite) -> None:
     """Wait until the gateway answers: what came before that would be backlog."""
     person = place.people[-1]
     end_s = time.monotonic() + OVER_WITHIN_S
@@ -306,7 +306,7 @@ async def _listening(place: Place) -> None:
     await place.control.call("clear_record")
 
 
-async def _say_stops(place: Place) -> list[tuple[int, int]]:
+async def _say_stops(place: BatchSite) -> list[tuple[int, int]]:
     """Say stop in some chats, once everything was received and waits to be answered."""
     stops: list[tuple[int, int]] = []
     async with asyncio.timeout(OVER_WITHIN_S):
@@ -318,7 +318,7 @@ async def _say_stops(place: Place) -> list[tuple[int, int]]:
     return stops
 
 
-def _gateway(place: Place, store: DatabaseStore, latch: FileLatch) -> Gateway:
+def _gateway(place: BatchSite, store: DatabaseStore, latch: FileLatch) -> Gateway:
     batch = place.batch
     settings = read_settings(
         "bench", {"token": TOKEN, "api_base": place.control.api_base, "poll_timeout_s": 1}
@@ -330,7 +330,7 @@ def _gateway(place: Place, store: DatabaseStore, latch: FileLatch) -> Gateway:
     ]
     robots = [f"robot{number}" for number in range(batch.chats)]
     return Gateway(
-        Settings(
+        GatewaySettings(
             profiles=tuple(_profile(name, batch.commands) for name in (*robots, SPARE)),
             people=tuple(people),
             limit=RateLimit(burst=1e9, per_s=1e9),

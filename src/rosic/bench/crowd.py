@@ -7,26 +7,26 @@ from itertools import count, cycle
 from time import perf_counter_ns
 from typing import TYPE_CHECKING
 
-from rosic.app.gateway import Gateway, Settings
-from rosic.app.placing.people import Seed
+from rosic.app.gateway import Gateway, GatewaySettings
+from rosic.app.people import Seed
 from rosic.bench.lanes import BenchMessenger
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
-from rosic.core.rate import RateLimit
-from rosic.core.robot import Busy, Link, Profile
-from rosic.core.skill import Parameter, Skill
+from rosic.core.rate_limit import RateLimit
+from rosic.core.robot.profile import Busy, Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
 from rosic.robots.memory import MemoryRobot
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Tell
-    from rosic.contracts.store import Latch, Store
-    from rosic.core.gate import Gate
+    from rosic.contracts.store import StopLatch, Store
     from rosic.core.message import Outbound
     from rosic.core.order import Order, Outcome, Rest, Stop
-    from rosic.core.robot import RobotId
+    from rosic.core.order_gate import OrderGate
+    from rosic.core.robot.profile import RobotId
 
 ROBOTS = 50
 EVERYTHING = "fleet"
@@ -49,7 +49,7 @@ class BusyRobot(MemoryRobot):
         hungry: Set whenever an order ends.
     """
 
-    def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
+    def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
         super().__init__(profile, gate, clock)
         self.work_s = WORK_S
         self.handed_ns = 0
@@ -82,7 +82,7 @@ class TimedLatch:
         kept_ns: Per robot, when its last stop was kept.
     """
 
-    def __init__(self, latch: Latch) -> None:
+    def __init__(self, latch: StopLatch) -> None:
         self.kept_ns: dict[RobotId, int] = {}
         self._latch = latch
 
@@ -97,7 +97,7 @@ class TimedLatch:
             self.kept_ns[robot] = perf_counter_ns()
 
 
-class Watched(BenchMessenger):
+class WatchedMessenger(BenchMessenger):
     """A messenger that reads only what the watcher is told.
 
     Attributes:
@@ -205,13 +205,13 @@ class Crowd:
             await asyncio.sleep(0 if waiting(name) > before else LOOK_S)
 
 
-def crowded_gateway(messenger: Messenger, store: Store, latch: Latch, queued: int) -> Gateway:
+def crowded_gateway(messenger: Messenger, store: Store, latch: StopLatch, queued: int) -> Gateway:
     """Return a gateway for the crowd; nothing is opened."""
     people = [
         Seed(f"person {n}", (Address("bench", str(n)),), ("operator",)) for n in range(ROBOTS)
     ]
     people.append(Seed("the watcher", (Address("bench", WATCHER),), ("operator",)))
-    settings = Settings(
+    settings = GatewaySettings(
         profiles=tuple(_profile(f"robot{number}", queued) for number in range(ROBOTS)),
         people=tuple(people),
         limit=RateLimit(burst=1e9, per_s=1e9),

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.bench.many import STRETCHES, Commanded, Plan, Seen
+from rosic.bench.many import STRETCHES, Commanded, Plan, ProcessFigures
 from rosic.bench.report import Case, case_of, quantile
 from rosic.bench.turns import (
     COMMANDS,
@@ -88,16 +88,16 @@ class Crowded(Case, frozen=True, kw_only=True):
             yield f"{self.refused} refused"
 
 
-async def look(sizes: tuple[Plan, ...], runs: int) -> list[list[Seen]]:
+async def look(sizes: tuple[Plan, ...], runs: int) -> list[list[ProcessFigures]]:
     """Return what was seen of each size, run after run: slow moments hit all sizes alike."""
     processes: list[Waiting] = []
-    found: list[Seen] = []
+    found: list[ProcessFigures] = []
     async with AsyncExitStack() as stack:
         for plan in sizes * runs:
             words = msgspec.json.encode(plan).decode()
             process = waiting(sys.executable, "-m", "rosic.bench.many", words)
             processes.append(await stack.enter_async_context(process))
-            found.append(msgspec.json.decode(await processes[-1].line(), type=Seen))
+            found.append(msgspec.json.decode(await processes[-1].line(), type=ProcessFigures))
         flat_out = await in_turns(processes, COMMANDS, STRETCHES, Commanded)
         each_ns = await in_turns(processes, REPORTS, TURNS, float)
         stops_ns = await in_turns(processes, STOPS, STOPPED, int)  # the last: they stay stopped
@@ -131,7 +131,7 @@ def measure(*, quick: bool) -> tuple[str, list[Case]]:
     return method, list(chain.from_iterable(cases))
 
 
-def compared(found: Sequence[Sequence[Seen]]) -> str:
+def compared(found: Sequence[Sequence[ProcessFigures]]) -> str:
     """Return in a sentence how the sizes compare."""
     small, most = found[0], found[-1]
     large = min(found, key=lambda seen: abs(seen[0].robots - 1_000))
@@ -144,7 +144,7 @@ def compared(found: Sequence[Sequence[Seen]]) -> str:
     )  # fmt: skip
 
 
-def _same(runs: Sequence[Seen]) -> str:
+def _same(runs: Sequence[ProcessFigures]) -> str:
     """Return how far two gateways of one size differ: what of a difference is nobody's doing."""
     if len(runs) == 1:
         return ""
@@ -152,17 +152,17 @@ def _same(runs: Sequence[Seen]) -> str:
     return SAME.format(command=command, report=report, small=runs[0].robots)
 
 
-def each_ns(seen: Seen) -> list[float]:
+def each_ns(seen: ProcessFigures) -> list[float]:
     """Return what a message of a robot costs, in each turn."""
     return seen.each_ns
 
 
-def p99_ns(runs: Sequence[Seen]) -> float:
+def p99_ns(runs: Sequence[ProcessFigures]) -> float:
     """Return the latency of commands, of all who command."""
     return _p99_ns(s for seen in runs for c in seen.commanded for s in c.latencies_ns)
 
 
-def own_p99_ns(runs: Sequence[Seen]) -> float:
+def own_p99_ns(runs: Sequence[ProcessFigures]) -> float:
     """Return how long the gateway was at work until somebody was told."""
     return _p99_ns(s for seen in runs for c in seen.commanded for s in c.own_ns)
 
@@ -171,7 +171,7 @@ def _p99_ns(seconds: Iterable[list[int]]) -> float:
     return median(quantile(second, 0.99) for second in seconds)
 
 
-def flat_out_us(seen: Seen) -> list[float]:
+def flat_out_us(seen: ProcessFigures) -> list[float]:
     """Return what a command costs in each turn, less what the gateway costs anyway."""
     return [
         (flat.cpu_s - seen.quiet * flat.seconds) * 1e6 / len(flat.latencies_ns[0])
@@ -179,12 +179,12 @@ def flat_out_us(seen: Seen) -> list[float]:
     ]
 
 
-def robot_us(seen: Seen) -> float:
+def robot_us(seen: ProcessFigures) -> float:
     """Return what one robot costs a second: its messages, and being looked after."""
     return seen.fed_cpu_s / seen.fed_s / seen.robots * 1e6
 
 
-def cases_of(runs: Sequence[Seen], smallest: Sequence[Seen]) -> Iterator[Case]:
+def cases_of(runs: Sequence[ProcessFigures], smallest: Sequence[ProcessFigures]) -> Iterator[Case]:
     """Yield what was seen of one size."""
     name = f"{runs[0].robots} robots"
     for several in zip(*(seen.commanded for seen in runs), strict=True):

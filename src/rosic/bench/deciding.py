@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, TypeAlias
 from rosic.app import loop
 from rosic.bench.places import KINDS, LARGE, SMALL, Size, fill, gateway_over
 from rosic.bench.report import Case, quantile
-from rosic.core.asking import Ask, Denied
-from rosic.core.decision import decide
+from rosic.core.policy.evaluate import decide
+from rosic.core.policy.query import Deny, Query
 from rosic.organiser.grounds import NOTHING
 from rosic.stores.memory import MemoryStore
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from rosic.app.gateway import Gateway
     from rosic.core.identity import Caller
-    from rosic.core.robot import RobotId
+    from rosic.core.robot.profile import RobotId
 
 ASKED = 60  # as many in either place: what differs is what lies around them
 SPREAD = 3_000
@@ -39,7 +39,7 @@ METHOD = (
 )
 
 
-class Place:
+class DecidingSite:
     """An open gateway of a size, and who is asked about in it."""
 
     def __init__(self, gateway: Gateway, size: Size, asked: int = ASKED) -> None:
@@ -61,7 +61,7 @@ class Place:
         """Return what asks the rules alone; the state is of this moment, the looking up is over."""
         caller, robot = self._next(number)
         state = self._organiser._state(caller, robot, NOTHING)  # noqa: SLF001 - what it would ask
-        ask = Ask(
+        ask = Query(
             principal=caller.principal, key=caller.key, robot=robot, skill="move",
             arguments=ARGUMENTS,
         )  # fmt: skip
@@ -75,7 +75,7 @@ class Place:
         """See that all of them may: a refusal ends sooner, or later."""
         for number, (who, robot) in enumerate(self.asked):
             decision = self._organiser.decision(*self._next(number), "move", ARGUMENTS)
-            if isinstance(decision, Denied):
+            if isinstance(decision, Deny):
                 what = f"{who} may not move {robot}: {decision.code.value}"
                 raise AssertionError(what)  # noqa: TRY004 - no matter of types
 
@@ -84,7 +84,7 @@ def _nothing(_number: int) -> Call:
     return partial(bool)
 
 
-ASKING = {"decide": Place.rules, "decide, all looked up": Place.whole}
+ASKING = {"decide": DecidingSite.rules, "decide, all looked up": DecidingSite.whole}
 
 
 async def _open(size: Size) -> Gateway:
@@ -114,9 +114,9 @@ def measure(*, quick: bool = False) -> tuple[str, tuple[Case, ...]]:
     runs, calls = (1, QUICK_CALLS) if quick else (RUNS, CALLS)
     small, large = (loop.run(_open(size)) for size in (SMALL, LARGE))
     places = {
-        str(SMALL): Place(small, SMALL),
-        str(LARGE): Place(large, LARGE),
-        f"{LARGE}, {SPREAD} of them in turn": Place(large, LARGE, SPREAD),
+        str(SMALL): DecidingSite(small, SMALL),
+        str(LARGE): DecidingSite(large, LARGE),
+        f"{LARGE}, {SPREAD} of them in turn": DecidingSite(large, LARGE, SPREAD),
     }
     for place in places.values():
         place.check()

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, cast
 
 import msgspec
 
-from rosic.bench.feeding import Beat, Values, Wish
-from rosic.core.robot import Presence
-from rosic.core.view import Pose
+from rosic.bench.feeding import Beat, FeedRequest, Values
+from rosic.core.robot.profile import Presence
+from rosic.core.robot.view import Pose
 from rosic.robots.memory import MemoryRobot
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
     from rosic.contracts.clock import Clock
-    from rosic.core.gate import Gate
     from rosic.core.order import Rest, Stop
-    from rosic.core.robot import Profile, RobotId
+    from rosic.core.order_gate import OrderGate
+    from rosic.core.robot.profile import Profile, RobotId
 
 LENGTH_BYTES = 2
 
@@ -56,7 +56,7 @@ class FedRobot(MemoryRobot):
         within_s: It says something at least so often.
     """
 
-    def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
+    def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
         super().__init__(profile, gate, clock)
         self.latest, self.place = Latest((profile.id,)), 0
         self.within_s = profile.link.heartbeat_s
@@ -118,7 +118,7 @@ class Feed:
         return all(map(self.latest.has_reported, self.latest.places.values()))
 
 
-read_wish = msgspec.msgpack.Decoder(Wish).decode
+read_wish = msgspec.msgpack.Decoder(FeedRequest).decode
 
 
 class Frames(asyncio.Protocol):

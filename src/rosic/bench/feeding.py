@@ -42,7 +42,7 @@ class Values(msgspec.Struct, array_like=True, tag=1, frozen=True, gc=False):
     y_m: float
 
 
-class Wish(msgspec.Struct, array_like=True, tag=2, frozen=True, gc=False):
+class FeedRequest(msgspec.Struct, array_like=True, tag=2, frozen=True, gc=False):
     """What a person sends.
 
     Attributes:
@@ -73,7 +73,7 @@ class Sent(msgspec.Struct, frozen=True):
 _encode = msgspec.msgpack.Encoder().encode
 
 
-def frame(said: Beat | Values | Wish) -> bytes:
+def frame(said: Beat | Values | FeedRequest) -> bytes:
     """Return one message as it goes over the line: its length in two bytes, then itself."""
     body = _encode(said)
     return len(body).to_bytes(2, "big") + body
@@ -131,7 +131,7 @@ def _people(people: int, robots: int, per_s: int, gateway: int) -> Iterator[tupl
 
 def _wish(number: int, person: int, robot: str, spent: int) -> tuple[bytes, int]:
     spent_ns = time.clock_gettime_ns(spent)
-    return frame(Wish(number, person, robot, time.perf_counter_ns(), spent_ns)), 1
+    return frame(FeedRequest(number, person, robot, time.perf_counter_ns(), spent_ns)), 1
 
 
 def send(path: str, said: Iterator[tuple[float, Make]]) -> Sent:

@@ -12,13 +12,13 @@ import msgspec
 
 from rosic.bench import crowds
 from rosic.bench.report import Case, Report, case_of, machine
+from rosic.core.fleet.candidates import RobotGlance, by_priority, cost, nearest_idle
 from rosic.core.fleet.events import Given
-from rosic.core.fleet.planning import Glance, by_priority, cost, nearest_idle
-from rosic.core.fleet.reacting import react
 from rosic.core.fleet.state import FleetState
 from rosic.core.fleet.task import Task
-from rosic.core.robot import RobotId
-from rosic.organiser.assigning import assign
+from rosic.core.fleet.transitions import react
+from rosic.core.robot.profile import RobotId
+from rosic.organiser.planning.assigning import assign
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,7 +52,7 @@ class Floor(msgspec.Struct, frozen=True):
     """Tasks that wait, and robots that are free."""
 
     fleet: FleetState
-    glances: dict[RobotId, Glance]
+    glances: dict[RobotId, RobotGlance]
 
     def cost_m(self, pairs: Sequence[tuple[TaskId, RobotId]]) -> float:
         """Return the mean cost of a pair."""
@@ -65,7 +65,7 @@ def floor(seed: int, tasks: int, robots: int) -> Floor:
     chance = Random(seed)  # noqa: S311 - a made-up floor, nothing to guess
     names = [f"robot{n}" for n in range(robots)]
     glances = {
-        name: Glance(
+        name: RobotGlance(
             robot=name,
             battery=chance.uniform(20, 100),
             place=(chance.uniform(0, SIDE_M), chance.uniform(0, SIDE_M)),

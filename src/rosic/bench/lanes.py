@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.messenger import Receive
     from rosic.core.message import Enclosure, Outbound
-    from rosic.pipeline.way import Pipeline
+    from rosic.gateway.pipeline import Pipeline
 
 TURN_MESSAGES = 4
 

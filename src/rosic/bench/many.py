@@ -20,19 +20,19 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.app import heap, loop
-from rosic.app.gateway import Gateway, Settings
-from rosic.app.placing.people import Seed
+from rosic.app.gateway import Gateway, GatewaySettings
+from rosic.app.people import Seed
 from rosic.bench.fed import FedRobot, Feed, Frames, read_wish
 from rosic.bench.feeding import Sent, robot_name
 from rosic.bench.lanes import BenchMessenger
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.turns import COMMANDS, SETTLING_S, STOPS, take_turns
-from rosic.core.alert_rule import Alert
 from rosic.core.identity import Address
 from rosic.core.message import Chat, Inbound
-from rosic.core.rate import RateLimit
-from rosic.core.robot import Busy, Link, Profile, Telemetry
-from rosic.core.skill import Parameter, Skill
+from rosic.core.rate_limit import RateLimit
+from rosic.core.robot.alert_config import AlertConfig
+from rosic.core.robot.profile import Busy, Link, Profile, Telemetry
+from rosic.core.robot.skill import Parameter, Skill
 from rosic.stores.memory import MemoryStore
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.messenger import Receive
     from rosic.core.message import Outbound
-    from rosic.core.robot import RobotId
+    from rosic.core.robot.profile import RobotId
 
 IDS = count(1)
 SAID = count()
@@ -89,7 +89,7 @@ class Commanded(msgspec.Struct, frozen=True):
     seconds: float
 
 
-class Seen(msgspec.Struct, frozen=True):
+class ProcessFigures(msgspec.Struct, frozen=True):
     """What one process saw.
 
     Attributes:
@@ -144,7 +144,7 @@ class Stretch:
         return process_time() - self._cpu_s, perf_counter() - self._began_s
 
 
-class Crowd:
+class ReceivedCrowd:
     """The people: has the gateway receive what they send, and notes when its end was told."""
 
     def __init__(self, gateway: Gateway, messenger: BenchMessenger) -> None:
@@ -251,7 +251,7 @@ async def see(plan: Plan) -> None:
         sys.stdout.write(msgspec.json.encode(seen).decode() + "\n")
         sys.stdout.flush()
         ways = {
-            COMMANDS: lambda: _flat_out(plan, Crowd(gateway, messenger)),
+            COMMANDS: lambda: _flat_out(plan, ReceivedCrowd(gateway, messenger)),
             STOPS: lambda: _stop(gateway, messenger, robots.values()),
         }
         await take_turns(feed, plan.robots, ways)
@@ -264,7 +264,7 @@ async def see(plan: Plan) -> None:
 
 async def _see(
     plan: Plan, gateway: Gateway, messenger: BenchMessenger, feed: Feed, start_s: float
-) -> Seen:
+) -> ProcessFigures:
     stretch = Stretch()
     await asyncio.sleep(plan.quiet_s)
     quiet_cpu_s, quiet_s = stretch.end()
@@ -277,13 +277,13 @@ async def _see(
         fed_cpu_s, fed_s = stretch.end()
         fed = feed.messages - before
         people = min(max(plan.people), plan.robots)
-        await Crowd(gateway, messenger).command(plan.robots, plan.robots, people)
+        await ReceivedCrowd(gateway, messenger).command(plan.robots, plan.robots, people)
         commanded = [
-            await _command(plan, people, Crowd(gateway, messenger), people_sent)
+            await _command(plan, people, ReceivedCrowd(gateway, messenger), people_sent)
             for people in plan.people
         ]
     rss = rss_bytes()
-    return Seen(
+    return ProcessFigures(
         plan.robots, start_s, rss, quiet_cpu_s / quiet_s, fed_cpu_s, fed_s, fed,
         tuple(commanded),
         robots_sent[0], tuple(people_sent),
@@ -296,7 +296,7 @@ async def _all_heard(feed: Feed) -> None:
             await asyncio.sleep(LOOK_S)
 
 
-async def _command(plan: Plan, people: int, crowd: Crowd, ended: list[Sent]) -> Commanded:
+async def _command(plan: Plan, people: int, crowd: ReceivedCrowd, ended: list[Sent]) -> Commanded:
     async with line("people", (people, plan.robots, plan.per_s, os.getpid()), crowd.take, ended):
         await asyncio.sleep(SETTLING_S)  # what is said the first time is read once
         found: list[list[int]] = []
@@ -311,7 +311,7 @@ async def _command(plan: Plan, people: int, crowd: Crowd, ended: list[Sent]) -> 
     return Commanded(people, found, own, await crowd.told(), cpu_s, seconds)
 
 
-async def _flat_out(plan: Plan, crowd: Crowd) -> Commanded:
+async def _flat_out(plan: Plan, crowd: ReceivedCrowd) -> Commanded:
     people = min(max(plan.people), plan.robots)  # each robot has one person: nobody is in the way
     stretch = Stretch()
     await crowd.command(plan.flat_out // STRETCHES, plan.robots, people)
@@ -334,7 +334,7 @@ def rss_bytes() -> int:
 
 def gateway_over(robots: int, people: int, messenger: BenchMessenger) -> Gateway:
     """Return a gateway; nothing is opened."""
-    settings = Settings(
+    settings = GatewaySettings(
         profiles=tuple(profile_of(number) for number in range(robots)),
         people=tuple(
             Seed(f"person {n}", (Address("bench", str(n)),), ("operator",)) for n in range(people)
@@ -357,7 +357,7 @@ def profile_of(number: int) -> Profile:
         busy=Busy.QUEUE,
         queue_length=64,
         telemetry={"battery": Telemetry(topic=f"/{name}/battery", unit="%")},
-        alerts=(Alert(name="low", when="battery < 20 %"),),
+        alerts=(AlertConfig(name="low", when="battery < 20 %"),),
         skills={
             f"skill{n}": Skill(id=f"skill{n}", parameters={"distance": distance})
             for n in range(SKILLS)

@@ -5,26 +5,26 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from rosic.bench.batches import ENDED, Batch, Found, Place
+from rosic.bench.batches import ENDED, Batch, BatchFigures, BatchSite
 from rosic.bench.stand_in import TOKEN
-from rosic.messengers.telegram.line import Line
+from rosic.messengers.telegram.bot_client import BotClient
+from rosic.messengers.telegram.errors import ErrorKind, TelegramError
 from rosic.messengers.telegram.settings import read_settings
-from rosic.messengers.telegram.trouble import Kind, Trouble
 
 if TYPE_CHECKING:
     from rosic.testing.telegram import Control
 
 
-async def through_a_loop(control: Control, batch: Batch) -> Found:
+async def through_a_loop(control: Control, batch: Batch) -> BatchFigures:
     """Have a plain loop answer the same commands: it sends at once, and waits when it is told to.
 
     It has no commands to follow and nothing to write down; each outcome is one message.
     """
-    place = Place(control, batch)
+    place = BatchSite(control, batch)
     await place.prepare()
     await place.command()
     settings = read_settings("bench", {"token": TOKEN, "api_base": control.api_base})
-    line = Line(settings)
+    line = BotClient(settings)
     said = {person: await control.messages(person) for person in place.people}
     waiting = [
         (person, said[person][number]["message_id"])
@@ -37,7 +37,7 @@ async def through_a_loop(control: Control, batch: Batch) -> Found:
     return await place.found((), 0, 0)
 
 
-async def _send_at_once(line: Line, person: int, message: int) -> None:
+async def _send_at_once(line: BotClient, person: int, message: int) -> None:
     while True:
         try:
             await line.ask(
@@ -45,8 +45,8 @@ async def _send_at_once(line: Line, person: int, message: int) -> None:
                     person, f"robot: go\n{ENDED}now", reply_to_message_id=message
                 )
             )
-        except Trouble as trouble:
-            if trouble.kind is not Kind.TOO_FAST:
+        except TelegramError as trouble:
+            if trouble.kind is not ErrorKind.TOO_FAST:
                 raise
             await asyncio.sleep(trouble.wait_s)
         else:

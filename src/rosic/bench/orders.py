@@ -17,31 +17,31 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from rosic.app import heap
-from rosic.app.gateway import Gateway, Settings
-from rosic.app.placing.people import Seed
+from rosic.app.gateway import Gateway, GatewaySettings
+from rosic.app.people import Seed
 from rosic.bench import places
 from rosic.bench.lanes import BenchMessenger, Lane, Sending, lanes_of
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.core.identity import Address
-from rosic.core.rate import RateLimit
-from rosic.core.robot import Busy, Link, Profile
-from rosic.core.skill import Parameter, Skill
+from rosic.core.rate_limit import RateLimit
+from rosic.core.robot.profile import Busy, Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
-from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
+from rosic.stores.stop_latch import MemoryLatch
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-    from rosic.contracts.store import Latch, Store
+    from rosic.contracts.store import StopLatch, Store
 
 ROBOTS = 50
 SLICES = 20
 
 
-class Load(msgspec.Struct, frozen=True, kw_only=True):
+class OrderLoad(msgspec.Struct, frozen=True, kw_only=True):
     """One case.
 
     Attributes:
@@ -82,7 +82,7 @@ class Ran(NamedTuple):
         return [seconds / orders for orders, seconds in self.slices]
 
 
-async def run(*loads: Load) -> list[Ran]:
+async def run(*loads: OrderLoad) -> list[Ran]:
     """Run a case once, or several in turns: a slow moment of the machine hits them alike.
 
     Raises:
@@ -111,7 +111,7 @@ async def run(*loads: Load) -> list[Ran]:
 
 
 @asynccontextmanager
-async def _opened(load: Load) -> AsyncIterator[tuple[Gateway, Sending, list[Lane]]]:
+async def _opened(load: OrderLoad) -> AsyncIterator[tuple[Gateway, Sending, list[Lane]]]:
     with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
         messenger = BenchMessenger()
         store: Store = (
@@ -128,7 +128,7 @@ async def _opened(load: Load) -> AsyncIterator[tuple[Gateway, Sending, list[Lane
             await gateway.close()
 
 
-def _book(gateway: Gateway, load: Load) -> None:
+def _book(gateway: Gateway, load: OrderLoad) -> None:
     people = [person.id for person in gateway.rooms.authoriser.directory.people()]
     size = places.Size(load.people, load.roles, ROBOTS, load.slots)
     calendar = gateway.rooms.organiser.calendar
@@ -142,13 +142,13 @@ def _robots(gateway: Gateway) -> Iterator[MemoryRobot]:
             yield robot
 
 
-def _lanes(load: Load) -> list[Lane]:
+def _lanes(load: OrderLoad) -> list[Lane]:
     """Share what is in flight out among the robots."""
     robots = min(ROBOTS, load.skills, load.in_flight)
     return lanes_of(load.in_flight, [_texts(robot, load) for robot in range(robots)])
 
 
-def _texts(robot: int, load: Load) -> Iterator[str]:
+def _texts(robot: int, load: OrderLoad) -> Iterator[str]:
     """Return what a robot is asked for, without end."""
     skills = [f"robot{robot} skill{n}" for n in range(max(1, load.skills // ROBOTS))]
     if load.new_texts:
@@ -157,8 +157,8 @@ def _texts(robot: int, load: Load) -> Iterator[str]:
     return cycle([f"{skill} 0.5 m forward" for skill in skills])
 
 
-def _gateway(load: Load, messenger: BenchMessenger, store: Store, latch: Latch) -> Gateway:
-    settings = Settings(
+def _gateway(load: OrderLoad, messenger: BenchMessenger, store: Store, latch: StopLatch) -> Gateway:
+    settings = GatewaySettings(
         profiles=tuple(_profile(robot, load) for robot in range(ROBOTS)),
         people=tuple(
             Seed(f"person {n}", (Address("bench", str(n)),), (_role(n, load),))
@@ -171,11 +171,11 @@ def _gateway(load: Load, messenger: BenchMessenger, store: Store, latch: Latch) 
     return Gateway(settings, parts_of(store, messenger, latch=latch))
 
 
-def _role(person: int, load: Load) -> str:
+def _role(person: int, load: OrderLoad) -> str:
     return f"role{person % load.roles}" if load.roles else "operator"
 
 
-def _profile(robot: int, load: Load) -> Profile:
+def _profile(robot: int, load: OrderLoad) -> Profile:
     share = max(1, load.skills // ROBOTS)
     return Profile(
         id=f"robot{robot}",

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.app.face import face_of
-from rosic.app.gateway import Parts
-from rosic.app.units import compile_units
+from rosic.app.gateway import GatewayParts
+from rosic.config.units import compile_units
 from rosic.robots.memory import MemoryRobot
-from rosic.stores.latch import MemoryLatch
+from rosic.stores.stop_latch import MemoryLatch
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     from rosic.contracts.adapter import RobotFactory
     from rosic.contracts.messenger import Messenger
-    from rosic.contracts.store import Latch, Store
+    from rosic.contracts.store import StopLatch, Store
 
 CLOCK = SystemClock()
 
@@ -23,8 +23,8 @@ def parts_of(
     store: Store,
     *messengers: Messenger,
     robot: RobotFactory = MemoryRobot,
-    latch: Latch | None = None,
-) -> Parts:
+    latch: StopLatch | None = None,
+) -> GatewayParts:
     """Return the parts of a gateway with real clocks, over a store.
 
     Args:
@@ -33,7 +33,7 @@ def parts_of(
         robot: Makes each of its robots.
         latch: Where stops outlive a crash; None: in memory.
     """
-    return Parts(
+    return GatewayParts(
         messengers=messengers,
         robot_factory=lambda _kind: robot,
         store=store,

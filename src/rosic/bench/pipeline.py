@@ -9,7 +9,7 @@ import msgspec
 from rosic.app import loop
 from rosic.bench import deciding, weighing
 from rosic.bench.lanes import TURN_MESSAGES
-from rosic.bench.orders import ROBOTS, Load, Ran, run
+from rosic.bench.orders import ROBOTS, OrderLoad, Ran, run
 from rosic.bench.report import Report, case_of, machine
 from rosic.bench.turns import times_as_much
 
@@ -27,22 +27,22 @@ METHOD = (
 )
 
 CASES = (
-    Load(name="memory, 256 in flight", orders=40_000),
-    Load(name="memory, 1 in flight", orders=5_000, in_flight=1),
-    Load(name="memory, 5 skills", orders=40_000, skills=5),
-    Load(name="memory, 5000 skills", orders=40_000, skills=5_000),
-    Load(name="memory, 10 people", orders=40_000, people=10),
-    Load(name="memory, 10000 people", orders=40_000, people=10_000),
-    Load(
+    OrderLoad(name="memory, 256 in flight", orders=40_000),
+    OrderLoad(name="memory, 1 in flight", orders=5_000, in_flight=1),
+    OrderLoad(name="memory, 5 skills", orders=40_000, skills=5),
+    OrderLoad(name="memory, 5000 skills", orders=40_000, skills=5_000),
+    OrderLoad(name="memory, 10 people", orders=40_000, people=10),
+    OrderLoad(name="memory, 10000 people", orders=40_000, people=10_000),
+    OrderLoad(
         name="memory, 10000 people, 100 roles, 50000 slots",
         orders=40_000,
         people=10_000,
         roles=100,
         slots=50_000,
     ),
-    Load(name="memory, every text new", orders=40_000, new_texts=True),
-    Load(name="durable, 256 in flight", orders=20_000, durable=True),
-    Load(name="durable, 1 in flight", orders=1_000, in_flight=1, durable=True),
+    OrderLoad(name="memory, every text new", orders=40_000, new_texts=True),
+    OrderLoad(name="durable, 256 in flight", orders=20_000, durable=True),
+    OrderLoad(name="durable, 1 in flight", orders=1_000, in_flight=1, durable=True),
 )
 # What may not grow with how much there is: these take turns with the first case, slice by slice.
 COMPARED = (
@@ -80,7 +80,7 @@ def measure(*, quick: bool = False) -> Report:
     )
 
 
-def _briefly(load: Load) -> Load:
+def _briefly(load: OrderLoad) -> OrderLoad:
     return msgspec.structs.replace(load, orders=max(500, load.orders // 10))
 
 

@@ -9,21 +9,21 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
-from rosic.app.gateway import Gateway, Settings
+from rosic.app.gateway import Gateway, GatewaySettings
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.core.identity import OPERATOR, Address, AuthorisationKey
-from rosic.core.record import Enrolled, KeyIssued, Letter, PersonalCard
-from rosic.core.robot import Link, Profile
-from rosic.core.roles import DEFAULT_ROLES, Grant, Role, Rulebook
-from rosic.core.skill import Parameter, Skill
-from rosic.core.slot import Slot
-from rosic.organiser.roster import fact_of
+from rosic.core.policy.roles import DEFAULT_ROLES, Grant, Role, RoleRules
+from rosic.core.records import Enrolled, KeyIssued, Letter, PersonRecord
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
+from rosic.core.slot import BookedSlot
+from rosic.organiser.grants import fact_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from rosic.contracts.store import Store
-    from rosic.core.record import Record
+    from rosic.core.records import Record
 
 HOUR_NS = 3_600_000_000_000
 SHARED = 256  # records that are written together
@@ -65,17 +65,17 @@ SKILLS = {
 }
 
 
-def rulebook_of(roles: int, kinds: tuple[Role, ...] = KINDS) -> Rulebook:
+def rulebook_of(roles: int, kinds: tuple[Role, ...] = KINDS) -> RoleRules:
     """Return so many roles of a place's own, of all kinds, beside the default ones."""
     own = {f"role{n}": kinds[n % len(kinds)] for n in range(roles)}
-    return Rulebook(roles={**DEFAULT_ROLES, **own})
+    return RoleRules(roles={**DEFAULT_ROLES, **own})
 
 
 def records_of(size: Size, now_ns: int) -> Iterator[Record]:
     """Yield everything that is on record in a place of a size."""
     for n in range(size.people):
         who = f"p{n}"
-        card = PersonalCard(f"person {n}", (Address("bench", str(n)),))
+        card = PersonRecord(f"person {n}", (Address("bench", str(n)),))
         letter = Letter(who, msgspec.msgpack.encode(card))
         yield Enrolled(principal=who, roles=(f"role{n % size.roles}",), at_ns=now_ns, letter=letter)
         yield KeyIssued(
@@ -90,11 +90,11 @@ def records_of(size: Size, now_ns: int) -> Iterator[Record]:
     yield from (slot.fact() for slot in slots_of(size, now_ns, "p{}".format))
 
 
-def slots_of(size: Size, now_ns: int, principal_of: Callable[[int], str]) -> Iterator[Slot]:
+def slots_of(size: Size, now_ns: int, principal_of: Callable[[int], str]) -> Iterator[BookedSlot]:
     """Yield slots of an hour, one after another on each robot, the first of them in an hour."""
     for n in range(size.slots):
         start_ns = now_ns + (1 + n // size.robots) * HOUR_NS
-        yield Slot(
+        yield BookedSlot(
             id=f"s{n}", principal=principal_of(n % size.people), robot=f"robot{n % size.robots}",
             start_ns=start_ns, end_ns=start_ns + HOUR_NS, made_ns=now_ns, by=OPERATOR,
         )  # fmt: skip
@@ -102,7 +102,7 @@ def slots_of(size: Size, now_ns: int, principal_of: Callable[[int], str]) -> Ite
 
 def gateway_over(size: Size, store: Store) -> Gateway:
     """Return a gateway without messengers; nothing is opened."""
-    settings = Settings(
+    settings = GatewaySettings(
         profiles=tuple(
             Profile(id=f"robot{n}", link=Link(kind="memory"), skills=SKILLS)
             for n in range(size.robots)

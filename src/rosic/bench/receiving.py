@@ -17,17 +17,17 @@ from telegram import Bot, Update
 from telegram.ext import Application, MessageHandler, filters
 
 from rosic.app import heap
-from rosic.app.gateway import Gateway, Settings
-from rosic.app.placing.people import Seed
+from rosic.app.gateway import Gateway, GatewaySettings
+from rosic.app.people import Seed
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.report import quantile
 from rosic.bench.stand_in import TOKEN
 from rosic.core.identity import Address
-from rosic.core.rate import RateLimit
-from rosic.core.record import Fact
-from rosic.core.robot import Busy, Link, Profile
-from rosic.core.skill import Parameter, Skill
-from rosic.messengers.telegram.line import Line
+from rosic.core.rate_limit import RateLimit
+from rosic.core.records import Fact
+from rosic.core.robot.profile import Busy, Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
+from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.messenger import TelegramMessenger
 from rosic.messengers.telegram.settings import read_settings
 from rosic.robots.memory import MemoryRobot
@@ -59,7 +59,7 @@ PAUSE_S = 0.0005
 """Between two updates: what is written and said of one is no part of the next."""
 
 
-class Watched(MemoryRobot):
+class WatchedRobot(MemoryRobot):
     """Notes when its adapter was given an order."""
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
@@ -73,7 +73,7 @@ class Watched(MemoryRobot):
 WAITING: list[asyncio.Future[int]] = []
 
 
-class Handed(Line):
+class ScriptedLine(BotClient):
     """A line that gives out what it is handed, and takes whatever is said.
 
     Attributes:
@@ -205,7 +205,7 @@ async def _synced(file: Path, _number: int) -> int:
 @asynccontextmanager
 async def _rosic(store: Store) -> AsyncIterator[Callable[[int], Awaitable[int]]]:
     """Let a gateway run; yield what hands it one update and waits until the order is given."""
-    line = Handed()
+    line = ScriptedLine()
     messenger = TelegramMessenger("bench", read_settings("bench", {"token": TOKEN}), CLOCK,
                                   line=line)  # fmt: skip
     gateway = _gateway(messenger, store)
@@ -278,7 +278,7 @@ def _gateway(messenger: TelegramMessenger, store: Store) -> Gateway:
         id="omni", link=Link(kind="memory"), busy=Busy.QUEUE, queue_length=64, skills={"go": skill}
     )
     return Gateway(
-        Settings(
+        GatewaySettings(
             profiles=(profile,),
             people=tuple(
                 Seed(f"person {n}", (Address("telegram", str(n)),), ("operator",)) for n in people
@@ -286,5 +286,5 @@ def _gateway(messenger: TelegramMessenger, store: Store) -> Gateway:
             limit=RateLimit(burst=1e9, per_s=1e9),
             lease_idle_s=0.0,
         ),
-        parts_of(store, messenger, robot=Watched),
+        parts_of(store, messenger, robot=WatchedRobot),
     )

@@ -16,15 +16,15 @@ from typing import TYPE_CHECKING, TypeVar
 import msgspec
 
 from rosic.bench.report import Case, Report, case_of, machine
-from rosic.organiser.allocation import NS_PER_MIN, Problem, Wish
-from rosic.organiser.figures import Figures, figures_of
-from rosic.organiser.placing import first_come_first_served
-from rosic.organiser.solving import LIMIT_S, propose
+from rosic.organiser.planning.figures import PlanMetrics, figures_of
+from rosic.organiser.planning.greedy import first_come_first_served
+from rosic.organiser.planning.problem import NS_PER_MIN, PlanningProblem, Wish
+from rosic.organiser.planning.solver import LIMIT_S, propose
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from rosic.organiser.allocation import Proposal
+    from rosic.organiser.planning.problem import Proposal
 
 T = TypeVar("T")
 
@@ -61,8 +61,8 @@ class Week(msgspec.Struct, frozen=True, kw_only=True):
 
     seed: int
     grid_s: int
-    arrival: Figures
-    proposed: Figures
+    arrival: PlanMetrics
+    proposed: PlanMetrics
     gap: float | None
     took_ns: tuple[int, int]
     same_wait_min: tuple[float, float]
@@ -74,12 +74,12 @@ class Planned(Case, frozen=True, kw_only=True):
     figures: dict[str, float]
 
 
-def generated_week(seed: int, *, wishes: int = WISHES, people: int = PEOPLE) -> Problem:
+def generated_week(seed: int, *, wishes: int = WISHES, people: int = PEOPLE) -> PlanningProblem:
     """Return a week as a lab might wish for it; the same seed gives the same week."""
     chance = Random(seed)  # noqa: S311 - a made-up week, nothing to guess
     opens = [MONDAY_MIN + day * 24 * 60 + OPENS_H * 60 for day in range(DAYS)]
     open_min = (CLOSES_H - OPENS_H) * 60
-    return Problem(
+    return PlanningProblem(
         wishes=tuple(_wish(chance, f"{n:03}", people, opens, open_min) for n in range(wishes)),
         robots=ROBOTS,
         openings=tuple((at * NS_PER_MIN, (at + open_min) * NS_PER_MIN) for at in opens),
@@ -162,7 +162,7 @@ def measure(*, quick: bool = False) -> Report:
         plans = [week.proposed if index else week.arrival for week in weeks]
         averages = {
             figure: round(mean(getattr(plan, figure) for plan in plans), 4)
-            for figure in Figures.__struct_fields__
+            for figure in PlanMetrics.__struct_fields__
         }
         cases.append(Planned(**msgspec.structs.asdict(case), figures=averages))
     method = METHOD.format(

@@ -20,29 +20,29 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import msgspec
 from msgspec.structs import replace
 
-from rosic.app.documents.profiles import load_profile, shipped_profiles
 from rosic.bench.report import Case, Report, machine, quantile
-from rosic.core.common_start import TOGETHER_NS, TOO_LATE_NS, misses_start
-from rosic.core.gate import Gate
+from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order import Ending
+from rosic.core.order_gate import OrderGate
+from rosic.core.synchronised_start import TOGETHER_NS, TOO_LATE_NS, misses_start
 from rosic.errors import OrderVoid
-from rosic.robots.ros2.nodes.urgency import Urgency
+from rosic.robots.ros2.client.two_clocks import ahead_ns
 from rosic.robots.ros2.robot import Ros2Robot
-from rosic.robots.ros2.two_clocks import ahead_ns
 from rosic.system import SystemClock
 from rosic.testing.orders import OrderBook
 from rosic.testing.ros2.graph import RosGraph
+from rosic_sim.ros2.urgency import Urgency
 
 if TYPE_CHECKING:
     from asyncio.subprocess import Process
     from collections.abc import AsyncIterator, Iterator, Sequence
 
-    from rosic.core.robot import Profile
-    from rosic.core.skill import Argument
+    from rosic.core.robot.profile import Profile
+    from rosic.core.robot.skill import Argument
 
 ROBOTS, PROCESSES = 20, 2
 ROUNDS, QUICK_ROUNDS = 50, 3
-SIMULATION = "rosic.robots.ros2.simulation"
+SIMULATION = "rosic_sim.ros2.simulation"
 STEP_M = 0.05
 THERE_WITHIN_S = 60.0
 # A machine that others keep busy loses some rounds; one that loses most measures nothing.
@@ -251,7 +251,7 @@ class _Side:
     def __init__(self, profile: Profile, clock: SystemClock) -> None:
         self.name = profile.id
         self.late = False
-        self.robot = Ros2Robot(profile, Gate.new(profile.id), clock)
+        self.robot = Ros2Robot(profile, OrderGate.new(profile.id), clock)
         self._book = OrderBook(profile, clock)
         self._clock = clock
 

@@ -19,13 +19,13 @@ from rosic.bench.crowd import (
     WORK_S,
     Crowd,
     TimedLatch,
-    Watched,
+    WatchedMessenger,
     crowded_gateway,
 )
 from rosic.bench.report import Report, case_of, machine
 from rosic.stores.database import DatabaseStore
-from rosic.stores.latch import FileLatch, MemoryLatch
 from rosic.stores.memory import MemoryStore
+from rosic.stores.stop_latch import FileLatch, MemoryLatch
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
 
     from rosic.contracts.store import Store
-    from rosic.core.robot import RobotId
+    from rosic.core.robot.profile import RobotId
 
 TOLD_WITHIN_S = 30.0
 RESUMED_WITHIN_S = 60.0
@@ -52,7 +52,7 @@ METHOD = (
 )
 
 
-class Load(msgspec.Struct, frozen=True, kw_only=True):
+class StopLoad(msgspec.Struct, frozen=True, kw_only=True):
     """How much is asked for.
 
     Attributes:
@@ -65,11 +65,11 @@ class Load(msgspec.Struct, frozen=True, kw_only=True):
     together: int
 
 
-FULL = Load(queued=10_000, alone=200, together=4)
-QUICK = Load(queued=1_000, alone=10, together=1)
+FULL = StopLoad(queued=10_000, alone=200, together=4)
+QUICK = StopLoad(queued=1_000, alone=10, together=1)
 
 
-class Seen(msgspec.Struct):
+class StopFigures(msgspec.Struct):
     """What was measured of the stops of one case, in nanoseconds.
 
     Attributes:
@@ -113,14 +113,14 @@ def measure(*, quick: bool = False) -> Report:
     return Report(machine=machine(), method=method, cases=cases, failures=failures)
 
 
-async def _run(load: Load, *, durable: bool) -> tuple[float, dict[str, Seen]]:
+async def _run(load: StopLoad, *, durable: bool) -> tuple[float, dict[str, StopFigures]]:
     """Return how many orders a second acted, and what was seen of the stops."""
     with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
         store: Store = (
             DatabaseStore(Path(folder), clock=SystemClock()) if durable else MemoryStore()
         )
         file = FileLatch(Path(folder) / "stops") if durable else None
-        latch, messenger = TimedLatch(file or MemoryLatch()), Watched()
+        latch, messenger = TimedLatch(file or MemoryLatch()), WatchedMessenger()
         gateway = crowded_gateway(messenger, store, latch, load.queued)
         try:
             await gateway.open()
@@ -136,10 +136,10 @@ async def _run(load: Load, *, durable: bool) -> tuple[float, dict[str, Seen]]:
                 await file.close()
 
 
-async def _stops(bench: _Bench, load: Load) -> tuple[float, dict[str, Seen]]:
+async def _stops(bench: _Bench, load: StopLoad) -> tuple[float, dict[str, StopFigures]]:
     crowd = bench.crowd
     names = list(crowd.robots)
-    alone, together = Seen(), Seen()
+    alone, together = StopFigures(), StopFigures()
     crowd.open()
     try:
         await crowd.filled()
@@ -158,13 +158,15 @@ async def _stops(bench: _Bench, load: Load) -> tuple[float, dict[str, Seen]]:
 class _Bench:
     """Stops robots, and looks at everybody's watches."""
 
-    def __init__(self, crowd: Crowd, messenger: Watched, latch: TimedLatch, queued: int) -> None:
+    def __init__(
+        self, crowd: Crowd, messenger: WatchedMessenger, latch: TimedLatch, queued: int
+    ) -> None:
         self.crowd = crowd
         self._messenger = messenger
         self._latch = latch
         self._queued = queued
 
-    async def stop(self, said: str, names: Sequence[RobotId], seen: Seen) -> None:
+    async def stop(self, said: str, names: Sequence[RobotId], seen: StopFigures) -> None:
         """Stop robots in the middle of their work, see them at rest, then let all go on.
 
         Args:

@@ -12,21 +12,21 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import msgspec
 
 from rosic.app import loop
-from rosic.app.gateway import Gateway, Settings
-from rosic.app.placing.people import Seed
+from rosic.app.gateway import Gateway, GatewaySettings
+from rosic.app.people import Seed
 from rosic.bench.parts import CLOCK, parts_of
 from rosic.bench.report import Report, case_of, machine, quantile
 from rosic.bench.stand_in import TOKEN, stand_in
 from rosic.bench.steps import MeteredLoop, Step, pace_of_machine, undisturbed
 from rosic.core.identity import Address
-from rosic.core.robot import Link, Profile
-from rosic.core.skill import Skill
-from rosic.messengers.telegram.limiter import PUBLISHED
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Skill
 from rosic.messengers.telegram.messenger import TelegramMessenger
+from rosic.messengers.telegram.rate_limiter import PUBLISHED
 from rosic.messengers.telegram.settings import read_settings
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
-from rosic.stores.latch import FileLatch
+from rosic.stores.stop_latch import FileLatch
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -60,7 +60,7 @@ METHOD: Final = (
 )
 
 
-class Load(msgspec.Struct, frozen=True, kw_only=True):
+class StrangerLoad(msgspec.Struct, frozen=True, kw_only=True):
     """How much is asked for.
 
     Attributes:
@@ -74,11 +74,11 @@ class Load(msgspec.Struct, frozen=True, kw_only=True):
     flood: int = 30
 
 
-FULL: Final = Load(samples=2_000, metered=200)
-QUICK: Final = Load(samples=12, metered=7)
+FULL: Final = StrangerLoad(samples=2_000, metered=200)
+QUICK: Final = StrangerLoad(samples=12, metered=7)
 
 
-class Found(NamedTuple):
+class StrangerFigures(NamedTuple):
     """What was measured, in nanoseconds, and the longest step of it all."""
 
     quiet: list[int]
@@ -87,15 +87,15 @@ class Found(NamedTuple):
     took_s: float
 
 
-class Told(MemoryRobot):
+class StopWatcher(MemoryRobot):
     """Notes when its adapter was told to stop."""
 
     awaited: asyncio.Future[int] | None = None
 
     async def stop(self, stop: Stop) -> Rest:
         """Note the time before anything else."""
-        if Told.awaited is not None and not Told.awaited.done():
-            Told.awaited.set_result(perf_counter_ns())
+        if StopWatcher.awaited is not None and not StopWatcher.awaited.done():
+            StopWatcher.awaited.set_result(perf_counter_ns())
         return await super().stop(stop)
 
 
@@ -133,7 +133,7 @@ def measure(*, quick: bool = False) -> Report:
     )  # fmt: skip
 
 
-async def _run(load: Load) -> Found:
+async def _run(load: StrangerLoad) -> StrangerFigures:
     with tempfile.TemporaryDirectory(prefix="rosic-bench-") as folder:
         async with stand_in() as control:
             await control.call("set_limits", limits=None)
@@ -149,7 +149,7 @@ async def _run(load: Load) -> Found:
                 return await _samples(bench, load)
 
 
-async def _samples(bench: _Bench, load: Load) -> Found:
+async def _samples(bench: _Bench, load: StrangerLoad) -> StrangerFigures:
     here = asyncio.get_running_loop()
     meter = here if isinstance(here, MeteredLoop) else None
     quiet, flooded, began_s = [], [], perf_counter()
@@ -160,7 +160,7 @@ async def _samples(bench: _Bench, load: Load) -> Found:
         await bench.flood(number, load.flood)
         flooded.append(await bench.stop())
     longest = Step(0, "") if meter is None else meter.longest
-    return Found(quiet, flooded, longest, perf_counter() - began_s)
+    return StrangerFigures(quiet, flooded, longest, perf_counter() - began_s)
 
 
 class _Bench:
@@ -174,7 +174,7 @@ class _Bench:
 
     async def stop(self) -> int:
         """Return how long a stop took to reach the adapter, in nanoseconds; then wait for quiet."""
-        heard = Told.awaited = asyncio.get_running_loop().create_future()
+        heard = StopWatcher.awaited = asyncio.get_running_loop().create_future()
         began_ns = perf_counter_ns()
         await self._control.say(self._admin, self._admin, "stop")
         handed_ns: int = await asyncio.wait_for(heard, HANDED_WITHIN_S)
@@ -201,8 +201,8 @@ async def _gateway(folder: Path, control: Control, admin: int) -> AsyncIterator[
     people = (Seed("Ada", (Address("telegram", str(admin)),), ("admin",)),)
     store = DatabaseStore(folder, clock=CLOCK)
     gateway = Gateway(
-        Settings(profiles=(profile,), people=people),
-        parts_of(store, messenger, robot=Told, latch=latch),
+        GatewaySettings(profiles=(profile,), people=people),
+        parts_of(store, messenger, robot=StopWatcher, latch=latch),
     )
     try:
         await gateway.open()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import msgspec
 
 from rosic.app import loop
-from rosic.bench.batches import ROUND_TRIP_S, Batch, Found, through_rosic
+from rosic.bench.batches import ROUND_TRIP_S, Batch, BatchFigures, through_rosic
 from rosic.bench.naive import through_a_loop
 from rosic.bench.receiving import findings, received
 from rosic.bench.report import Case, Report, case_of, machine
@@ -102,17 +102,17 @@ async def _run(asked: Asked) -> tuple[list[Case], list[str], tuple[str, ...]]:
     return cases, failures, findings(times_of)
 
 
-def _cases(batch: Batch, found: Found) -> list[Case]:
+def _cases(batch: Batch, found: BatchFigures) -> list[Case]:
     stops = [(1e9 * len(found.stop_ns) / sum(found.stop_ns), found.stop_ns)]
     return [_case(batch.name, found), case_of(f"{batch.name}: stops meanwhile", stops)]
 
 
-def _case(name: str, found: Found) -> Case:
+def _case(name: str, found: BatchFigures) -> Case:
     case = case_of(name, [(found.rate_per_s, found.waited_ns)])
     return msgspec.structs.replace(case, permitted_share=round(found.share, 3))
 
 
-def _broken(found: Found, at_least: float) -> Iterator[str]:
+def _broken(found: BatchFigures, at_least: float) -> Iterator[str]:
     """Yield what is not as it was promised."""
     yield from found.wrong
     if found.too_many:

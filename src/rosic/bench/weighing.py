@@ -13,8 +13,8 @@ from rosic.app import loop
 from rosic.bench.parts import CLOCK
 from rosic.bench.places import HOUR_NS, LARGE, Size, fill, gateway_over
 from rosic.bench.report import Case, quantile
-from rosic.core.roles import Grant
-from rosic.organiser.roster import fact_of
+from rosic.core.policy.roles import Grant
+from rosic.organiser.grants import fact_of
 from rosic.stores.database import DatabaseStore
 
 if TYPE_CHECKING:

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from rosic.cli.entry import main
+from rosic.cli.main import main
 
 __all__ = ["main"]

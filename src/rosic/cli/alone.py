@@ -5,19 +5,19 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from rosic.app.admin.offline import OfflineAdmin, OfflineSeeding
 from rosic.app.config import load_config
-from rosic.app.desk.offline import Alone, Seeding
-from rosic.cli.asking import data_of
+from rosic.cli.client import data_of
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
     import argparse
 
-    from rosic.app.desk.asked import Ask
+    from rosic.app.admin.asked import Ask
 
-LOOKS = Seeding.IMAGINED
-CHANGES = Seeding.WRITTEN
+LOOKS = OfflineSeeding.IMAGINED
+CHANGES = OfflineSeeding.WRITTEN
 
 
 def people(options: argparse.Namespace, *, json: bool) -> tuple[str, ...]:
@@ -30,7 +30,7 @@ def people(options: argparse.Namespace, *, json: bool) -> tuple[str, ...]:
 
 
 def do(
-    options: argparse.Namespace, ask: Ask, seeding: Seeding, *, robots: bool = False
+    options: argparse.Namespace, ask: Ask, seeding: OfflineSeeding, *, robots: bool = False
 ) -> tuple[str, ...]:
     """Do what is asked and return the answers.
 
@@ -54,6 +54,6 @@ def do(
     return asyncio.run(_alone(options).do(ask, seeding))
 
 
-def _alone(options: argparse.Namespace) -> Alone:
+def _alone(options: argparse.Namespace) -> OfflineAdmin:
     config = None if options.data is not None else load_config(options.config)
-    return Alone(data_of(options), config, SystemClock(), SystemEntropy())
+    return OfflineAdmin(data_of(options), config, SystemClock(), SystemEntropy())

@@ -6,8 +6,8 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rosic.app.checking import check_all
-from rosic.cli.asking import CONFIG
+from rosic.app.setup.check import check_all
+from rosic.cli.client import CONFIG
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.cli.asking import add_where
+from rosic.app.admin.asked import Ask, Verb
+from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 from rosic.errors import ConfigurationError
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.cli.asking import add_where
+from rosic.app.admin.asked import Ask, Verb
+from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
-from rosic.pipeline.containers.inspecting import Listed
-from rosic.pipeline.containers.words_inspecting import table
+from rosic.features.personal_data.inspecting_messages import table
+from rosic.features.personal_data.operator_view import ListedContainer
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,6 +31,8 @@ def run(arguments: Sequence[str]) -> int:
     add_where(parser)
     options = parser.parse_args(arguments)
     answers = looked_up(options, Ask(Verb.CONTAINERS), robots=True)
-    found = [one for text in answers for one in msgspec.json.decode(text, type=list[Listed])]
+    found = [
+        one for text in answers for one in msgspec.json.decode(text, type=list[ListedContainer])
+    ]
     print(msgspec.json.encode(found).decode() if options.json else table(found))
     return 0

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.cli.asking import add_where
+from rosic.app.admin.asked import Ask, Verb
+from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
-from rosic.pipeline.containers.inspecting import Shown
-from rosic.pipeline.containers.words_inspecting import shown
+from rosic.features.personal_data.inspecting_messages import shown
+from rosic.features.personal_data.operator_view import ShownContainer
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,5 +32,5 @@ def run(arguments: Sequence[str]) -> int:
     add_where(parser)
     options = parser.parse_args(arguments)
     [text] = looked_up(options, Ask(Verb.CONTAINER, (options.name,)), robots=True)
-    print(text if options.json else shown(msgspec.json.decode(text, type=Shown)))
+    print(text if options.json else shown(msgspec.json.decode(text, type=ShownContainer)))
     return 0

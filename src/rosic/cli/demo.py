@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 from rosic.app.demo import demonstrate
 from rosic.app.face import face_of
-from rosic.app.logs import log_to_standard_error
-from rosic.app.plays.repertoire import NAMES, play_named
+from rosic.app.logging import log_to_standard_error
 from rosic.cli.begun import begun_ns
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy
+from rosic_sim.scenarios.repertoire import NAMES, play_named
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -78,8 +78,8 @@ def _play(options: argparse.Namespace) -> int:
             hint=f'Try: rosic demo {options.play} --interactive --as "{options.role}"',
         )
     # Only here: a plain demonstration is ready sooner without it.
-    playing = import_module("rosic.app.plays.playing")
-    wish = playing.Wish(
+    playing = import_module("rosic_sim.scenarios.playing")
+    wish = playing.ScenarioOptions(
         plain=options.plain,
         fast=options.fast,
         scripted=not options.interactive,

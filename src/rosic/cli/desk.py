@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.desk.control_client import NotRunning
-from rosic.cli.asking import answers, data_of
+from rosic.app.admin.control_client import NotRunning
+from rosic.cli.client import answers, data_of
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
-    from rosic.app.desk.asked import Ask
+    from rosic.app.admin.asked import Ask
 
 
 def looked_up(options: argparse.Namespace, ask: Ask, *, robots: bool = False) -> tuple[str, ...]:

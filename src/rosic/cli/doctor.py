@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rosic.app.config import Config, load_config
-from rosic.app.doctor import Finding, Verdict, examine
-from rosic.cli.asking import CONFIG
+from rosic.app.setup import DiagnosticFinding, FindingVerdict, examine
+from rosic.cli.client import CONFIG
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock, SystemEntropy
 
@@ -47,7 +47,8 @@ def run(arguments: Sequence[str]) -> int:
         )
     config = load_config(found) if found is not None else None
     if config is not None and options.config is None:
-        print(f"{Finding(CONFIG, Verdict.GOOD, 'found here; what it names is looked at, too')}")
+        found_here = "found here; what it names is looked at, too"
+        print(DiagnosticFinding(CONFIG, FindingVerdict.GOOD, found_here))
     try:
         return asyncio.run(_examine(config, options.tried))
     except KeyboardInterrupt:
@@ -60,5 +61,5 @@ async def _examine(config: Config | None, tried: str) -> int:
     looked = False
     async for finding in examine(config, tried=tried, clock=SystemClock(), entropy=SystemEntropy()):
         print(finding, flush=True)
-        looked = looked or finding.verdict is Verdict.LOOK
+        looked = looked or finding.verdict is FindingVerdict.LOOK
     return 1 if looked else 0

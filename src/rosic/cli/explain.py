@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.app.desk.explaining import says_no
-from rosic.cli.asking import add_where
+from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.explain import says_no
+from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.app.desk.history import AT_MOST, HistoryAsk
-from rosic.cli.asking import add_where
+from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.history import AT_MOST, HistoryAsk
+from rosic.cli.client import add_where
 from rosic.cli.desk import looked_up, printed
 from rosic.cli.spans import joined, seconds
 

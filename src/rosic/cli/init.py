@@ -8,9 +8,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.documents.profiles import shipped_profiles
-from rosic.app.founding import (
-    Founding,
+from rosic.app.setup.init import (
+    SetupWizard,
     can_be_simulated,
     check_absent,
     check_account,
@@ -21,8 +20,9 @@ from rosic.app.founding import (
     is_file,
     zone_here,
 )
-from rosic.cli.asking import CONFIG
+from rosic.cli.client import CONFIG
 from rosic.cli.questions import Questions
+from rosic.config.profiles import shipped_profiles
 from rosic.core.identity import Address
 from rosic.errors import ConfigurationError, RosicError
 from rosic.system import SystemClock
@@ -91,7 +91,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _answers(options: argparse.Namespace, ask: Questions) -> Founding:
+def _answers(options: argparse.Namespace, ask: Questions) -> SetupWizard:
     name = options.name or ask.text("Name of this place?", NAME)
     zone = options.zone or ask.fit("Its time zone?", zone_here(), check_zone)
     token = _token(options, ask)
@@ -100,7 +100,7 @@ def _answers(options: argparse.Namespace, ask: Questions) -> Founding:
     robots = _robots(options, ask, drafts)
     shipped = tuple(robot for robot in robots if not is_file(robot))
     link, not_simulated = _link(options, ask, shipped)
-    return Founding(
+    return SetupWizard(
         name=name,
         zone=zone,
         token=token,
@@ -131,7 +131,7 @@ def _drafts(options: argparse.Namespace, ask: Questions) -> dict[str, str]:
     """
     if not options.discover and (options.robot or not _wants_ros(ask)):
         return {}
-    from rosic.app.finding.discovering import LOOK_S, discover  # noqa: PLC0415 - ROS 2, only for who has it
+    from rosic.app.setup.discovery import LOOK_S, discover  # noqa: PLC0415 - ROS 2, only for who has it
 
     try:
         seen = asyncio.run(discover(SystemClock(), seconds=LOOK_S))

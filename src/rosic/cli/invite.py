@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.cli.asking import add_where
+from rosic.app.admin.asked import Ask, Verb
+from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 from rosic.cli.picture import show
 from rosic.cli.spans import joined, seconds

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.cli.asking import add_where
+from rosic.app.admin.asked import Ask, Verb
+from rosic.cli.client import add_where
 from rosic.cli.desk import changed
 
 if TYPE_CHECKING:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.desk.asked import AS_JSON, NOTHING, Ask, Verb
-from rosic.app.desk.control_client import NotRunning
-from rosic.cli.asking import add_where, answers, data_of
+from rosic.app.admin.asked import AS_JSON, NOTHING, Ask, Verb
+from rosic.app.admin.control_client import NotRunning
+from rosic.cli.client import add_where, answers, data_of
 from rosic.cli.desk import printed
 
 if TYPE_CHECKING:

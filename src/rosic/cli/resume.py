@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.app.desk.operating import ALL
-from rosic.cli.asking import add_where, ask, data_of
+from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.dispatch import ALL
+from rosic.cli.client import add_where, ask, data_of
 from rosic.errors import OutOfBounds
 
 if TYPE_CHECKING:

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.app.desk.asked import Ask, Verb
-from rosic.app.desk.control_client import NotRunning
-from rosic.app.documents.profiles import find_profile, known_units, read_profile
-from rosic.app.documents.source import read_text
-from rosic.app.placing.enlisted import Draft, Wanted
-from rosic.cli.asking import add_where, ask, data_of
+from rosic.app.added_robots import Draft, Wanted
+from rosic.app.admin.asked import Ask, Verb
+from rosic.app.admin.control_client import NotRunning
+from rosic.cli.client import add_where, ask, data_of
+from rosic.config.profiles import find_profile, known_units, read_profile
+from rosic.config.source_map import read_text
 from rosic.errors import Fault
 
 if TYPE_CHECKING:

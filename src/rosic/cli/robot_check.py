@@ -7,16 +7,16 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rosic.app.adapters import check_robot, check_robot_kind, robot_factory
-from rosic.app.documents.profiles import known_units, read_profile
-from rosic.app.documents.yaml_file import read_yaml
+from rosic.config.plugins import check_robot, check_robot_kind, robot_factory
+from rosic.config.profiles import known_units, read_profile
+from rosic.config.yaml_source import read_yaml
 from rosic.errors import ConfigurationError
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rosic.core.robot import Profile
+    from rosic.core.robot.profile import Profile
 
 ABOUT = "Say everything that is wrong with robots' profiles, with file, line and a hint."
 

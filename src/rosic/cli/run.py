@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING
 from msgspec.structs import replace
 
 from rosic.app import loop
+from rosic.app.builder import secrets_of
 from rosic.app.config import Config, load_config
-from rosic.app.documents.open_to_others import open_to_others
 from rosic.app.face import face_of
-from rosic.app.languages import of_locale
-from rosic.app.logs import log_to_standard_error
+from rosic.app.logging import log_to_standard_error
 from rosic.app.private_memory import keep_memory_private
-from rosic.app.serving import Serving
-from rosic.app.start import secrets_of
-from rosic.cli.asking import CONFIG
+from rosic.app.service import GatewayService
 from rosic.cli.begun import begun_ns
+from rosic.cli.client import CONFIG
 from rosic.cli.picture import show
-from rosic.core.saying import in_language
+from rosic.config.file_permissions import open_to_others
+from rosic.config.translations import of_locale
+from rosic.core.i18n import in_language
 from rosic.errors import RosicError
 from rosic.system import SystemClock, SystemEntropy
 
@@ -68,7 +68,7 @@ def run(arguments: Sequence[str]) -> int:
 async def _serve(config: Config) -> None:
     # A code for the first admin is for whoever sits here: not for a file, not for the journal.
     at_terminal = _show if sys.stdout.isatty() else None
-    await Serving(
+    await GatewayService(
         config, SystemClock(), SystemEntropy(), begun_ns=begun_ns(), show=at_terminal
     ).run()
 

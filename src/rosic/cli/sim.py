@@ -6,8 +6,8 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from rosic.app.placing.painting import jpeg_drawer
-from rosic.robots.ros2.ros import load_ros
+from rosic.app.painting import jpeg_drawer
+from rosic.robots.ros2.client.rclpy_import import load_ros
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -16,7 +16,7 @@ ABOUT = """Run simulated robots as ROS 2 nodes, for gateways that reach them ove
 Ctrl-C. Without names: kuka1, omni, yumi, cf1, cf2 and cf3. By name alone: rover and picker, as
 others build robots, and those of the plays: watch, carrier1, rover1. To try them without ROS:
 rosic demo."""
-NODES = "rosic.robots.ros2.simulation"
+NODES = "rosic_sim.ros2.simulation"
 
 
 def run(arguments: Sequence[str]) -> int:

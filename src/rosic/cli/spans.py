@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from rosic.core.language.clock_words import Unclear
-from rosic.core.language.when_said import Said
+from rosic.core.language.time_tokens import TimeTokens
 from rosic.errors import OutOfBounds
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def seconds(option: str, text: str, *, zero: bool = False) -> float:
     if _NEGATIVE.match(text.strip()):
         raise OutOfBounds(f"{option} {text} is less than no time. Nothing was done.")
     try:
-        said = Said(text)
+        said = TimeTokens(text)
     except Unclear:
         said = None
     length_s = None if said is None or not _alone(said) else said.length_s
@@ -43,7 +43,7 @@ def seconds(option: str, text: str, *, zero: bool = False) -> float:
     return length_s
 
 
-def _alone(said: Said) -> bool:
+def _alone(said: TimeTokens) -> bool:
     """Whether a length is all that was said."""
     other = (said.start, said.end, said.day, said.date, said.delay_s, said.count, said.until)
     return not said.weekdays and all(part is None for part in other)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from rosic.app.desk.asked import AS_JSON, NOTHING, Ask, Verb
-from rosic.cli.asking import add_where, ask, data_of
+from rosic.app.admin.asked import AS_JSON, NOTHING, Ask, Verb
+from rosic.cli.client import add_where, ask, data_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -13,12 +13,19 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.container import archived
-from rosic.container import words_container as words
-from rosic.container.archived import ChatKey, Content, Entry, Keeping, Switch, Venue
+from rosic.container import archive_records
+from rosic.container import messages as words
+from rosic.container.archive_records import (
+    ArchivedChat,
+    ArchiveEntry,
+    ArchiveKeeping,
+    ArchiveSwitch,
+    ChatKey,
+    EntryContent,
+)
 from rosic.core.identity import PrincipalId
 from rosic.core.message import ChatKind
-from rosic.core.record import Decided, Fact, Letter
+from rosic.core.records import Decided, Fact, Letter
 from rosic.errors import NotUnderstood, OutOfBounds, TooManyRequests
 
 if TYPE_CHECKING:
@@ -26,7 +33,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.core.message import Chat, Inbound, Outbound
-    from rosic.core.record import Record
+    from rosic.core.records import Record
 
 DAYS: Final = 90
 DAYS_MOST: Final = 3_650
@@ -66,7 +73,7 @@ class Archive:
     def __init__(self, clock: Clock, quota: ArchiveQuota | None = None) -> None:
         self._clock = clock
         self._quota = quota or ArchiveQuota()
-        self._chats: dict[ChatKey, Keeping] = {}
+        self._chats: dict[ChatKey, ArchiveKeeping] = {}
         self._left: list[tuple[ChatKey, int]] = []  # came while their archive was being dropped
 
     # ---- the switch: decided, written, applied ----
@@ -83,14 +90,14 @@ class Archive:
         """
         if not 1 <= days <= DAYS_MOST:
             raise OutOfBounds(words.days_wrong(DAYS_MOST))
-        key = archived.chat_key(chat)
+        key = archive_records.chat_key(chat)
         known = self._chats.get(key)
         if known is not None and known.switch.on and known.switch.days == days:
             raise NotUnderstood(words.ALREADY_ON)
         on = sum(keeping.switch.on for keeping in self._chats.values())
         if (known is None or not known.switch.on) and on >= self._quota.chats:
             raise TooManyRequests(words.TOO_MANY_ARCHIVES, retry_after_s=0.0)
-        return self._switched(key, Venue(messenger, chat), by, days, on=True)
+        return self._switched(key, ArchivedChat(messenger, chat), by, days, on=True)
 
     def end(self, chat: Chat, by: PrincipalId) -> tuple[Record, ...]:
         """Decide that a chat is kept no longer. What is kept stays as long as it would.
@@ -98,41 +105,43 @@ class Archive:
         Raises:
             NotUnderstood: It is not kept.
         """
-        key = archived.chat_key(chat)
+        key = archive_records.chat_key(chat)
         known = self._chats.get(key)
         if known is None or not known.switch.on or known.venue is None:
             raise NotUnderstood(words.NOT_ON)
         return self._switched(key, known.venue, by, known.switch.days, on=False)
 
     def _switched(
-        self, key: ChatKey, venue: Venue, by: PrincipalId, days: int, *, on: bool
+        self, key: ChatKey, venue: ArchivedChat, by: PrincipalId, days: int, *, on: bool
     ) -> tuple[Record, ...]:
         known, now_ns = self._chats.get(key), self._clock.wall_ns()
         next_n = 1 if known is None else known.next_n
         goes_on = on and known is not None and known.switch.on
         since_ns = known.switch.at_ns if goes_on and known is not None else now_ns
-        body = archived.encode(Switch(on=on, by=by, at_ns=since_ns, days=days, next_n=next_n))
-        letter = Letter(archived.container_of(key), archived.encode(venue))
+        body = archive_records.encode(
+            ArchiveSwitch(on=on, by=by, at_ns=since_ns, days=days, next_n=next_n)
+        )
+        letter = Letter(archive_records.container_of(key), archive_records.encode(venue))
         act = "archive" if on else "unarchive"
         return (
             Decided(act=act, by=by, about=key, at_ns=now_ns, digest=str(days).encode()),
-            Fact(kind=archived.SWITCH, key=key, body=body, letter=letter),
+            Fact(kind=archive_records.SWITCH, key=key, body=body, letter=letter),
         )
 
     # ---- asking ----
 
-    def state(self, chat: Chat) -> Keeping | None:
+    def state(self, chat: Chat) -> ArchiveKeeping | None:
         """Return what is known of a chat's archive, on or off; None if there is none."""
-        return self._chats.get(archived.chat_key(chat))
+        return self._chats.get(archive_records.chat_key(chat))
 
     def keeps(self, chat: Chat) -> bool:
         """Whether a chat's messages are kept now; one look-up."""
         if not self._chats:
             return False
-        known = self._chats.get(archived.chat_key(chat))
+        known = self._chats.get(archive_records.chat_key(chat))
         return known is not None and known.switch.on
 
-    def all(self) -> dict[ChatKey, Keeping]:
+    def all(self) -> dict[ChatKey, ArchiveKeeping]:
         """Return every archive."""
         return dict(self._chats)
 
@@ -144,9 +153,9 @@ class Archive:
         A gap comes before the message that shows it: the adapter had been interrupted since the
         one before.
         """
-        key = archived.chat_key(inbound.chat)
+        key = archive_records.chat_key(inbound.chat)
         known = self._chats.get(key)
-        identity = archived.identity_of(inbound)
+        identity = archive_records.identity_of(inbound)
         if known is None or not known.switch.on or identity in known.found:
             return ()
         backlog = inbound.listening_since_ns > inbound.received_ns
@@ -154,8 +163,8 @@ class Archive:
         tapped = inbound.nonce is not None
         note = "button" if tapped else inbound.standing.value.replace("fresh", "")
         message = inbound.under if tapped else inbound.message
-        said = Content(inbound.sender.account, author.name, _cut(inbound.text), note, message)
-        entry = Entry(
+        said = EntryContent(inbound.sender.account, author.name, _cut(inbound.text), note, message)
+        entry = ArchiveEntry(
             at_ns=inbound.received_ns, way="in", who=author.principal, identity=identity,
             since_ns=_since(known, inbound, backlog=backlog), backlog=backlog,
         )  # fmt: skip
@@ -173,26 +182,26 @@ class Archive:
                 answered.
             account: Which of our own accounts said it, where there can be several.
         """
-        key = archived.chat_key(outbound.chat)
+        key = archive_records.chat_key(outbound.chat)
         known = self._chats.get(key)
         if known is None or not known.switch.on:
             return ()
-        identity = archived.sent_digest(outbound.chat, message, account)
+        identity = archive_records.sent_digest(outbound.chat, message, account)
         n = known.found.get(identity)
         who = reader.principal or self._answered(known, outbound, account)
         at_ns = self._clock.wall_ns()
         if n is not None:
             at_ns, who = known.entries[n].at_ns, known.entries[n].who
-        entry = Entry(at_ns=at_ns, way="out", who=who, identity=identity)
+        entry = ArchiveEntry(at_ns=at_ns, way="out", who=who, identity=identity)
         file = outbound.attachment
         note = "" if file is None else f"file {file.name}"
-        content = Content("", "", _cut(outbound.text), note, message)
+        content = EntryContent("", "", _cut(outbound.text), note, message)
         return self._add(key, known, entry, content, n)
 
     @staticmethod
-    def _answered(known: Keeping, outbound: Outbound, account: str) -> PrincipalId:
+    def _answered(known: ArchiveKeeping, outbound: Outbound, account: str) -> PrincipalId:
         for own in (account, ""):
-            identity = archived.received_digest(outbound.chat, outbound.reply_to, own)
+            identity = archive_records.received_digest(outbound.chat, outbound.reply_to, own)
             if (n := known.found.get(identity)) is not None:
                 return known.entries[n].who
         return ""
@@ -200,7 +209,7 @@ class Archive:
     def unwritten(self, facts: Iterable[Fact]) -> None:
         """Note that entries did not reach the disk: the next one says that some are missing."""
         for fact in facts:
-            key, n = archived.place_of(fact.key)
+            key, n = archive_records.place_of(fact.key)
             known = self._chats.get(key)
             if known is not None and fact.body:
                 entry = known.entries.get(n)
@@ -209,7 +218,7 @@ class Archive:
                 known.unwritten_ns = min(known.unwritten_ns or begin_ns, begin_ns)
 
     def _gap(
-        self, key: ChatKey, known: Keeping, inbound: Inbound, *, backlog: bool
+        self, key: ChatKey, known: ArchiveKeeping, inbound: Inbound, *, backlog: bool
     ) -> tuple[Fact, ...]:
         """Return the gap since the newest message before, if the adapter was interrupted."""
         last = known.heard
@@ -222,34 +231,39 @@ class Archive:
             interrupted = backlog or since_ns != last.since_ns
         if not interrupted:
             return ()
-        entry = Entry(at_ns=last.at_ns, way="gap", until_ns=max(since_ns, last.at_ns))
+        entry = ArchiveEntry(at_ns=last.at_ns, way="gap", until_ns=max(since_ns, last.at_ns))
         return self._add(key, known, entry, None)
 
     def _add(
-        self, key: ChatKey, known: Keeping, entry: Entry, said: Content | None, n: int | None = None
+        self,
+        key: ChatKey,
+        known: ArchiveKeeping,
+        entry: ArchiveEntry,
+        said: EntryContent | None,
+        n: int | None = None,
     ) -> tuple[Fact, ...]:
         """Give an entry its number and its room; the oldest make way."""
         facts: list[Fact] = []
         if known.unwritten_ns:
             begin_ns, known.unwritten_ns = known.unwritten_ns, 0
-            lost = Entry(at_ns=begin_ns, way="lost", until_ns=self._clock.wall_ns())
-            facts.append(archived.entry_fact(key, known.next_n, lost, None))
+            lost = ArchiveEntry(at_ns=begin_ns, way="lost", until_ns=self._clock.wall_ns())
+            facts.append(archive_records.entry_fact(key, known.next_n, lost, None))
             known.put(known.next_n, lost)
         letter = None
         if said is not None:
-            content = archived.encode(said)
-            letter = Letter(entry.who or archived.container_of(key), content)
+            content = archive_records.encode(said)
+            letter = Letter(entry.who or archive_records.container_of(key), content)
             entry = msgspec.structs.replace(entry, size=len(content))
         n = known.next_n if n is None else n
         known.put(n, entry)
-        facts.append(archived.entry_fact(key, n, entry, letter))
+        facts.append(archive_records.entry_fact(key, n, entry, letter))
         while self._too_much(known):
             oldest = next(iter(known.entries))
             known.drop(oldest)
-            facts.append(archived.no_more(key, oldest))
+            facts.append(archive_records.no_more(key, oldest))
         return tuple(facts)
 
-    def _too_much(self, known: Keeping) -> bool:
+    def _too_much(self, known: ArchiveKeeping) -> bool:
         quota = self._quota
         over = len(known.entries) > quota.entries or known.size > quota.most_bytes
         return over and len(known.entries) > 1
@@ -259,15 +273,15 @@ class Archive:
     def outdated(self, most: int = 1_000) -> tuple[Fact, ...]:
         """Return what ends entries older than their chat keeps them, and archives that are over."""
         now_ns = self._clock.wall_ns()
-        found = [archived.no_more(*place) for place in self._left[:most]]
+        found = [archive_records.no_more(*place) for place in self._left[:most]]
         for key, known in self._chats.items():
             before_ns = now_ns - known.switch.days * _DAY_NS
             for n, entry in known.entries.items():
                 if entry.at_ns >= before_ns or len(found) >= most:
                     break
-                found.append(archived.no_more(key, n))
+                found.append(archive_records.no_more(key, n))
             if not known.switch.on and not known.entries and len(found) < most:
-                found.append(Fact(kind=archived.SWITCH, key=key, body=b""))
+                found.append(Fact(kind=archive_records.SWITCH, key=key, body=b""))
         return tuple(found)
 
     def drop(self, key: ChatKey) -> tuple[Fact, ...]:
@@ -275,8 +289,8 @@ class Archive:
         known = self._chats.get(key)
         if known is None:
             return ()
-        entries = (archived.no_more(key, n) for n in known.entries)
-        return (*entries, Fact(kind=archived.SWITCH, key=key, body=b""))
+        entries = (archive_records.no_more(key, n) for n in known.entries)
+        return (*entries, Fact(kind=archive_records.SWITCH, key=key, body=b""))
 
     def end_private(self, is_theirs: Callable[[Chat], bool]) -> tuple[Fact, ...]:
         """Return what ends the archives of somebody's private chats.
@@ -304,7 +318,7 @@ class Archive:
     def apply(self, fact: Fact) -> None:
         """Let a fact be so. One that cannot be read is left out."""
         try:
-            if fact.kind == archived.SWITCH:
+            if fact.kind == archive_records.SWITCH:
                 self._apply_switch(fact)
             else:
                 self._apply_entry(fact)
@@ -316,27 +330,29 @@ class Archive:
             gone = self._chats.pop(fact.key, None)
             self._left += [(fact.key, n) for n in (gone.entries if gone is not None else ())]
             return
-        switch = archived.read_switch(fact.body)
+        switch = archive_records.read_switch(fact.body)
         known = self._chats.get(fact.key)
         if known is None:
-            known = self._chats[fact.key] = Keeping(switch)
+            known = self._chats[fact.key] = ArchiveKeeping(switch)
         known.switch = switch
-        known.venue = None if fact.letter is None else archived.read_venue(fact.letter.content)
+        known.venue = (
+            None if fact.letter is None else archive_records.read_venue(fact.letter.content)
+        )
 
     def _apply_entry(self, fact: Fact) -> None:
-        key, n = archived.place_of(fact.key)
+        key, n = archive_records.place_of(fact.key)
         known = self._chats.get(key)
         if known is None:
             if (key, n) in self._left and not fact.body:
                 self._left.remove((key, n))
             return
         if fact.body:
-            known.put(n, archived.read_entry(fact.body))
+            known.put(n, archive_records.read_entry(fact.body))
         else:
             known.drop(n)
 
 
-def _since(known: Keeping, inbound: Inbound, *, backlog: bool) -> int:
+def _since(known: ArchiveKeeping, inbound: Inbound, *, backlog: bool) -> int:
     """Return since when the adapter has listened; in a backlog, what was known before it."""
     if not backlog:
         return inbound.listening_since_ns

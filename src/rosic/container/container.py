@@ -15,23 +15,14 @@ from typing import TYPE_CHECKING
 import msgspec
 from msgspec.structs import replace
 
-from rosic.container import letters
+from rosic.container import records
 from rosic.container.patience import Patience
 from rosic.container.unit import SHARED_BYTES, PersonContainer, RobotContainer
+from rosic.core.i18n import said
 from rosic.core.language import bind, show
 from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, Permit, Request, Spoken
-from rosic.core.record import (
-    Claimed,
-    Concluded,
-    Letter,
-    Placed,
-    Refused,
-    Resumed,
-    Selected,
-    Told,
-)
-from rosic.core.saying import said
-from rosic.core.skill import Argument
+from rosic.core.records import Claimed, Concluded, Letter, Placed, Refused, Resumed, Selected, Told
+from rosic.core.robot.skill import Argument
 from rosic.errors import RecordUnavailable, Refusal, Repeated, StoreFault
 
 if TYPE_CHECKING:
@@ -42,7 +33,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Caller, CommandId, PrincipalId
     from rosic.core.language import Vocabulary
     from rosic.core.message import Chat
-    from rosic.core.robot import RobotId
+    from rosic.core.robot.profile import RobotId
 
 DIGEST_BYTES = 16
 MET = "met"
@@ -56,7 +47,7 @@ _NAMED = {ending: ending.value for ending in Ending}
 _digest_form = msgspec.json.Encoder(order="sorted").encode
 
 
-class Completed(msgspec.Struct, frozen=True, gc=False):
+class CompletedOrders(msgspec.Struct, frozen=True, gc=False):
     """What a request comes to: values in SI that nobody changes, how it reads, and a digest."""
 
     arguments: dict[str, Argument]
@@ -88,10 +79,10 @@ class Containers:
         self._people: dict[PrincipalId, PersonContainer] = {}
         self._there: Counter[bytes] = Counter()
         self._unwritten: OrderedDict[CommandId, None] = OrderedDict()
-        self._completed: dict[tuple[RobotId, str, tuple[Spoken, ...]], Completed] = {}
+        self._completed: dict[tuple[RobotId, str, tuple[Spoken, ...]], CompletedOrders] = {}
         self._robots = {robot: RobotContainer(robot, n) for robot, n in numbers.items()}
 
-    def complete(self, request: Request) -> Completed:
+    def complete(self, request: Request) -> CompletedOrders:
         """Return every parameter of the skill in SI, within its bounds.
 
         Pure but for a bounded memory: people repeat themselves.
@@ -105,7 +96,7 @@ class Containers:
         if completed is None:
             arguments = bind(self._vocabulary, robot, skill, spoken, group=request.group)
             said = _digest_form((skill.id, arguments))
-            completed = Completed(
+            completed = CompletedOrders(
                 arguments,
                 show(self._vocabulary, robot, skill, arguments),
                 blake2b(said, digest_size=DIGEST_BYTES).digest(),
@@ -119,7 +110,7 @@ class Containers:
         self,
         permits: Sequence[Permit],
         requests: Sequence[Request],
-        reply_to: letters.ReplyTo,
+        reply_to: records.ReplyTo,
     ) -> tuple[Order, ...]:
         """Turn permitted requests into orders and claim them: all on disk, or none exists.
 
@@ -144,7 +135,7 @@ class Containers:
                     values.words,
                 )
             )  # fmt: skip
-            told = letters.encode(replace(reply_to, values=dict(values.arguments)))
+            told = records.encode(replace(reply_to, values=dict(values.arguments)))
             letter = Letter(permits[0].principal, told)
             claims.append(_claim(request, permit, n, values.digest, accepted_ns, letter))
         try:
@@ -178,14 +169,14 @@ class Containers:
             )  # fmt: skip
 
     async def refuse(
-        self, cid: bytes, caller: Caller, refusal: Refusal, answer: letters.Answer
+        self, cid: bytes, caller: Caller, refusal: Refusal, answer: records.KeptAnswer
     ) -> None:
         """Write a refusal down before it is told, so that a resend does not get another answer.
 
         Raises:
             Repeated: It was told before, or carried out.
         """
-        letter = Letter(caller.principal, letters.encode(answer))
+        letter = Letter(caller.principal, records.encode(answer))
         refused = Refused(
             cid=cid, principal=caller.principal, code=refusal.code,
             at_ns=self._clock.wall_ns(), letter=letter,

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from rosic.container import archived
-from rosic.container import words_container as words
-from rosic.container.archived import Way
-from rosic.core.language.cleaning import clean
-from rosic.core.saying import joined, plain
+from rosic.container import archive_records
+from rosic.container import messages as words
+from rosic.container.archive_records import Way
+from rosic.core.i18n import joined, plain
+from rosic.core.language.sanitise import clean
 from rosic.errors import ConfigurationError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from rosic.core.record import Fact
+    from rosic.core.records import Fact
 
 OWN_ID: Final = "rosic"
 OWN_NAME: Final = "ROSIC"
@@ -38,7 +38,7 @@ SECRET: Final = frozenset({"totp", "code-key"})
 _as_json = msgspec.json.Encoder(order="deterministic", enc_hook=plain).encode
 
 
-class Row(msgspec.Struct, frozen=True, kw_only=True):
+class ArchiveRow(msgspec.Struct, frozen=True, kw_only=True):
     """One line of an archive.
 
     Attributes:
@@ -55,33 +55,33 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     until: str = ""
 
 
-read_row = msgspec.json.Decoder(Row).decode
+read_row = msgspec.json.Decoder(ArchiveRow).decode
 
 
 # ---- archives ----
 
 
-def rows(facts: Iterable[Fact]) -> list[Row]:
+def rows(facts: Iterable[Fact]) -> list[ArchiveRow]:
     """Return the entries of an archive, in order; what was erased says so."""
-    found = [_row(fact) for fact in facts if fact.kind == archived.ENTRY and fact.body]
+    found = [_row(fact) for fact in facts if fact.kind == archive_records.ENTRY and fact.body]
     return sorted(found, key=lambda row: row.n)
 
 
-def _row(fact: Fact) -> Row:
-    entry = archived.read_entry(fact.body)
-    n, time = archived.place_of(fact.key)[1], iso(entry.at_ns)
+def _row(fact: Fact) -> ArchiveRow:
+    entry = archive_records.read_entry(fact.body)
+    n, time = archive_records.place_of(fact.key)[1], iso(entry.at_ns)
     if entry.way in {"gap", "lost"}:
         end = iso(entry.until_ns)
         say = words.gap if entry.way == "gap" else words.lost
-        return Row(
+        return ArchiveRow(
             n=n, time=time, way=entry.way, sender="", name="", text=say(time, end), until=end
         )
     if fact.letter is None:
         erased = words.ERASED
-        return Row(n=n, time=time, way=entry.way, sender=erased, name=erased, text=erased)
-    said = archived.read_content(fact.letter.content)
+        return ArchiveRow(n=n, time=time, way=entry.way, sender=erased, name=erased, text=erased)
+    said = archive_records.read_content(fact.letter.content)
     out = entry.way == "out"
-    return Row(
+    return ArchiveRow(
         n=n, time=time, way=entry.way, sender=OWN_ID if out else said.account,
         name=OWN_NAME if out else said.name, text=said.text, note=said.note,
     )  # fmt: skip
@@ -91,7 +91,7 @@ ENDINGS: Final[Mapping[str, str]] = {"text": "txt", "jsonl": "jsonl", "xlsx": "x
 """The forms of an export, and how their files end."""
 
 
-def archive_as(form: str, found: Sequence[Row]) -> str | bytes:
+def archive_as(form: str, found: Sequence[ArchiveRow]) -> str | bytes:
     """Return an archive in one of the forms.
 
     Raises:
@@ -102,7 +102,7 @@ def archive_as(form: str, found: Sequence[Row]) -> str | bytes:
     return archive_as_text(found) if form == "text" else archive_as_jsonl(found)
 
 
-def archive_as_text(found: Sequence[Row]) -> str:
+def archive_as_text(found: Sequence[ArchiveRow]) -> str:
     """Return the lines of the paper's Algorithm 6, one for each message.
 
     A line break inside a message is written as two characters, so that nobody writes a line in
@@ -113,7 +113,7 @@ def archive_as_text(found: Sequence[Row]) -> str:
     return joined("\n", [*([words.older_gone(gone)] if gone else ()), *lines])
 
 
-def _line(row: Row) -> str:
+def _line(row: ArchiveRow) -> str:
     if row.way in {"gap", "lost"}:
         return row.text
     name, text = _one_line(row.name) or UNKNOWN, _one_line(row.text)
@@ -124,17 +124,17 @@ def _one_line(text: str) -> str:
     return clean(text).replace("\n", "\\n")
 
 
-def archive_as_jsonl(found: Iterable[Row]) -> str:
+def archive_as_jsonl(found: Iterable[ArchiveRow]) -> str:
     """Return one JSON object for each entry."""
     return "\n".join(map(row_as_json, found))
 
 
-def row_as_json(row: Row) -> str:
+def row_as_json(row: ArchiveRow) -> str:
     """Return one entry as a line; `read_row` reads it."""
     return _as_json(row).decode()
 
 
-def archive_as_xlsx(found: Iterable[Row]) -> bytes:
+def archive_as_xlsx(found: Iterable[ArchiveRow]) -> bytes:
     """Return a workbook of messages.
 
     Raises:
@@ -174,7 +174,7 @@ def _workbook(
 # ---- containers ----
 
 
-class Sum(msgspec.Struct, frozen=True):
+class ContainerSummary(msgspec.Struct, frozen=True):
     """What there is of one kind.
 
     Attributes:
@@ -186,16 +186,16 @@ class Sum(msgspec.Struct, frozen=True):
     size: int
 
 
-def summary(belongings: Iterable[Fact]) -> tuple[Sum, ...]:
+def summary(belongings: Iterable[Fact]) -> tuple[ContainerSummary, ...]:
     """Return how much of each kind a container holds, by kind."""
     found: dict[str, tuple[int, int]] = {}
     for fact in belongings:
         count, size = found.get(fact.kind, (0, 0))
         found[fact.kind] = (count + 1, size + len(fact.letter.content if fact.letter else b""))
-    return tuple(Sum(kind, *found[kind]) for kind in sorted(found))
+    return tuple(ContainerSummary(kind, *found[kind]) for kind in sorted(found))
 
 
-class Thing(msgspec.Struct, frozen=True, omit_defaults=True):
+class ContainedThing(msgspec.Struct, frozen=True, omit_defaults=True):
     """One thing that a container holds, as far as it can be shown.
 
     Attributes:
@@ -209,20 +209,20 @@ class Thing(msgspec.Struct, frozen=True, omit_defaults=True):
     sealed: Any = None
 
 
-read_thing = msgspec.json.Decoder(Thing).decode
+read_thing = msgspec.json.Decoder(ContainedThing).decode
 
 
-def thing_of(fact: Fact) -> Thing:
+def thing_of(fact: Fact) -> ContainedThing:
     """Return how one thing is shown; of a secret, only that there is one."""
     known = _readable(fact.body)
     if fact.letter is None:
-        return Thing(fact.kind, fact.key, known)
+        return ContainedThing(fact.kind, fact.key, known)
     secret = fact.kind in SECRET
     sealed = "(a secret)" if secret else _readable(fact.letter.content)
-    return Thing(fact.kind, fact.key, known, sealed)
+    return ContainedThing(fact.kind, fact.key, known, sealed)
 
 
-def container_as(form: str, things: Iterable[Thing]) -> str | bytes:
+def container_as(form: str, things: Iterable[ContainedThing]) -> str | bytes:
     """Return what a container holds in one of the forms of an archive.
 
     Raises:
@@ -234,16 +234,16 @@ def container_as(form: str, things: Iterable[Thing]) -> str | bytes:
     return "\n".join(map(as_line, things))
 
 
-def thing_as_json(thing: Thing) -> str:
+def thing_as_json(thing: ContainedThing) -> str:
     """Return one thing as a line; `read_thing` reads it."""
     return _as_json(thing).decode()
 
 
-def _cells(thing: Thing) -> tuple[str, ...]:
+def _cells(thing: ContainedThing) -> tuple[str, ...]:
     return thing.kind, thing.id, _shown(thing.known), _shown(thing.sealed)
 
 
-def _thing_line(thing: Thing) -> str:
+def _thing_line(thing: ContainedThing) -> str:
     """Return one thing in the manner of the paper's line."""
     cells = zip(THINGS, _cells(thing), strict=True)
     return ", ".join(f"{heading}: {_one_line(cell)}" for heading, cell in cells if cell)

@@ -11,7 +11,7 @@ from functools import partial
 from types import coroutine
 from typing import TYPE_CHECKING, Any, Final
 
-from rosic.core.saying import said
+from rosic.core.i18n import said
 from rosic.errors import StoreFault
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.store import Store
-    from rosic.core.record import Record
+    from rosic.core.records import Record
 
 WITHIN_S: Final = 1.0
 NOT_IN_TIME: Final = said("The record cannot keep up. Nothing was written.")

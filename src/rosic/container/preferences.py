@@ -13,18 +13,18 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 import msgspec
 
-from rosic.container import words_container as words
+from rosic.container import messages as words
 from rosic.core.language.option_words import decimals_typed
-from rosic.core.limits import parse_limit
-from rosic.core.record import Fact, Letter
+from rosic.core.policy.limits import parse_limit
+from rosic.core.records import Fact, Letter
 from rosic.errors import NotUnderstood, OutOfBounds
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.identity import PrincipalId
-    from rosic.core.limits import Convert
-    from rosic.core.robot import RobotId
-    from rosic.core.skill import Parameter, Skill
+    from rosic.core.policy.limits import Convert
+    from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.skill import Parameter, Skill
 
 KIND: Final = "preference"
 METRIC, IMPERIAL = "metric", "imperial"

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections import Counter
 
     from rosic.core.identity import PrincipalId
-    from rosic.core.robot import RobotId
+    from rosic.core.robot.profile import RobotId
 
 CHATS_AT_MOST = 64
 SHARED_BYTES: Final = 8

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Messenger
     from rosic.contracts.robot import Robot
-    from rosic.core.gate import Gate
-    from rosic.core.robot import Profile
+    from rosic.core.order_gate import OrderGate
+    from rosic.core.robot.profile import Profile
 
 
 class MessengerFactory(Protocol):
@@ -38,7 +38,7 @@ class RobotFactory(Protocol):
     needs both in its profile, or the word `unstoppable` there.
     """
 
-    def __call__(self, profile: Profile, gate: Gate, clock: Clock) -> Robot:
+    def __call__(self, profile: Profile, gate: OrderGate, clock: Clock) -> Robot:
         """Make it from its profile.
 
         Raises:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Final, Protocol, TypeAlias, runtime_checkable
 
 if TYPE_CHECKING:
-    from rosic.core.robot import RobotId
+    from rosic.core.robot.profile import RobotId
 
 UTTERANCE_BYTES: Final = 65_536
 """What a robot says at once may be this long. An adapter hands on one byte more of what is longer,
@@ -17,7 +17,7 @@ Speak: TypeAlias = Callable[[bytes, int], None]
 
 
 @runtime_checkable
-class Fellow(Protocol):
+class PeerRobot(Protocol):
     """A robot whose own nodes share, ask and answer (Algorithm 5)."""
 
     def meet(self, speak: Speak) -> None:
@@ -36,7 +36,7 @@ class Fellow(Protocol):
         ...
 
 
-class Tasks(Protocol):
+class RobotTasks(Protocol):
     """Whoever keeps the tasks of robots. Without one, help is accepted and no task changes."""
 
     async def helped(self, helper: RobotId, asker: RobotId) -> str:

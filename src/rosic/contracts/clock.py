@@ -30,18 +30,18 @@ class Clock(Protocol):
         ...
 
 
-class Reading(NamedTuple):
+class ClockReading(NamedTuple):
     """Both clocks at one moment."""
 
     monotonic_ns: int
     wall_ns: int
 
 
-def reading(clock: Clock) -> Reading:
+def reading(clock: Clock) -> ClockReading:
     """Return what both clocks show now."""
-    return Reading(clock.monotonic_ns(), clock.wall_ns())
+    return ClockReading(clock.monotonic_ns(), clock.wall_ns())
 
 
-def passed_ns(clock: Clock, since: Reading) -> int:
+def passed_ns(clock: Clock, since: ClockReading) -> int:
     """Return how much time has passed since then, by the clock that says more."""
     return max(clock.monotonic_ns() - since.monotonic_ns, clock.wall_ns() - since.wall_ns)

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import AsyncGenerator, Awaitable, Callable
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
-from rosic.core.order import Order, Outcome, Report, Rest, Stop
+from rosic.core.order import Order, Outcome, Rest, StageReport, Stop
 
 if TYPE_CHECKING:
-    from rosic.core.gate import Gate
-    from rosic.core.parcel import Parcel, Receipt
-    from rosic.core.robot import Presence, Profile
-    from rosic.core.view import Sight, View
+    from rosic.core.order_gate import OrderGate
+    from rosic.core.robot.file_transfer import FileForRobot, Receipt
+    from rosic.core.robot.profile import Presence, Profile
+    from rosic.core.robot.view import Sight, View
 
-Tell: TypeAlias = Callable[[Report], None]
+Tell: TypeAlias = Callable[[StageReport], None]
 Say: TypeAlias = Callable[[str], None]
 
 
-Deliver: TypeAlias = Callable[["Parcel"], Awaitable["Receipt"]]
+Deliver: TypeAlias = Callable[["FileForRobot"], Awaitable["Receipt"]]
 
 
 def deliver_of(robot: Robot) -> Deliver | None:
@@ -40,7 +40,7 @@ class Robot(Protocol):
     """
 
     profile: Profile
-    gate: Gate
+    gate: OrderGate
 
     async def open(self, say: Say) -> None:
         """Connect.

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.core.record import Memory, Record
-    from rosic.core.robot import RobotId
+    from rosic.core.records import Memory, Record
+    from rosic.core.robot.profile import RobotId
 
 
 class Store(Protocol):
@@ -57,7 +57,7 @@ class Store(Protocol):
         ...
 
 
-class Latch(Protocol):
+class StopLatch(Protocol):
     """Where stops survive everything else (I10): needs no free space and no database."""
 
     def read(self) -> dict[RobotId, tuple[int, bool]]:

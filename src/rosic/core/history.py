@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.identity import PrincipalId
-from rosic.core.robot import RobotId
+from rosic.core.robot.profile import RobotId
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

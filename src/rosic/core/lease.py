@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rosic.core.identity import PrincipalId
-    from rosic.core.robot import RobotId
+    from rosic.core.robot.profile import RobotId
 
 
 class Lease:

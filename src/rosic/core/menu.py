@@ -7,7 +7,7 @@ import enum
 import msgspec
 
 
-class Where(enum.Enum):
+class MenuScope(enum.Enum):
     """In which chats a menu is shown."""
 
     PRIVATE = "private"
@@ -24,7 +24,7 @@ class Menu(msgspec.Struct, frozen=True):
         chat: Id of the one chat that it is for.
     """
 
-    where: Where
+    where: MenuScope
     commands: tuple[tuple[str, str], ...]
     locale: str = ""
     chat: str = ""

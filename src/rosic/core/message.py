@@ -8,8 +8,8 @@ from contextlib import aclosing
 
 import msgspec
 
+from rosic.core.i18n import said
 from rosic.core.identity import Address
-from rosic.core.saying import said
 
 _NO_NAME = frozenset("/\\\0\n\r")
 

@@ -7,10 +7,10 @@ from typing import Final
 
 import msgspec
 
+from rosic.core.i18n import said
 from rosic.core.identity import CommandId, KeyId, PrincipalId
-from rosic.core.robot import RobotId
-from rosic.core.saying import said
-from rosic.core.skill import Argument, Skill
+from rosic.core.robot.profile import RobotId
+from rosic.core.robot.skill import Argument, Skill
 
 FOREVER_NS: Final = 2**63 - 1
 
@@ -128,7 +128,7 @@ class Stage(enum.Enum):
     RUNNING = "running"
 
 
-class Report(msgspec.Struct, frozen=True, gc=False):
+class StageReport(msgspec.Struct, frozen=True, gc=False):
     """A step in the life of an order.
 
     Attributes:

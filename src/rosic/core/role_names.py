@@ -9,7 +9,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.saying import said
+from rosic.core.i18n import said
 
 if TYPE_CHECKING:
     from collections.abc import Container, Mapping

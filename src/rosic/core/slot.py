@@ -10,10 +10,10 @@ from typing import Literal, TypeAlias, TypeVar
 
 import msgspec
 
-from rosic.core.civil import DAY_NS, Local, day_number
 from rosic.core.identity import PrincipalId
-from rosic.core.record import Fact
-from rosic.core.robot import RobotId
+from rosic.core.local_time import DAY_NS, LocalTime, day_number
+from rosic.core.records import Fact
+from rosic.core.robot.profile import RobotId
 
 SlotId: TypeAlias = str
 SeriesId: TypeAlias = str
@@ -32,7 +32,7 @@ _LAST_NS = day_number(2199, 12, 31) * DAY_NS
 T = TypeVar("T", bound=msgspec.Struct)
 
 
-class Slot(msgspec.Struct, frozen=True, gc=False, kw_only=True):
+class BookedSlot(msgspec.Struct, frozen=True, gc=False, kw_only=True):
     """From ``start_ns`` until just before ``end_ns`` a robot is somebody's.
 
     Attributes:
@@ -79,7 +79,7 @@ class Pattern(msgspec.Struct, frozen=True):
         zone: IANA name.
     """
 
-    first: Local
+    first: LocalTime
     length_s: int
     rrule: str
     zone: str

@@ -6,25 +6,25 @@ import asyncio
 from typing import TYPE_CHECKING, Any
 
 from rosic.contracts.robot import deliver_of
-from rosic.core import words
-from rosic.core.gate import too_late
+from rosic.core import messages
+from rosic.core.i18n import said
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
-from rosic.core.saying import said
+from rosic.core.order_gate import too_late
 from rosic.errors import RobotOffline, RobotUnreachable, RosicError, StoreFault
-from rosic.linker.mailbox import Mailbox, Waiting
-from rosic.linker.pursuit import Pursuit
+from rosic.linker.pursuit import StopPursuit
+from rosic.linker.robot_queue import QueuedOrder, RobotQueue
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Coroutine, Iterable, Iterator, Mapping
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot, Tell
-    from rosic.contracts.store import Latch
+    from rosic.contracts.store import StopLatch
     from rosic.core.identity import CommandId, PrincipalId
-    from rosic.core.parcel import Parcel, Receipt
-    from rosic.core.robot import Presence, Profile, RobotId
-    from rosic.core.stopboard import StopBoard
-    from rosic.core.view import Sight, View
+    from rosic.core.robot.file_transfer import FileForRobot, Receipt
+    from rosic.core.robot.profile import Presence, Profile, RobotId
+    from rosic.core.robot.view import Sight, View
+    from rosic.core.stop_registry import StopRegistry
 
 
 CLEARED_WITHIN_S = 0.5
@@ -36,7 +36,7 @@ class PolicyMoved(RosicError):
     code = "policy-moved"
 
 
-class Halting:
+class StopInProgress:
     """A stop under way: handed to every adapter already, rest not measured yet.
 
     Attributes:
@@ -71,8 +71,8 @@ class Linker:
     def __init__(
         self,
         robots: Mapping[RobotId, Robot],
-        stops: StopBoard,
-        latch: Latch,
+        stops: StopRegistry,
+        latch: StopLatch,
         clock: Clock,
         wall_ns: Callable[[], int],
     ) -> None:
@@ -80,16 +80,16 @@ class Linker:
         self.cancels = stops.cancels
         self._wall_ns = wall_ns
         self._robots = dict(robots)
-        self.mailboxes = {robot_id: Mailbox(robot, clock) for robot_id, robot in robots.items()}
+        self.mailboxes = {robot_id: RobotQueue(robot, clock) for robot_id, robot in robots.items()}
         self._stops = stops
         self._latch = latch
         self._clock = clock
         self._latching: set[asyncio.Task[bool]] = set()
         self._clearing: set[asyncio.Task[None]] = set()
         self._resting: set[asyncio.Task[Rest]] = set()
-        self.pursuit = Pursuit(self._robots, stops, clock)
+        self.pursuit = StopPursuit(self._robots, stops, clock)
 
-    def put(self, entry: Waiting) -> bool:
+    def put(self, entry: QueuedOrder) -> bool:
         """Give an order to a robot's mailbox. Return whether it has its turn at once.
 
         If so, the caller serves the mailbox: ``dispatch``, then ``next``, until none is left.
@@ -99,7 +99,7 @@ class Linker:
         """
         return self.mailboxes[entry.order.robot].put(entry)
 
-    def next(self, robot_id: RobotId) -> Waiting | None:
+    def next(self, robot_id: RobotId) -> QueuedOrder | None:
         """End a turn. Return whose turn it is now; None frees the robot."""
         return self.mailboxes[robot_id].next()
 
@@ -116,7 +116,7 @@ class Linker:
         """Void one order if it waits for a robot, with a reason."""
         self.mailboxes[robot_id].withdraw(cid, sentence)
 
-    def take_out(self, robot_id: RobotId, principal: PrincipalId) -> list[Waiting]:
+    def take_out(self, robot_id: RobotId, principal: PrincipalId) -> list[QueuedOrder]:
         """Take somebody's orders out that wait for a robot; whoever asked for it voids them."""
         return self.mailboxes[robot_id].take_out(principal)
 
@@ -160,7 +160,7 @@ class Linker:
             return Outcome(Ending.CANCELLED, said("a later command took its place"))
         return task.result()
 
-    def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> Halting:
+    def stop(self, robots: Iterable[RobotId], by: PrincipalId) -> StopInProgress:
         """Stop robots. On return the stop is latched in memory and handed to every adapter.
 
         Needs nothing but this process: no disk, no database, no queue (I10).
@@ -178,7 +178,7 @@ class Linker:
         clearing = asyncio.create_task(self._clear(stops, latched))
         self._clearing.add(clearing)
         clearing.add_done_callback(self._clearing.discard)
-        return Halting(rests, latched)
+        return StopInProgress(rests, latched)
 
     def _brake(self, stop: Stop) -> asyncio.Task[Rest]:
         """Hand a stop to its adapter, and go on with it until it is confirmed."""
@@ -222,7 +222,7 @@ class Linker:
         if self._stops[robot_id].generation != generation:
             return False
         if self._robots[robot_id].presence().moves:
-            raise RobotUnreachable(words.not_resumed_as_it_moves(self.profile(robot_id).shown))
+            raise RobotUnreachable(messages.not_resumed_as_it_moves(self.profile(robot_id).shown))
         try:
             await self._latch.write(robot_id, generation, latched=False)
             await self._robots[robot_id].resume(generation)
@@ -277,7 +277,7 @@ class Linker:
         """Yield what can be seen of a robot; see ``contracts.robot.Robot``."""
         return self._robots[robot].look(sight)
 
-    async def deliver(self, robot: RobotId, parcel: Parcel) -> Receipt:
+    async def deliver(self, robot: RobotId, parcel: FileForRobot) -> Receipt:
         """Hand a file to a robot's side; see ``contracts.robot.deliver_of``.
 
         Raises:
@@ -298,7 +298,7 @@ class Linker:
         """Return a robot's profile."""
         return self._robots[robot].profile
 
-    def entries(self, robot: RobotId) -> Iterator[Waiting]:
+    def entries(self, robot: RobotId) -> Iterator[QueuedOrder]:
         """Go through what a robot does and what waits for it."""
         return self.mailboxes[robot].entries()
 
@@ -309,4 +309,4 @@ class Linker:
     def enlist(self, robot: Robot) -> None:
         """Route to one more robot from now on."""
         self._robots[robot.profile.id] = robot
-        self.mailboxes[robot.profile.id] = Mailbox(robot, self._clock)
+        self.mailboxes[robot.profile.id] = RobotQueue(robot, self._clock)

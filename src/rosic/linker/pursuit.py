@@ -12,15 +12,15 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot
     from rosic.core.order import Rest, Stop
-    from rosic.core.robot import RobotId
-    from rosic.core.stopboard import StopBoard
+    from rosic.core.robot.profile import RobotId
+    from rosic.core.stop_registry import StopRegistry
 
 log = logging.getLogger("rosic.stop")
 
 EVERY_S: Final = 1.0
 
 
-class Pursuit:
+class StopPursuit:
     """Of every robot that is stopped, until it was seen at rest, resumed, or stopped once more.
 
     A robot that is not there is left alone until it is back. One whose rest its link cannot tell is
@@ -32,7 +32,7 @@ class Pursuit:
         clock: Counts the pauses.
     """
 
-    def __init__(self, robots: Mapping[RobotId, Robot], stops: StopBoard, clock: Clock) -> None:
+    def __init__(self, robots: Mapping[RobotId, Robot], stops: StopRegistry, clock: Clock) -> None:
         self._robots = robots
         self._stops = stops
         self._clock = clock

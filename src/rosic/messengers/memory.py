@@ -36,7 +36,7 @@ PIECE_BYTES = 65_536
 FILES_KEPT = 100
 
 
-class Told(NamedTuple):
+class ShownMessage(NamedTuple):
     """Something a person was shown.
 
     Attributes:
@@ -85,7 +85,7 @@ class MemoryMessenger:
         self.name = name
         self.edits = self.pins = edits
         self.file_bytes = self.fetch_bytes = file_bytes
-        self.told: deque[Told] = deque(maxlen=keep)
+        self.told: deque[ShownMessage] = deque(maxlen=keep)
         self.answers: deque[tuple[str, str]] = deque(maxlen=keep)
         self.pinned: dict[str, list[str]] = {}
         self.may_pin = True
@@ -177,8 +177,8 @@ class MemoryMessenger:
         return self._shown[message]
 
     async def wait_for(
-        self, predicate: Callable[[Told], bool], *, timeout_s: float = 5.0, after: int = 0
-    ) -> Told:
+        self, predicate: Callable[[ShownMessage], bool], *, timeout_s: float = 5.0, after: int = 0
+    ) -> ShownMessage:
         """Return the first thing told that fits, waiting for it if need be.
 
         Args:
@@ -240,7 +240,7 @@ class MemoryMessenger:
         if (file := outbound.attachment) is not None:
             outbound = replace(outbound, attachment=await whole(file, self.file_bytes))
         message = self._next_id()
-        self._show(Told(message, outbound, edited=False))
+        self._show(ShownMessage(message, outbound, edited=False))
         return message
 
     async def edit(self, message: str, outbound: Outbound) -> None:
@@ -255,7 +255,7 @@ class MemoryMessenger:
         if message not in self._shown:
             raise MessageGone("The message to be changed does not exist.")
         if self._shown[message] != outbound:
-            self._show(Told(message, outbound, edited=True))
+            self._show(ShownMessage(message, outbound, edited=True))
 
     async def pin(self, chat: Chat, message: str, *, pinned: bool = True) -> None:
         """Remember that it is kept in sight, or forget it.
@@ -367,7 +367,7 @@ class MemoryMessenger:
         if self.down:
             raise MessengerFault("The messenger is away. The message was not delivered.")
 
-    def _show(self, told: Told) -> None:
+    def _show(self, told: ShownMessage) -> None:
         self._shown[told.message] = told.outbound
         while len(self._shown) > self._keep:
             del self._shown[next(iter(self._shown))]

@@ -13,20 +13,20 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import msgspec
 
-from rosic.core.slot import Pattern, Series, SeriesId, Slot, SlotId
+from rosic.core.slot import BookedSlot, Pattern, Series, SeriesId, SlotId
 from rosic.errors import Expired, NotPermitted, NotUnderstood, OutOfBounds, TooManyRequests
-from rosic.organiser import words_calendar as words
-from rosic.organiser.hindrance import Hindrance, OutsideSlot, SlotTaken
-from rosic.organiser.occasions import Limits, occasions
-from rosic.organiser.slotboard import SlotBoard
-from rosic.organiser.zones import UNIVERSAL, zone_named
+from rosic.organiser import calendar_messages as words
+from rosic.organiser.calendar_conflicts import OutsideSlot, SlotConflict, SlotTaken
+from rosic.organiser.calendar_index import CalendarIndex
+from rosic.organiser.occasions import SeriesLimits, occasions
+from rosic.organiser.timezones import UNIVERSAL, zone_named
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.core.identity import PrincipalId
-    from rosic.core.record import Fact
-    from rosic.core.robot import RobotId
-    from rosic.organiser.zones import Zone
+    from rosic.core.records import Fact
+    from rosic.core.robot.profile import RobotId
+    from rosic.organiser.timezones import Zone
 
 Named: TypeAlias = Callable[[str], str]
 
@@ -35,7 +35,7 @@ _SECOND_NS = 1_000_000_000
 _DAY_NS = 86_400 * _SECOND_NS
 
 
-class Calendar(SlotBoard):
+class Calendar(CalendarIndex):
     """A board of slots that also decides about them.
 
     Attributes:
@@ -45,8 +45,8 @@ class Calendar(SlotBoard):
         zone_of: The IANA zone in which a principal reads times.
     """
 
-    def __init__(self, clock: Clock, limits: Limits | None = None) -> None:
-        self.limits = limits or Limits()
+    def __init__(self, clock: Clock, limits: SeriesLimits | None = None) -> None:
+        self.limits = limits or SeriesLimits()
         super().__init__(clock, self.limits.warnings_s)
         self.name_of: Named = str
         self.shown_of: Named = str
@@ -136,10 +136,10 @@ class Calendar(SlotBoard):
         span: tuple[int, int],
         by: PrincipalId,
         series: SeriesId,
-    ) -> Slot:
+    ) -> BookedSlot:
         made_ns = self._clock.wall_ns()
         key = self._new_id(principal, robot, series, str(span[0]), str(made_ns))
-        return Slot(
+        return BookedSlot(
             id=key, principal=principal, robot=robot, start_ns=span[0], end_ns=span[1],
             series=series, made_ns=made_ns, by=by,
         )  # fmt: skip
@@ -249,7 +249,7 @@ class Calendar(SlotBoard):
 
     def why_not(
         self, principal: PrincipalId, robot: RobotId, now_ns: int, required: bool
-    ) -> Hindrance | None:
+    ) -> SlotConflict | None:
         """Return what keeps somebody from a robot now, by its slots alone; mostly None.
 
         ``required`` is the robot's rule: only in a slot of one's own, or (``respected``) also when
@@ -261,7 +261,7 @@ class Calendar(SlotBoard):
         if slot is not None and slot.principal == principal:
             return None
         coming = (s for s in self._upcoming(principal, now_ns) if s.robot == robot)
-        return Hindrance(
+        return SlotConflict(
             robot=robot,
             now_ns=now_ns,
             required=required,
@@ -272,7 +272,7 @@ class Calendar(SlotBoard):
             ),
         )
 
-    def refusal(self, hindrance: Hindrance, asking: PrincipalId) -> SlotTaken | OutsideSlot:
+    def refusal(self, hindrance: SlotConflict, asking: PrincipalId) -> SlotTaken | OutsideSlot:
         """Return a hindrance as what the person is told, in their zone."""
         return hindrance.refusal(
             self.shown_of(hindrance.robot), self.name_of, self.zone(asking), self.limits.useful_s
@@ -287,7 +287,7 @@ class Calendar(SlotBoard):
         except OutOfBounds:
             return zone_named(UNIVERSAL)
 
-    def _taken(self, other: Slot, by: PrincipalId, length_ns: int, now_ns: int) -> SlotTaken:
+    def _taken(self, other: BookedSlot, by: PrincipalId, length_ns: int, now_ns: int) -> SlotTaken:
         zone, shown = self.zone(by), self.shown_of(other.robot)
         length_s = length_ns // _SECOND_NS
         free_ns = self.next_free(other.robot, max(other.end_ns, now_ns), length_s)
@@ -305,7 +305,7 @@ class Calendar(SlotBoard):
         return SlotTaken(sentence, slot=other, next_free_ns=free_ns, offers=(offer,))
 
     def _series_taken(
-        self, others: list[Slot], of_all: int, by: PrincipalId, now_ns: int
+        self, others: list[BookedSlot], of_all: int, by: PrincipalId, now_ns: int
     ) -> SlotTaken:
         first = others[0]
         when = words.moment(first.start_ns, now_ns, self.zone(by))
@@ -314,7 +314,7 @@ class Calendar(SlotBoard):
         return SlotTaken(sentence, slot=first, next_free_ns=first.end_ns)
 
 
-def _given_back(slot: Slot, now_ns: int) -> Fact:
+def _given_back(slot: BookedSlot, now_ns: int) -> Fact:
     """Return what ends a slot now, or what takes away one that has not begun."""
     if now_ns <= slot.start_ns:
         return slot.no_more()

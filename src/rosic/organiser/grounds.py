@@ -8,16 +8,16 @@ import msgspec
 
 from rosic.contracts.clock import Clock
 from rosic.core.identity import KeyId, PrincipalId
-from rosic.core.roles import Assurance
+from rosic.core.policy.roles import Assurance
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
-    from rosic.core.asking import Key
-    from rosic.core.robot import RobotId
+    from rosic.core.policy.query import PolicyKey
+    from rosic.core.robot.profile import RobotId
 
 
-class Grounds(msgspec.Struct, frozen=True, kw_only=True):
+class AuthContext(msgspec.Struct, frozen=True, kw_only=True):
     """What counts for one request.
 
     Attributes:
@@ -33,7 +33,7 @@ class Grounds(msgspec.Struct, frozen=True, kw_only=True):
     second: PrincipalId | None = None
 
 
-NOTHING = Grounds()
+NOTHING = AuthContext()
 
 
 class CheckedClock(Clock, Protocol):
@@ -61,7 +61,7 @@ class AccessState(NamedTuple):
     """
 
     clock: CheckedClock
-    key_of: Callable[[KeyId], Key | None]
+    key_of: Callable[[KeyId], PolicyKey | None]
     narrow: Collection[KeyId]
     locked: Collection[PrincipalId]
     own_limits: Callable[[PrincipalId], tuple[str, ...]]

@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.civil import Local
+from rosic.core.local_time import LocalTime
 from rosic.errors import NotUnderstood, OutOfBounds
-from rosic.organiser import words_calendar as words
+from rosic.organiser import calendar_messages as words
 from rosic.organiser.recurrence import occurrences, read_rule
-from rosic.organiser.zones import zone_named
+from rosic.organiser.timezones import zone_named
 
 if TYPE_CHECKING:
-    from rosic.core.language.when import When
-    from rosic.core.robot import RobotId
+    from rosic.core.language.time_parser import When
+    from rosic.core.robot.profile import RobotId
     from rosic.core.slot import Pattern
-    from rosic.organiser.zones import Zone
+    from rosic.organiser.timezones import Zone
 
 
-class Limits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class SeriesLimits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What may be booked.
 
     Attributes:
@@ -52,7 +52,7 @@ class Limits(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             raise ValueError("at least one slot has to be possible")
 
 
-class Occasion(msgspec.Struct, frozen=True):
+class SlotOccasion(msgspec.Struct, frozen=True):
     """One time, as a moment.
 
     Attributes:
@@ -75,12 +75,12 @@ class Occurrence(msgspec.Struct, frozen=True):
         moved: The clocks skip that time; it comes later by as much (RFC 5545).
     """
 
-    local: Local
+    local: LocalTime
     start_ns: int
     moved: bool = False
 
 
-def occasion(robot: RobotId, when: When, zone: Zone) -> Occasion:
+def occasion(robot: RobotId, when: When, zone: Zone) -> SlotOccasion:
     """Return when that is which was typed.
 
     Args:
@@ -97,12 +97,12 @@ def occasion(robot: RobotId, when: When, zone: Zone) -> Occasion:
     else:
         start_ns, note = _moment(robot, when, when.start, zone)
     if when.ends is None:
-        return Occasion(start_ns, when.length_s, note)
+        return SlotOccasion(start_ns, when.length_s, note)
     end_ns, end_note = _moment(robot, when, when.ends, zone)
-    return Occasion(start_ns, (end_ns - start_ns) // 1_000_000_000, note or end_note)
+    return SlotOccasion(start_ns, (end_ns - start_ns) // 1_000_000_000, note or end_note)
 
 
-def _moment(robot: RobotId, when: When, local: Local, zone: Zone) -> tuple[int, str]:
+def _moment(robot: RobotId, when: When, local: LocalTime, zone: Zone) -> tuple[int, str]:
     found = zone.instant(local)
     if found.kind == "never":
         start = found.possible if local is when.start else when.start
@@ -113,7 +113,7 @@ def _moment(robot: RobotId, when: When, local: Local, zone: Zone) -> tuple[int, 
     return found.start_ns, words.comes_twice(local, zone) if found.kind == "twice" else ""
 
 
-def occasions(pattern: Pattern, now_ns: int, limits: Limits) -> tuple[Occurrence, ...]:
+def occasions(pattern: Pattern, now_ns: int, limits: SeriesLimits) -> tuple[Occurrence, ...]:
     """Return when a series comes: at least once, in order, without overlap.
 
     Raises:
@@ -142,6 +142,6 @@ def occasions(pattern: Pattern, now_ns: int, limits: Limits) -> tuple[Occurrence
     return found
 
 
-def _occurrence(local: Local, zone: Zone) -> Occurrence:
+def _occurrence(local: LocalTime, zone: Zone) -> Occurrence:
     instant = zone.instant(local)
     return Occurrence(local, instant.start_ns, instant.kind == "never")

@@ -2,7 +2,7 @@
 
 Everything it needs is in memory; deciding costs the same whatever the number of people, roles,
 robots and slots. What is simply allowed is looked up; everything else goes through
-``rosic.core.decision``.
+``rosic.core.policy.evaluate``.
 """
 
 from __future__ import annotations
@@ -12,34 +12,34 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from msgspec.structs import replace as renewed
 
-from rosic.core.asking import Ask, Denied, State
-from rosic.core.decision import decide
+from rosic.core.i18n import said
 from rosic.core.identity import Caller, PrincipalId
 from rosic.core.lease import Lease, Leases
 from rosic.core.order import FOREVER_NS, Order, Permit, Request
-from rosic.core.robot import Slots
-from rosic.core.roles import Need
-from rosic.core.saying import said
-from rosic.core.skill import Argument
+from rosic.core.policy.evaluate import decide
+from rosic.core.policy.query import Deny, PolicyState, Query
+from rosic.core.policy.roles import StepRequired
+from rosic.core.robot.profile import Slots
+from rosic.core.robot.skill import Argument
 from rosic.errors import NotPermitted, RobotStopped, TimeInDoubt
 from rosic.organiser.calendar import Calendar
-from rosic.organiser.grounds import NOTHING, AccessState, Grounds
-from rosic.organiser.refusing import CLOCK_SET_BACK, LOCKED, Refusing
-from rosic.organiser.words_rates import person_full
+from rosic.organiser.grounds import NOTHING, AccessState, AuthContext
+from rosic.organiser.rates_messages import person_full
+from rosic.organiser.refusals import CLOCK_SET_BACK, LOCKED, RefusalBuilder
 
 if TYPE_CHECKING:
-    from rosic.core.asking import Allowed, Decision
-    from rosic.core.rights import Rights
-    from rosic.core.robot import Profile, RobotId
+    from rosic.core.policy.permissions import Permissions
+    from rosic.core.policy.query import Allow, Decision
+    from rosic.core.robot.profile import Profile, RobotId
     from rosic.core.slot import SlotRule
-    from rosic.core.stopboard import StopBoard
+    from rosic.core.stop_registry import StopRegistry
     from rosic.errors import Refusal
-    from rosic.organiser.rates import Rates
+    from rosic.organiser.rate_limits import RateLimits
 
 Moment: TypeAlias = Callable[[PrincipalId, int], str]
 NameOf: TypeAlias = Callable[[PrincipalId], str]
 ArgumentsOf: TypeAlias = Callable[[Request], Mapping[str, Argument]]
-GroundsOf: TypeAlias = Callable[[], Grounds]
+GroundsOf: TypeAlias = Callable[[], AuthContext]
 
 
 class Organiser:
@@ -57,12 +57,12 @@ class Organiser:
 
     def __init__(
         self,
-        rights: Rights,
+        rights: Permissions,
         profiles: Mapping[RobotId, Profile],
-        stops: StopBoard,
+        stops: StopRegistry,
         access: AccessState,
         *,
-        rates: Rates,
+        rates: RateLimits,
         lease_idle_s: float,
     ) -> None:
         clock = access.clock
@@ -80,7 +80,7 @@ class Organiser:
         self.leases = Leases()
         for profile in profiles.values():
             self.enlist(profile, fence=0)  # until `remember_fences`
-        self._refusing = Refusing(self, profiles, stops)
+        self._refusing = RefusalBuilder(self, profiles, stops)
         self.why_stopped = self._refusing.stopped
 
     @property
@@ -209,10 +209,10 @@ class Organiser:
         caller: Caller,
         request: Request,
         arguments: Mapping[str, Argument],
-        grounds: Grounds,
+        grounds: AuthContext,
     ) -> int:
         decision = self.decision(caller, request.robot, request.skill.id, arguments, grounds)
-        if isinstance(decision, Denied):
+        if isinstance(decision, Deny):
             raise self._refusing.denial(decision)
         if decision.needs:
             raise self._refusing.needs(decision, request.text)
@@ -220,7 +220,7 @@ class Organiser:
             raise self._refusing.take_over(decision)
         return self._until_ns(decision)
 
-    def _until_ns(self, allowed: Allowed) -> int:
+    def _until_ns(self, allowed: Allow) -> int:
         """Return until when a decision holds if nobody changes anything, wall clock."""
         robot, key = allowed.ask.robot, self.key_of(allowed.ask.key)
         booked = robot in self._slots
@@ -234,16 +234,16 @@ class Organiser:
         robot: RobotId,
         skill: str,
         arguments: Mapping[str, Argument] | None = None,
-        grounds: Grounds = NOTHING,
+        grounds: AuthContext = NOTHING,
     ) -> Decision:
         """Decide by every rule, and say why: for what is not simply allowed, and for explaining."""
-        ask = Ask(
+        ask = Query(
             principal=caller.principal, key=caller.key, robot=robot, skill=skill,
             arguments=arguments, channel=grounds.channel,
         )  # fmt: skip
         return decide(self._state(caller, robot, grounds), ask)
 
-    def _state(self, caller: Caller, robot: RobotId, grounds: Grounds) -> State:
+    def _state(self, caller: Caller, robot: RobotId, grounds: AuthContext) -> PolicyState:
         wall_ns, now_ns = self._clock.wall_ns(), self._clock.monotonic_ns()
         lease = self.leases.get(robot)
         rule = self._slots.get(robot, "none")
@@ -252,7 +252,7 @@ class Organiser:
         # Told only by a refusal about slots, and looking for it is the dearest part of asking.
         if rule == "required" if slot is None else slot.principal != caller.principal:
             free_ns = self.calendar.next_free(robot, wall_ns, 60)
-        return State(
+        return PolicyState(
             rights=self.rights,
             key=self.key_of(caller.key),
             now_ns=wall_ns,
@@ -267,7 +267,7 @@ class Organiser:
             second=grounds.second,
         )
 
-    def readmit(self, caller: Caller, order: Order, grounds: Grounds) -> Permit:
+    def readmit(self, caller: Caller, order: Order, grounds: AuthContext) -> Permit:
         """Decide once more for an order that waited while the policy changed (I8, I16).
 
         It keeps its lease and its stop generation: what a stop voided stays void.
@@ -278,7 +278,7 @@ class Organiser:
             OutsideSlot, SlotTaken, RobotTaken, TimeInDoubt: The robot is not theirs any more.
         """
         decision = self.decision(caller, order.robot, order.skill.id, order.arguments, grounds)
-        if isinstance(decision, Denied):
+        if isinstance(decision, Deny):
             raise self._refusing.denial(decision)
         self._refusing.check_agreed_since(self.rights.policy, order.permit.epoch, decision)
         fence, until_ns = order.permit.fence, self._until_ns(decision)
@@ -288,7 +288,7 @@ class Organiser:
         return renewed(order.permit, new_fence=False, epoch=self.rights.epoch, until_ns=until_ns)
 
     def check_word(
-        self, caller: Caller, robot: RobotId, word: str, grounds: Grounds = NOTHING
+        self, caller: Caller, robot: RobotId, word: str, grounds: AuthContext = NOTHING
     ) -> None:
         """Decide whether somebody, a person or a robot, has a right that is no skill.
 
@@ -296,7 +296,7 @@ class Organiser:
             NotPermitted, Unrecognised: Not they.
         """
         decision = self.decision(caller, robot, word, grounds=grounds)
-        if isinstance(decision, Denied):
+        if isinstance(decision, Deny):
             raise self._refusing.denial(decision)
 
     def check_unlocked(self, caller: Caller) -> None:
@@ -315,7 +315,7 @@ class Organiser:
 
     def wants_proof(self, request: Request) -> bool:
         """Whether a request is let pass only after a second factor was shown."""
-        return Need.STEP_UP in self.rights.caution(request.robot, request.skill.id).needs
+        return StepRequired.STEP_UP in self.rights.caution(request.robot, request.skill.id).needs
 
     def settle(self, permit: Permit) -> None:
         """One order has ended; when it was the last, the lease begins to idle."""

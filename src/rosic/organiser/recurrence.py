@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING
 import msgspec
 from dateutil.rrule import rrule, rrulestr
 
-from rosic.core.civil import MINUTE_NS, Local, month_length
-from rosic.core.language.cleaning import quote
-from rosic.core.saying import said
+from rosic.core.i18n import said
+from rosic.core.language.sanitise import quote
+from rosic.core.local_time import MINUTE_NS, LocalTime, month_length
 from rosic.errors import NotUnderstood, OutOfBounds
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rosic.organiser.zones import Zone
+    from rosic.organiser.timezones import Zone
 
 LONGEST_RULE = 256
 MOST_INTERVAL = {"DAILY": 366, "WEEKLY": 52, "MONTHLY": 11}
@@ -44,7 +44,7 @@ _A_LEAP_YEAR = 2000
 _MOST_DAYS = 31
 
 
-class Rule(msgspec.Struct, frozen=True):
+class RecurrenceRule(msgspec.Struct, frozen=True):
     """A rule that was looked at and found fit to be worked out.
 
     Attributes:
@@ -55,7 +55,7 @@ class Rule(msgspec.Struct, frozen=True):
 
     body: str
     count: int | None
-    until: Local | None
+    until: LocalTime | None
 
     @property
     def ends(self) -> bool:
@@ -63,7 +63,7 @@ class Rule(msgspec.Struct, frozen=True):
         return self.count is not None or self.until is not None
 
 
-def read_rule(text: str, zone: Zone) -> Rule:
+def read_rule(text: str, zone: Zone) -> RecurrenceRule:
     """Read an RRULE, with or without the word itself.
 
     Args:
@@ -85,10 +85,12 @@ def read_rule(text: str, zone: Zone) -> Rule:
     until = _until(parts["UNTIL"], zone) if "UNTIL" in parts else None
     count = int(parts["COUNT"]) if "COUNT" in parts else None
     body = ";".join(f"{k}={v}" for k, v in parts.items() if k not in {"COUNT", "UNTIL"})
-    return Rule(body, count, until)
+    return RecurrenceRule(body, count, until)
 
 
-def occurrences(rule: Rule, first: Local, last: Local, most: int) -> tuple[Local, ...]:
+def occurrences(
+    rule: RecurrenceRule, first: LocalTime, last: LocalTime, most: int
+) -> tuple[LocalTime, ...]:
     """Return when a rule comes, on the wall clock, from ``first`` on.
 
     Args:
@@ -104,10 +106,10 @@ def occurrences(rule: Rule, first: Local, last: Local, most: int) -> tuple[Local
     assert isinstance(found, rrule)  # noqa: S101 - a single rule, as its shape was checked
     wanted = min(rule.count or most + 1, most + 1)
     starts = islice(found.replace(until=_wall(end)), wanted)
-    return tuple(Local(s.year, s.month, s.day, s.hour, s.minute) for s in starts)
+    return tuple(LocalTime(s.year, s.month, s.day, s.hour, s.minute) for s in starts)
 
 
-def _wall(local: Local) -> datetime:
+def _wall(local: LocalTime) -> datetime:
     return datetime(local.year, local.month, local.day, local.hour, local.minute)  # noqa: DTZ001 - of no zone, as RFC 5545 counts
 
 
@@ -166,14 +168,16 @@ def _check_month_days(parts: Mapping[str, str]) -> None:
         raise OutOfBounds(said("None of these months has that many days. Nothing was booked."))
 
 
-def _until(text: str, zone: Zone) -> Local:
+def _until(text: str, zone: Zone) -> LocalTime:
     """Read the end of a rule; a day alone counts to its end."""
     clock = text[9:13] if len(text) > len("20270201") else "2359"
     try:
-        given = Local(int(text[:4]), int(text[4:6]), int(text[6:8]), int(clock[:2]), int(clock[2:]))
+        given = LocalTime(
+            int(text[:4]), int(text[4:6]), int(text[6:8]), int(clock[:2]), int(clock[2:])
+        )
     except ValueError:
         raise _unfit(f"UNTIL={text}") from None
     if not text.endswith("Z"):
         return given
-    minutes = given.minutes_since(Local(1970, 1, 1))
+    minutes = given.minutes_since(LocalTime(1970, 1, 1))
     return zone.local(minutes * MINUTE_NS)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rosic.core.identity import PrincipalId
-    from rosic.core.slot import Slot
+    from rosic.core.slot import BookedSlot
 
 MOST_REMEMBERED = 256
 
@@ -30,15 +30,15 @@ class Timeline:
 
     def __init__(self) -> None:
         self._starts: list[int] = []
-        self._slots: list[Slot] = []
+        self._slots: list[BookedSlot] = []
         self._free: dict[tuple[int, PrincipalId | None], tuple[int, int]] = {}
-        self._present: Slot | None = None
+        self._present: BookedSlot | None = None
         self._since_ns = self.until_ns = 0  # for this long the answer holds: not at all yet
 
     def __len__(self) -> int:
         return len(self._slots)
 
-    def add(self, slot: Slot) -> bool:
+    def add(self, slot: BookedSlot) -> bool:
         """Put a slot in; return False, and change nothing, if it overlaps another."""
         if self.overlapping(slot.start_ns, slot.end_ns) is not None:
             return False
@@ -48,13 +48,13 @@ class Timeline:
         self._forget()
         return True
 
-    def remove(self, slot: Slot) -> None:
+    def remove(self, slot: BookedSlot) -> None:
         """Take a slot out that is in."""
         at = bisect_left(self._starts, slot.start_ns)
         del self._starts[at], self._slots[at]
         self._forget()
 
-    def present(self, now_ns: int) -> Slot | None:
+    def present(self, now_ns: int) -> BookedSlot | None:
         """Return the slot that is now."""
         if self._since_ns <= now_ns < self.until_ns:
             return self._present
@@ -68,19 +68,19 @@ class Timeline:
             self._present, self._since_ns, self.until_ns = None, ended_ns, next_ns
         return self._present
 
-    def next_after(self, now_ns: int) -> Slot | None:
+    def next_after(self, now_ns: int) -> BookedSlot | None:
         """Return the first slot that starts after a moment."""
         at = bisect_right(self._starts, now_ns)
         return self._slots[at] if at < len(self._slots) else None
 
-    def overlapping(self, from_ns: int, to_ns: int) -> Slot | None:
+    def overlapping(self, from_ns: int, to_ns: int) -> BookedSlot | None:
         """Return the first slot that takes some of this time."""
         at = self._first_ending_after(from_ns)
         if at < len(self._slots) and self._starts[at] < to_ns:
             return self._slots[at]
         return None
 
-    def between(self, from_ns: int, to_ns: int) -> Iterator[Slot]:
+    def between(self, from_ns: int, to_ns: int) -> Iterator[BookedSlot]:
         """Yield the slots that take some of this time."""
         at = self._first_ending_after(from_ns)
         while at < len(self._slots) and self._starts[at] < to_ns:

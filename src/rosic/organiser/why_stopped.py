@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.authority import RESUME
+from rosic.core.i18n import joined, said
 from rosic.core.language.suggestions import AND, OR
-from rosic.core.saying import joined, said
+from rosic.core.policy.authority import RESUME
 from rosic.errors import RobotStopped
 
 if TYPE_CHECKING:
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
     from rosic.core.identity import PrincipalId
     from rosic.core.order import Order
-    from rosic.core.robot import Profile, RobotId
-    from rosic.core.stopboard import StopBoard
+    from rosic.core.robot.profile import Profile, RobotId
+    from rosic.core.stop_registry import StopRegistry
     from rosic.organiser.organiser import Organiser
 
 NOTHING_DONE: Final = said("Nothing was done.")
@@ -27,7 +27,7 @@ class WhyStopped:
     """Says it of one robot, or of several in one sentence."""
 
     def __init__(
-        self, organiser: Organiser, profiles: Mapping[RobotId, Profile], stops: StopBoard
+        self, organiser: Organiser, profiles: Mapping[RobotId, Profile], stops: StopRegistry
     ) -> None:
         self._organiser = organiser
         self._profiles = profiles
@@ -151,7 +151,7 @@ def _until_you(robots: Sequence[RobotId]) -> str:
 
 
 def may_resume(
-    organiser: Organiser, stops: StopBoard, principal: PrincipalId, robot: RobotId
+    organiser: Organiser, stops: StopRegistry, principal: PrincipalId, robot: RobotId
 ) -> bool:
     """Whether a stop is somebody's to undo: by right, or as they stopped their own order."""
     by_right = organiser.allows(principal, robot, RESUME)
@@ -159,7 +159,7 @@ def may_resume(
 
 
 def stopped_own(
-    organiser: Organiser, stops: StopBoard, principal: PrincipalId, robot: RobotId
+    organiser: Organiser, stops: StopRegistry, principal: PrincipalId, robot: RobotId
 ) -> bool:
     """Whether a robot is stopped as somebody stopped their own order, and may move it."""
     own = stops[robot].own == principal

@@ -7,11 +7,11 @@ from collections import deque
 from types import coroutine
 from typing import TYPE_CHECKING
 
-from rosic.core.order import Ending, Order, Outcome, Report, Rest, Stage, Stop
-from rosic.core.parcel import Receipt
-from rosic.core.robot import Presence, Profile
-from rosic.core.saying import said
-from rosic.core.view import View
+from rosic.core.i18n import said
+from rosic.core.order import Ending, Order, Outcome, Rest, Stage, StageReport, Stop
+from rosic.core.robot.file_transfer import Receipt
+from rosic.core.robot.profile import Presence, Profile
+from rosic.core.robot.view import View
 from rosic.errors import NothingToSee, RobotOffline
 
 if TYPE_CHECKING:
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
-    from rosic.core.gate import Gate
-    from rosic.core.parcel import Parcel
-    from rosic.core.view import Content, Pose, Sight
+    from rosic.core.order_gate import OrderGate
+    from rosic.core.robot.file_transfer import FileForRobot
+    from rosic.core.robot.view import Content, Pose, Sight
 
-SENT = Report(Stage.SENT)
-RECEIVED = Report(Stage.RECEIVED)
+SENT = StageReport(Stage.SENT)
+RECEIVED = StageReport(Stage.RECEIVED)
 DONE = Outcome(Ending.DONE)
 LOOK_EVERY_S = 0.05
 CANCELLED = Outcome(Ending.CANCELLED)
@@ -52,7 +52,7 @@ class MemoryRobot:
 
     stops_itself = True
 
-    def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
+    def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
         self.profile = profile
         self.gate = gate
         self.acted: deque[int] = deque(maxlen=100_000)
@@ -60,7 +60,7 @@ class MemoryRobot:
         self.online = True
         self.shows: dict[Sight, Content] = {}
         self.looked = 0
-        self.delivered: list[Parcel] = []
+        self.delivered: list[FileForRobot] = []
         self.receipt: Receipt | Exception | None = None
         self.pose: Pose | None = None
         self.values: dict[str, float | str] = {}
@@ -142,7 +142,7 @@ class MemoryRobot:
             pose=self.pose,
         )
 
-    async def deliver(self, parcel: Parcel) -> Receipt:
+    async def deliver(self, parcel: FileForRobot) -> Receipt:
         """Keep a file, and say its checksum or what was given to be said."""
         if not self.online:
             raise RobotOffline(said("{shown} is not there. Nothing was sent.",

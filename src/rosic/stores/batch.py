@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rosic.core.identity import CommandId, PrincipalId
-    from rosic.core.robot import RobotId
-    from rosic.stores.sealing import Key
+    from rosic.core.robot.profile import RobotId
+    from rosic.stores.encryption import ContainerKey
 
 
-class Batch:
+class WriteBatch:
     """The rows of one group, table by table; each list is flat, row after row.
 
     Where one record of the group bears on the row of another, a dict keeps only one: no statement
@@ -72,7 +72,7 @@ class Batch:
         self.selections: dict[tuple[PrincipalId, bytes], str] = {}
         self.facts: dict[tuple[str, str], tuple[object, ...]] = {}
         self.ended: set[tuple[str, str]] = set()
-        self.keys: dict[str, Key] = {}
+        self.keys: dict[str, ContainerKey] = {}
         self.opened: dict[CommandId, int] = {}
         self.silent: dict[CommandId, int] = {}
         self.closed: dict[CommandId, int] = {}

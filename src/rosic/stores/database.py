@@ -10,15 +10,15 @@ import msgspec
 from sqlalchemy import select
 
 from rosic.core.history import with_stops
-from rosic.core.record import APART, Fact, KeyRevoked, Letter, Resumed, Stopped
-from rosic.core.saying import said
+from rosic.core.i18n import said
+from rosic.core.records import APART, Fact, KeyRevoked, Letter, Resumed, Stopped
 from rosic.errors import StoreFault
-from rosic.stores import history, reading, sqlite, tables
-from rosic.stores.folder import Folder
+from rosic.stores import decoding, history, sqlite, tables
+from rosic.stores.data_dir import DataDir
+from rosic.stores.encoding import CARD, CLAIM, PLACED, WORDS
 from rosic.stores.kept_files import KeptFiles
-from rosic.stores.lane import Lane
-from rosic.stores.scribe import CARD, CLAIM, PLACED, WORDS
-from rosic.stores.settings import Settings
+from rosic.stores.settings import StoreSettings
+from rosic.stores.write_thread import WriteThread
 from rosic.stores.writer import OWN, Writer, fault
 
 if TYPE_CHECKING:
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.core.history import HistoryEntry, HistoryQuery
-    from rosic.core.record import Decided, Memory, Record
+    from rosic.core.records import Decided, Memory, Record
 
 R = TypeVar("R")
 
-DEFAULTS = Settings()
+DEFAULTS = StoreSettings()
 AT_ONCE = 500  # administrative acts read in one step
 NEWER_THAN_ALL = 2**63 - 1
 COMMANDS_SHOWN = 10_000  # the newest of one person
@@ -39,7 +39,7 @@ URGENT = frozenset({Stopped, Resumed, KeyRevoked})
 LOCK = "lock"  # the kind of fact that keeps somebody out
 
 
-class Shelves(reading.Reader):
+class DatabaseContainers(decoding.RecordDecoder):
     """Reads while a gateway runs: a part of the facts, or what is sealed in one container."""
 
     def facts(self, kind: str, after: str, limit: int) -> tuple[Fact, ...]:
@@ -143,7 +143,7 @@ class Shelves(reading.Reader):
 class ReadingWriter(Writer):
     """The one writer, who also reads when asked; in its thread."""
 
-    def look(self, read: Callable[[Shelves], R]) -> R:
+    def look(self, read: Callable[[DatabaseContainers], R]) -> R:
         """Read.
 
         Raises:
@@ -152,7 +152,7 @@ class ReadingWriter(Writer):
         try:
             connection, root = self._reconnected()
             with connection.begin():
-                return read(Shelves(connection, root))
+                return read(DatabaseContainers(connection, root))
         except sqlite.FAILURES as error:
             raise fault(f"{sqlite.reason(error)}. Try again.", error) from error
 
@@ -186,16 +186,16 @@ class DatabaseStore:
         folder: Path,
         *,
         clock: Clock,
-        settings: Settings = DEFAULTS,
+        settings: StoreSettings = DEFAULTS,
         kept: KeptFiles | None = None,
         begin_anew: bool = False,
     ) -> None:
         self._kept = KeptFiles() if kept is None else kept
-        self._folder = Folder(folder, self._kept, begin_anew=begin_anew)
+        self._folder = DataDir(folder, self._kept, begin_anew=begin_anew)
         self._clock = clock
         self._settings = settings
         self._writer: ReadingWriter | None = None
-        self._lane: Lane[tuple[Record, ...]] | None = None
+        self._lane: WriteThread[tuple[Record, ...]] | None = None
 
     @property
     def lost(self) -> int:
@@ -209,7 +209,7 @@ class DatabaseStore:
     async def open(self) -> Memory:
         """Open, migrate, check, and return what was; see ``contracts.store``."""
         writer = ReadingWriter(self._folder, self._settings, self._clock, self._kept)
-        lane: Lane[tuple[Record, ...]] = Lane(
+        lane: WriteThread[tuple[Record, ...]] = WriteThread(
             "rosic-record",
             writer.settle,
             finish=writer.close,
@@ -331,13 +331,17 @@ class DatabaseStore:
         Raises:
             StoreFault: They cannot be read now.
         """
-        commands = await self._stepwise(Shelves.newest, Shelves.history, query)
-        stops = await self._stepwise(Shelves.newest_stop, Shelves.stops, query)
+        commands = await self._stepwise(
+            DatabaseContainers.newest, DatabaseContainers.history, query
+        )
+        stops = await self._stepwise(
+            DatabaseContainers.newest_stop, DatabaseContainers.stops, query
+        )
         return with_stops(commands, stops, query.limit)
 
     async def _stepwise(
         self,
-        newest: Callable[[Shelves], int],
+        newest: Callable[[DatabaseContainers], int],
         step: Callable[..., list[HistoryEntry]],
         query: HistoryQuery,
     ) -> list[HistoryEntry]:
@@ -354,9 +358,9 @@ class DatabaseStore:
         Raises:
             StoreFault: They cannot be read now.
         """
-        return await self._look(Shelves.containers)
+        return await self._look(DatabaseContainers.containers)
 
-    async def _look(self, read: Callable[[Shelves], R]) -> R:
+    async def _look(self, read: Callable[[DatabaseContainers], R]) -> R:
         writer = self._writer
         if writer is None:
             raise StoreFault(said("The record is closed."))
@@ -373,7 +377,7 @@ class DatabaseStore:
             raise StoreFault(said("The record is closed."))
         await self._opened().call(lambda: writer.shred(container))
 
-    def _opened(self) -> Lane[tuple[Record, ...]]:
+    def _opened(self) -> WriteThread[tuple[Record, ...]]:
         if self._lane is None:
             raise StoreFault(said("The record is closed. Nothing was written."))
         return self._lane

@@ -8,7 +8,7 @@ from sqlalchemy import Select, func, select
 
 from rosic.core.history import STOPPED, HistoryEntry, HistoryQuery
 from rosic.stores import tables
-from rosic.stores.scribe import CLAIM, WORDS
+from rosic.stores.encoding import CLAIM, WORDS
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-class Kept(NamedTuple):
+class KeptFile(NamedTuple):
     """One file.
 
     Attributes:
@@ -38,7 +38,7 @@ class KeptFiles:
     """Files by path, each with the number of what was opened there. Looked at from any thread."""
 
     def __init__(self) -> None:
-        self._known: dict[str, Kept] = {}
+        self._known: dict[str, KeptFile] = {}
 
     def know(
         self,
@@ -54,7 +54,7 @@ class KeptFiles:
             OSError: It is not there.
         """
         number = _number(path if descriptor is None else descriptor)
-        self._known[str(path)] = Kept(number, is_whole, comes_first)
+        self._known[str(path)] = KeptFile(number, is_whole, comes_first)
 
     def look_less(self, path: Path, is_whole: Callable[[], bool]) -> None:
         """Ask something else about what stands in a file that is known."""
@@ -84,7 +84,7 @@ class KeptFiles:
         return kept is not None and _is_lost(path, kept._replace(is_whole=by_its_number))
 
 
-def _is_lost(path: Path | str, kept: Kept) -> bool:
+def _is_lost(path: Path | str, kept: KeptFile) -> bool:
     try:
         return _number(path) != kept.number or not kept.is_whole()
     except Exception:  # noqa: BLE001 - whatever it is: nobody can say that it is there

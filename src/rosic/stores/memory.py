@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from rosic.core.i18n import said
 from rosic.core.order import Ending
-from rosic.core.record import (
+from rosic.core.records import (
     APART,
     Claimed,
     Concluded,
@@ -30,16 +31,15 @@ from rosic.core.record import (
     Told,
     Unfinished,
 )
-from rosic.core.saying import said
 from rosic.errors import Repeated, StoreFault
-from rosic.stores.facts import by_kind
+from rosic.stores.fact_index import by_kind
 from rosic.stores.memory_history import MemoryHistory
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.core.identity import AuthorisationKey, CommandId, KeyId, PrincipalId
-    from rosic.core.robot import RobotId
+    from rosic.core.robot.profile import RobotId
 
 IDS_MAX = 200_000
 LIVES_MAX = 100_000

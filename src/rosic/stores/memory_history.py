@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Final
 from msgspec.structs import replace
 
 from rosic.core.history import STOPPED, HistoryEntry, HistoryQuery, with_stops
-from rosic.core.record import Claimed, Concluded, Refused, Resumed, Stopped
+from rosic.core.records import Claimed, Concluded, Refused, Resumed, Stopped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rosic.core.identity import CommandId
-    from rosic.core.record import Letter
+    from rosic.core.records import Letter
 
 COMMANDS_KEPT: Final = 10_000
 

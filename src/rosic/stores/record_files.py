@@ -11,7 +11,7 @@ import os
 import struct
 from typing import TYPE_CHECKING, Final
 
-from rosic.stores.record_mark import Mark
+from rosic.stores.record_mark import RecordNumber
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -78,7 +78,7 @@ class RecordFiles:
             os.close(self.database)
         self.database = None
 
-    def mark(self) -> Mark | None:
+    def mark(self) -> RecordNumber | None:
         """Return what the database says of itself without its log; None: it is none.
 
         Raises:
@@ -139,7 +139,7 @@ class RecordFiles:
             fcntl.fcntl(self.database, fcntl.F_OFD_SETLK, wanted)
 
 
-def mark_in(database: int) -> Mark | None:
+def mark_in(database: int) -> RecordNumber | None:
     """Return what a file says of itself without its log; None: it is no database.
 
     Raises:
@@ -149,7 +149,7 @@ def mark_in(database: int) -> Mark | None:
     if len(header) < HEADER.size or not header.startswith(MAGIC):
         return None
     number, identity = HEADER.unpack(header)
-    return Mark(identity, number)
+    return RecordNumber(identity, number)
 
 
 def _opened(path: Path) -> int:

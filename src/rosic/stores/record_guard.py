@@ -11,22 +11,22 @@ from contextlib import suppress
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Final, TypeAlias
 
-from rosic.core.record import Claimed, Decided, Enrolled, KeyIssued, KeyRevoked, Record, Seeded
-from rosic.core.saying import said
+from rosic.core.i18n import said
+from rosic.core.records import Claimed, Decided, Enrolled, KeyIssued, KeyRevoked, Record, Seeded
 from rosic.errors import StoreFault
 from rosic.stores.kept_files import by_its_number
-from rosic.stores.lane import Job
 from rosic.stores.record_files import RecordFiles
-from rosic.stores.record_mark import DATABASE, LOG, Mark, packed
+from rosic.stores.record_mark import DATABASE, LOG, RecordNumber, packed
+from rosic.stores.write_thread import WriteJob
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.contracts.clock import Clock
-    from rosic.stores.folder import Folder
+    from rosic.stores.data_dir import DataDir
     from rosic.stores.kept_files import KeptFiles
 
-Calls: TypeAlias = list[Job[tuple[Record, ...]]]
+Calls: TypeAlias = list[WriteJob[tuple[Record, ...]]]
 
 MARK_EVERY_NS: Final = 60_000_000_000
 # What must not be undone by putting an older record back: who was let in, and who no longer is.
@@ -38,14 +38,14 @@ log = logging.getLogger("rosic.stores")
 class RecordGuard:
     """Looks at the files of a record around every commit, and renews its mark."""
 
-    def __init__(self, folder: Folder, kept: KeptFiles, clock: Clock) -> None:
+    def __init__(self, folder: DataDir, kept: KeptFiles, clock: Clock) -> None:
         self._folder = folder
         self._kept = kept
         self._clock = clock
         self._files = RecordFiles()
         self._log = folder.database.with_name(LOG)
         self._index = folder.database.with_name(f"{DATABASE}-shm")
-        self._mark = Mark()
+        self._mark = RecordNumber()
         self._highest = 0  # that the record may say of itself: what is being written now, too
         self._marked_ns = 0
         self._salts = b""
@@ -55,7 +55,7 @@ class RecordGuard:
 
     # ---- opening and closing ----
 
-    def opening(self) -> Mark:
+    def opening(self) -> RecordNumber:
         """Return what the database says of itself without its log, before it is opened.
 
         Until `opened`, a connection that is closed changes nothing: the log may be another one's.
@@ -66,7 +66,7 @@ class RecordGuard:
         self._files.open_database(self._folder.database)
         if os.path.lexists(self._log) and self._log.stat().st_size:
             self._files.keep_log_apart()
-        return self._files.mark() or Mark()
+        return self._files.mark() or RecordNumber()
 
     def opened(self) -> None:
         """The database and its log belong together.
@@ -76,7 +76,7 @@ class RecordGuard:
         """
         self._files.let_log_in()
 
-    def begin(self, mark: Mark) -> None:
+    def begin(self, mark: RecordNumber) -> None:
         """Know the files of a record that was just opened, and say beside it what it says.
 
         Raises:
@@ -87,7 +87,7 @@ class RecordGuard:
         self._know_log()
         self._salts = self._files.salts()
 
-    def connected(self, found: Mark) -> None:
+    def connected(self, found: RecordNumber) -> None:
         """See that a new connection has the record as it was, and know the files that go with it.
 
         Raises:
@@ -104,11 +104,11 @@ class RecordGuard:
         self._is_proven = False
         return StoreFault(said("The record is not what it was a moment ago. Nothing was written."))
 
-    def _is_as_it_was(self, found: Mark) -> bool:
+    def _is_as_it_was(self, found: RecordNumber) -> bool:
         ours = found.identity == self._mark.identity
         return ours and self._mark.number <= found.number <= self._highest
 
-    def _has_grown(self, alone: Mark | None) -> bool:
+    def _has_grown(self, alone: RecordNumber | None) -> bool:
         """Whether the database says alone what it said, or what its log brought into it since."""
         if alone is None or alone.identity not in {self._mark.identity, 0}:
             return False
@@ -201,7 +201,7 @@ class RecordGuard:
                 may.append(job)
         return may
 
-    def next_mark(self, group: Calls) -> Mark | None:
+    def next_mark(self, group: Calls) -> RecordNumber | None:
         """Return what the record is to say of itself with a group; None: what it says now.
 
         A log that was begun since says a number of its own, so that none before it is taken for it;
@@ -215,13 +215,13 @@ class RecordGuard:
             or self._is_overwritten(self._folder.mark.path)
         ):
             self._highest = self._mark.number + 1
-            return Mark(self._mark.identity, self._highest, self._mark.folded)
+            return RecordNumber(self._mark.identity, self._highest, self._mark.folded)
         return None
 
     def _is_overwritten(self, path: Path) -> bool:
         return self._kept.is_lost(path) and not self._kept.is_elsewhere(path)
 
-    def has_written(self, mark: Mark | None) -> None:
+    def has_written(self, mark: RecordNumber | None) -> None:
         """Say beside the record what it says; what cannot be said now is said with the next."""
         salts = self._files.salts()
         if (
@@ -229,10 +229,10 @@ class RecordGuard:
         ):  # what the log before it said is in the database for good
             folded = self._mark.number
             self._salts, self._log_is_marked = salts, False
-            self._mark = Mark(self._mark.identity, self._mark.number, folded)
+            self._mark = RecordNumber(self._mark.identity, self._mark.number, folded)
         if mark is None:
             return
-        self._mark = Mark(mark.identity, mark.number, self._mark.folded)
+        self._mark = RecordNumber(mark.identity, mark.number, self._mark.folded)
         self._log_is_marked, self._marked_ns = True, self._clock.monotonic_ns()
         try:
             self._say()

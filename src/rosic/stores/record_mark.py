@@ -19,7 +19,7 @@ import msgspec
 
 from rosic.errors import ConfigurationError
 from rosic.stores import slots
-from rosic.stores.rootkey import ROOT_KEY, SALT, create
+from rosic.stores.root_key import ROOT_KEY, SALT, create
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,7 +35,7 @@ WITNESSES: Final = (ROOT_KEY, SALT, STOPS)
 BEGIN_ANEW: Final = "rosic run --begin-anew"
 
 
-class Mark(msgspec.Struct, frozen=True):
+class RecordNumber(msgspec.Struct, frozen=True):
     """What the record and the file beside it both say.
 
     Attributes:
@@ -62,7 +62,7 @@ class RecordMark:
         self.path = folder / MARK
         self._folder = folder
         self._begin_anew = begin_anew
-        self._known: Mark | None = None
+        self._known: RecordNumber | None = None
 
     def look(self) -> None:
         """See that a record which was once here is here; before anything is made.
@@ -77,7 +77,7 @@ class RecordMark:
             return
         self.refuse_empty(f"{DATABASE} is gone or empty")
         if self._known is None:  # a start that is cut off from here on has begun nothing yet
-            self._known = Mark(_new_identity(), 0)
+            self._known = RecordNumber(_new_identity(), 0)
             self.write(self._known)
 
     def refuse_empty(self, what: str) -> None:
@@ -98,7 +98,7 @@ class RecordMark:
                 "again, also whoever was revoked or locked, and bookings are forgotten.",
             )
 
-    def compare(self, found: Mark, alone: Mark) -> Mark:
+    def compare(self, found: RecordNumber, alone: RecordNumber) -> RecordNumber:
         """Compare with what a record says of itself; return what both are to say from now on.
 
         Args:
@@ -109,7 +109,7 @@ class RecordMark:
             ConfigurationError: The record, or one of its two files, is older than the file, of
                 another folder, or a copy without its file. Nothing was changed.
         """
-        known = self._known or Mark()
+        known = self._known or RecordNumber()
         why = self._why_not(found) or self._why_not_together(found, alone)
         if why and not self._begin_anew:
             raise ConfigurationError(
@@ -120,9 +120,9 @@ class RecordMark:
             )
         identity = found.identity or known.identity or _new_identity()
         number = max(found.number, alone.number, known.number) + 1
-        return Mark(identity, number, min(known.folded, alone.number))
+        return RecordNumber(identity, number, min(known.folded, alone.number))
 
-    def _why_not(self, found: Mark) -> str:
+    def _why_not(self, found: RecordNumber) -> str:
         known = self._known
         if known is None:
             return f"{MARK} is missing beside it" if found.number else ""
@@ -132,8 +132,8 @@ class RecordMark:
             return f"{MARK} belongs to another one"
         return ""
 
-    def _why_not_together(self, found: Mark, alone: Mark) -> str:
-        known = self._known or Mark()
+    def _why_not_together(self, found: RecordNumber, alone: RecordNumber) -> str:
+        known = self._known or RecordNumber()
         if alone.number < known.folded:
             return f"without {LOG} it is older than {MARK}"
         if alone.number > found.number:
@@ -142,7 +142,7 @@ class RecordMark:
             return f"{LOG} belongs to another one"
         return ""
 
-    def write(self, mark: Mark) -> None:
+    def write(self, mark: RecordNumber) -> None:
         """Say it in the file, too. On return it would survive a power cut.
 
         Raises:
@@ -160,7 +160,7 @@ class RecordMark:
         finally:
             os.close(descriptor)
 
-    def _read(self) -> Mark | None:
+    def _read(self) -> RecordNumber | None:
         try:
             found = slots.unpack(KIND, self.path.read_bytes())
         except FileNotFoundError:
@@ -176,10 +176,10 @@ class RecordMark:
             return None
         numbers = found[2].ljust(NUMBERS.size, b"\0")
         identity, folded = NUMBERS.unpack(numbers)
-        return Mark(identity, found[1], folded)
+        return RecordNumber(identity, found[1], folded)
 
 
-def packed(mark: Mark) -> bytes:
+def packed(mark: RecordNumber) -> bytes:
     """Return what the file is to hold."""
     return slots.pack(KIND, MAGIC, mark.number, NUMBERS.pack(mark.identity, mark.folded))
 

@@ -11,7 +11,7 @@ from hashlib import blake2b
 
 import msgspec
 
-from rosic.core.robot import ROBOT_ID, RobotId
+from rosic.core.robot.profile import ROBOT_ID, RobotId
 
 SLOT_BYTES = 64
 BODY = struct.Struct("<32sQ8s")
@@ -25,7 +25,7 @@ class Damaged(Exception):
     """A slot is not what was written."""
 
 
-class State(msgspec.Struct, frozen=True):
+class SlotState(msgspec.Struct, frozen=True):
     """What one slot says of one robot."""
 
     robot: RobotId
@@ -94,7 +94,7 @@ def pack_name(robot: RobotId) -> bytes:
     return pack(b"name", robot.encode(), 0, b"")
 
 
-def pack_state(state: State) -> bytes:
+def pack_state(state: SlotState) -> bytes:
     """Return the slot that says whether a robot is stopped."""
     return pack(b"state", state.robot.encode(), state.generation, b"s" if state.latched else b"r")
 
@@ -109,7 +109,7 @@ def state_offset(index: int, robots_max: int) -> int:
     return (1 + robots_max + index) * SLOT_BYTES
 
 
-def read_place(name_slot: bytes, state_slot: bytes) -> State | None:
+def read_place(name_slot: bytes, state_slot: bytes) -> SlotState | None:
     """Read what is known of one robot; None for a place that was never used.
 
     Whatever is damaged reads as stopped, with the generation that the damaged bytes show.
@@ -125,7 +125,7 @@ def read_place(name_slot: bytes, state_slot: bytes) -> State | None:
     if name is None:
         raise Damaged
     generation = int(BODY.unpack(state_slot[: BODY.size])[1])
-    return State(name, generation if generation < PLAUSIBLE else 0, latched=True)
+    return SlotState(name, generation if generation < PLAUSIBLE else 0, latched=True)
 
 
 def robot_named(slot: bytes) -> RobotId | None:
@@ -137,13 +137,13 @@ def robot_named(slot: bytes) -> RobotId | None:
     return None if found is None else found[0].decode()
 
 
-def whole_state(slot: bytes) -> State | None:
+def whole_state(slot: bytes) -> SlotState | None:
     """Return the state in a state slot, if it can be read."""
     try:
         found = unpack(b"state", slot)
     except Damaged:
         return None
-    return None if found is None else State(found[0].decode(), found[1], found[2] == b"s")
+    return None if found is None else SlotState(found[0].decode(), found[1], found[2] == b"s")
 
 
 def is_robot(robot: RobotId) -> bool:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from sqlalchemy import Connection, Engine, create_engine, event, pool
 from sqlalchemy.exc import DBAPIError, SQLAlchemyError
 
-from rosic.core.saying import said
+from rosic.core.i18n import said
 from rosic.errors import ConfigurationError, StoreFault
-from rosic.stores.record_mark import Mark
+from rosic.stores.record_mark import RecordNumber
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from sqlalchemy.engine.interfaces import DBAPICursor
 
-    from rosic.stores.settings import Settings
+    from rosic.stores.settings import StoreSettings
 
 CHECKPOINT_PAGES = 4_000  # 16 MiB of write-ahead log before it is folded into the database
 LOG_BYTES = 64 << 20  # the log file is cut to this size once it was folded in
@@ -50,7 +50,7 @@ UNFIT = (
 )
 
 
-def engine_for(path: Path, settings: Settings) -> Engine:
+def engine_for(path: Path, settings: StoreSettings) -> Engine:
     """Return an engine for one file, which must exist. Each connection is one transaction wide.
 
     Nothing is opened yet.
@@ -115,7 +115,7 @@ def pragma(connection: Connection, text: str) -> object:
     return None if row is None else row[0]
 
 
-def make_durable(connection: Connection, settings: Settings) -> None:
+def make_durable(connection: Connection, settings: StoreSettings) -> None:
     """Set what keeps a write through a power cut, and read it back.
 
     Raises:
@@ -165,14 +165,14 @@ def damaged() -> ConfigurationError:
     )
 
 
-def mark_of(connection: Connection) -> Mark:
+def mark_of(connection: Connection) -> RecordNumber:
     """Return what a record says of itself; see `record_mark`."""
     said = pragma(connection, "application_id"), pragma(connection, "user_version")
     identity, number = (value if isinstance(value, int) else 0 for value in said)
-    return Mark(identity, number)
+    return RecordNumber(identity, number)
 
 
-def write_mark(cursor: DBAPICursor, mark: Mark) -> None:
+def write_mark(cursor: DBAPICursor, mark: RecordNumber) -> None:
     """Have a record say something else of itself, as a part of the cursor's transaction."""
     cursor.execute(f"PRAGMA application_id={mark.identity:d}")
     cursor.execute(f"PRAGMA user_version={mark.number:d}")

@@ -6,24 +6,24 @@ from typing import TYPE_CHECKING
 
 from sqlalchemy import Connection, Dialect, delete, select, update
 
-from rosic.stores import reading, tables
+from rosic.stores import decoding, tables
 from rosic.stores.statements import Take
 
 if TYPE_CHECKING:
-    from rosic.stores.settings import Settings
+    from rosic.stores.settings import StoreSettings
 
 AT_ONCE = 1_000  # in one transaction, so that writes never wait long
 DAY_NS = 86_400 * 10**9
 
 
-def horizon(connection: Connection, now_ns: int, settings: Settings) -> int:
+def horizon(connection: Connection, now_ns: int, settings: StoreSettings) -> int:
     """Return the time before which settled commands may be forgotten.
 
     Counted back from the newest command too: a clock that jumps ahead erases nothing.
     """
     commands = tables.commands
     query = select(commands.c.at_ns).order_by(commands.c.seq.desc()).limit(1)
-    newest = next((row.at_ns for row in reading.checked(connection, query)), 0)
+    newest = next((row.at_ns for row in decoding.checked(connection, query)), 0)
     return min(now_ns, newest) - settings.kept_days * DAY_NS
 
 
@@ -41,17 +41,17 @@ class Erasure:
         commands, stops = tables.commands, tables.stops
         oldest = (
             select(commands.c.seq, commands.c.at_ns)
-            .where(~reading.is_open(commands.c.seq))
+            .where(~decoding.is_open(commands.c.seq))
             .order_by(commands.c.seq)
             .limit(AT_ONCE)
         )
-        old = [row.seq for row in reading.checked(connection, oldest) if row.at_ns < before_ns]
+        old = [row.seq for row in decoding.checked(connection, oldest) if row.at_ns < before_ns]
         cursor = connection.connection.cursor()
         for take in self._takes:
             take.run(cursor, old)
         oldest_stops = select(stops.c.id, stops.c.at_ns).order_by(stops.c.id).limit(AT_ONCE)
         old_stops = [
-            row.id for row in reading.checked(connection, oldest_stops) if row.at_ns < before_ns
+            row.id for row in decoding.checked(connection, oldest_stops) if row.at_ns < before_ns
         ]
         self._take_stops.run(cursor, old_stops)
         return len(old)
@@ -66,10 +66,10 @@ class Erasure:
         """
         table = tables.decisions.c
         query = select(table.at_ns).order_by(table.id.desc()).limit(1)
-        newest = next((row.at_ns for row in reading.checked(connection, query)), 0)
+        newest = next((row.at_ns for row in decoding.checked(connection, query)), 0)
         before_ns = min(before_ns, newest - kept_ns)
         oldest = select(table.id, table.at_ns).order_by(table.id).limit(AT_ONCE)
-        old = [row.id for row in reading.checked(connection, oldest) if row.at_ns < before_ns]
+        old = [row.id for row in decoding.checked(connection, oldest) if row.at_ns < before_ns]
         self._take_decisions.run(connection.connection.cursor(), old)
         return len(old)
 

@@ -9,24 +9,16 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.core.record import (
-    Claimed,
-    Decided,
-    Memory,
-    Record,
-    Refused,
-    Resumed,
-    Stopped,
-)
-from rosic.core.saying import said
+from rosic.core.i18n import said
+from rosic.core.records import Claimed, Decided, Memory, Record, Refused, Resumed, Stopped
 from rosic.errors import ConfigurationError, Repeated, RosicError, StoreFault
-from rosic.stores import reading, schema, sqlite, tables, upkeep
-from rosic.stores.decisions import Decisions
-from rosic.stores.insertion import Insertion
+from rosic.stores import decoding, migrate, sqlite, tables, upkeep
+from rosic.stores.bulk_writes import BulkInsert
+from rosic.stores.decision_query import DecisionQuery
+from rosic.stores.encoding import RecordEncoder
+from rosic.stores.encryption import RootKey, Unreadable
 from rosic.stores.record_guard import Calls, RecordGuard
-from rosic.stores.record_mark import Mark
-from rosic.stores.scribe import Scribe
-from rosic.stores.sealing import Root, Unreadable
+from rosic.stores.record_mark import RecordNumber
 from rosic.stores.statements import Find
 
 if TYPE_CHECKING:
@@ -34,10 +26,10 @@ if TYPE_CHECKING:
     from sqlalchemy.engine.interfaces import DBAPICursor
 
     from rosic.contracts.clock import Clock
-    from rosic.stores.folder import Folder
+    from rosic.stores.data_dir import DataDir
     from rosic.stores.kept_files import KeptFiles
-    from rosic.stores.lane import Job
-    from rosic.stores.settings import Settings
+    from rosic.stores.settings import StoreSettings
+    from rosic.stores.write_thread import WriteJob
 
 log = logging.getLogger("rosic.stores")
 
@@ -51,22 +43,24 @@ class Writer:
         lost: Notes that could not be kept, since this writer was made.
     """
 
-    def __init__(self, folder: Folder, settings: Settings, clock: Clock, kept: KeptFiles) -> None:
+    def __init__(
+        self, folder: DataDir, settings: StoreSettings, clock: Clock, kept: KeptFiles
+    ) -> None:
         self.lost = 0
         self._folder = folder
         self._guard = RecordGuard(folder, kept, clock)
         self._settings = settings
         self._clock = clock
         self._engine = sqlite.engine_for(folder.database, settings)
-        self._insertion = Insertion(self._engine.dialect)
+        self._insertion = BulkInsert(self._engine.dialect)
         self._erasure = upkeep.Erasure(self._engine.dialect)
         commands, containers = tables.commands.c, tables.containers.c
         self._find_seq = Find(self._engine.dialect, commands.seq, commands.cid)
         self._find_key = Find(self._engine.dialect, containers.wrapped, containers.container)
-        self._decisions = Decisions(self._engine.dialect)
+        self._decisions = DecisionQuery(self._engine.dialect)
         self._connection: Connection | None = None
-        self._root: Root | None = None
-        self._scribe: Scribe | None = None
+        self._root: RootKey | None = None
+        self._scribe: RecordEncoder | None = None
         self._failing = False
         self._late: Calls = []
         self._unrecorded = 0
@@ -100,29 +94,29 @@ class Writer:
         if self._folder.database.stat().st_size <= self._settings.checked_bytes:
             sqlite.check_whole(connection)
         with connection.begin():
-            schema.check(connection)
-            if schema.present(connection) is None:
+            migrate.check(connection)
+            if migrate.present(connection) is None:
                 self._folder.mark.refuse_empty(f"{self._folder.database.name} is empty")
         mark = self._folder.mark.compare(sqlite.mark_of(connection), alone)
         self._guard.opened()
         sqlite.make_durable(connection, self._settings)
         with connection.begin():
-            schema.upgrade(connection)
+            migrate.upgrade(connection)
             self._check_root(connection, root)
             sqlite.write_mark(cursor_of(connection), mark)
         folded = mark.number if sqlite.fold(connection) else mark.folded
-        mark = Mark(mark.identity, mark.number + 1, folded)
+        mark = RecordNumber(mark.identity, mark.number + 1, folded)
         with connection.begin():  # the first thing in a log of its own
             sqlite.write_mark(cursor_of(connection), mark)
         self._guard.begin(mark)
         with connection.begin():
             self._scribe = self._new_scribe(connection, root)
-            memory = reading.Reader(connection, root).memory()
+            memory = decoding.RecordDecoder(connection, root).memory()
         self.prune()
         return memory
 
-    def _check_root(self, connection: Connection, root: Root) -> None:
-        wrapped = reading.wrapped_key(connection, OWN)
+    def _check_root(self, connection: Connection, root: RootKey) -> None:
+        wrapped = decoding.wrapped_key(connection, OWN)
         if wrapped is None:
             key = root.new_key(OWN)
             self._insertion.containers.run(cursor_of(connection), [key.container, key.wrapped])
@@ -135,10 +129,10 @@ class Writer:
                 hint="Put back the file, the credential or the passphrase that it was made with.",
             ) from error
 
-    def _new_scribe(self, connection: Connection, root: Root) -> Scribe:
-        return Scribe(
+    def _new_scribe(self, connection: Connection, root: RootKey) -> RecordEncoder:
+        return RecordEncoder(
             root,
-            reading.standing(connection),
+            decoding.standing(connection),
             partial(self._find_seq.run, cursor_of(connection)),
             partial(self._find_key.run, cursor_of(connection)),
             settings=self._settings,
@@ -159,7 +153,7 @@ class Writer:
         self._connection = self._scribe = None
         self._guard.disconnected()
 
-    def _reconnected(self) -> tuple[Connection, Root]:
+    def _reconnected(self) -> tuple[Connection, RootKey]:
         """Return the connection, after a failure a new one, and the root key."""
         if self._root is None:
             raise StoreFault(said("The record is closed. Nothing was written."))
@@ -176,7 +170,7 @@ class Writer:
             self._connection = connection
         return self._connection, self._root
 
-    def _connected(self) -> tuple[Connection, Scribe]:
+    def _connected(self) -> tuple[Connection, RecordEncoder]:
         """Return the connection and a scribe; after a failure, one who asks the database anew."""
         connection, root = self._reconnected()
         if self._scribe is None:
@@ -225,7 +219,7 @@ class Writer:
         if missed:
             self.miss(0, recorded=missed)
 
-    def _divide(self, connection: Connection, scribe: Scribe, group: Calls) -> None:
+    def _divide(self, connection: Connection, scribe: RecordEncoder, group: Calls) -> None:
         """Write what fits of a group, in order, by halves: a few bad ones cost a few tries.
 
         What the scribe remembers here dies with the scribe if the commit fails.
@@ -246,7 +240,7 @@ class Writer:
             self._divide(connection, scribe, group[middle:])
 
     def _reject(
-        self, connection: Connection, job: Job[tuple[Record, ...]], error: Exception
+        self, connection: Connection, job: WriteJob[tuple[Record, ...]], error: Exception
     ) -> None:
         if job.future is None:
             self.miss(1)
@@ -383,7 +377,7 @@ def unwritten(cause: Exception) -> StoreFault:
     return fault(f"{sqlite.reason(cause)}. Nothing was written.", cause)
 
 
-def unusable(error: BaseException, folder: Folder) -> ConfigurationError:
+def unusable(error: BaseException, folder: DataDir) -> ConfigurationError:
     """Say why a record cannot be opened."""
     if sqlite.is_damage(error):
         return sqlite.damaged()

@@ -12,7 +12,7 @@ from rosic.testing.messenger_stage import Ear, listening, until
 
 if TYPE_CHECKING:
     from rosic.contracts.messenger import Messenger
-    from rosic.testing.messenger_stage import Stage
+    from rosic.testing.messenger_stage import MessengerHarness
 
 NAME = "hall 2.yaml"
 CONTENT = bytes(range(256)) * 700 + b"\r\nend\n"
@@ -22,7 +22,7 @@ CONTENT = bytes(range(256)) * 700 + b"\r\nend\n"
 class EnclosureRules:
     """The rules about files that people send; a part of `MessengerConformance`."""
 
-    async def test_a_file_of_a_person_comes_as_it_was_sent(self, stage: Stage) -> None:
+    async def test_a_file_of_a_person_comes_as_it_was_sent(self, stage: MessengerHarness) -> None:
         """Under its name, with its size, and byte for byte."""
         if not stage.messenger.fetch_bytes:
             return
@@ -35,7 +35,7 @@ class EnclosureRules:
         assert content == CONTENT, "another file was fetched than was sent"
 
     async def test_a_file_that_is_not_as_long_as_was_said_is_a_messenger_fault(
-        self, stage: Stage
+        self, stage: MessengerHarness
     ) -> None:
         """Room is kept for what was said, so no more than that is ever yielded."""
         if not stage.messenger.fetch_bytes:
@@ -49,7 +49,9 @@ class EnclosureRules:
             _, fault = await _fetched(stage.messenger, more)
             assert fault is not None, "a file that is shorter than was said was fetched"
 
-    async def test_a_file_that_cannot_be_fetched_is_a_messenger_fault(self, stage: Stage) -> None:
+    async def test_a_file_that_cannot_be_fetched_is_a_messenger_fault(
+        self, stage: MessengerHarness
+    ) -> None:
         """Because it is too large, unknown, or the platform is away; nothing of it counts."""
         messenger = stage.messenger
         unknown = Enclosure(id="document-of-nobody", name=NAME, size=10)
@@ -64,7 +66,7 @@ class EnclosureRules:
                 assert (await _fetched(messenger, enclosure))[1] is not None
 
 
-async def _sent(stage: Stage, ear: Ear) -> Enclosure:
+async def _sent(stage: MessengerHarness, ear: Ear) -> Enclosure:
     """Let a person send a file; return what the messenger says of it."""
     before = len(ear.done)
     await stage.enclose(stage.people[0], NAME, CONTENT)

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.record import Letter
+from rosic.core.records import Letter
 from rosic.errors import Repeated
+from rosic.testing.factories import ADA, AWKWARD, KUKA, a_choice, a_claim, a_decision, a_fact
 from rosic.testing.premises import recall
-from rosic.testing.records import ADA, AWKWARD, KUKA, a_choice, a_claim, a_decision, a_fact
 
 if TYPE_CHECKING:
-    from rosic.core.record import Fact
+    from rosic.core.records import Fact
     from rosic.testing.premises import Premises
 
 THE_AWKWARD = ("", " ", "a'b", "50 cm \U0001f916", "null\0", "%s", "Slot", "slot")

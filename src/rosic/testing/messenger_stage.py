@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from rosic.core.message import Chat, Inbound
 
 
-class Seen(NamedTuple):
+class SeenMessage(NamedTuple):
     """A message as a person sees it now."""
 
     message: str
     text: str
 
 
-class Stage(Protocol):
+class MessengerHarness(Protocol):
     """A messenger, and what happens on the other side of it.
 
     Attributes:
@@ -53,7 +53,7 @@ class Stage(Protocol):
         """Let a person tap the button with this label under a message of the messenger."""
         ...
 
-    async def screen(self, person: str) -> list[Seen]:
+    async def screen(self, person: str) -> list[SeenMessage]:
         """Return what the messenger shows to this person now, oldest first."""
         ...
 
@@ -103,7 +103,7 @@ class Ear:
         return [inbound.text for inbound in self.heard if inbound.chat.id == chat.id]
 
 
-async def until(stage: Stage, condition: Callable[[], bool], otherwise: str) -> None:
+async def until(stage: MessengerHarness, condition: Callable[[], bool], otherwise: str) -> None:
     """Wait for a condition; an AssertionError says what did not happen."""
     loop = asyncio.get_running_loop()
     give_up_s = loop.time() + stage.patience_s
@@ -112,7 +112,7 @@ async def until(stage: Stage, condition: Callable[[], bool], otherwise: str) -> 
         await asyncio.sleep(0.005)
 
 
-async def until_confirmed(stage: Stage) -> None:
+async def until_confirmed(stage: MessengerHarness) -> None:
     """Wait until the platform has nothing to give out again."""
     loop = asyncio.get_running_loop()
     give_up_s = loop.time() + stage.patience_s
@@ -121,7 +121,7 @@ async def until_confirmed(stage: Stage) -> None:
         await asyncio.sleep(0.005)
 
 
-async def until_fresh(stage: Stage, ear: Ear) -> None:
+async def until_fresh(stage: MessengerHarness, ear: Ear) -> None:
     """Wait until what is written now is no backlog any more; then forget what was heard."""
     give_up_s = asyncio.get_running_loop().time() + stage.patience_s
     while not ear.done or ear.done[-1].sent_ns < ear.done[-1].listening_since_ns:
@@ -139,7 +139,7 @@ async def settled(_within_s: float) -> bool:
 
 
 @asynccontextmanager
-async def listening(stage: Stage, ear: Ear | None = None) -> AsyncIterator[Ear]:
+async def listening(stage: MessengerHarness, ear: Ear | None = None) -> AsyncIterator[Ear]:
     """Let the messenger run while inside."""
     ear = Ear() if ear is None else ear
     settle_with(stage.messenger, settled)

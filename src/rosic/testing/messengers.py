@@ -1,7 +1,7 @@
 """What every messenger owes, in executable form.
 
 An adapter's tests subclass `MessengerConformance` and give it a fixture ``stage``: a messenger and
-the people on the other side. The wicked ones are in `rosic.testing.wicked_messengers`.
+the people on the other side. The wicked ones are in `rosic.testing.faulty.messengers`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from msgspec.structs import replace
 from rosic.core.message import Outbound, Standing
 from rosic.errors import MessageGone
 from rosic.testing.enclosure_rules import EnclosureRules
-from rosic.testing.file_rules import LONG, YES, FileRules
+from rosic.testing.messenger_files import LONG, YES, FileRules
 from rosic.testing.messenger_stage import (
     Ear,
-    Seen,
-    Stage,
+    MessengerHarness,
+    SeenMessage,
     faults_only,
     listening,
     until,
@@ -25,7 +25,7 @@ from rosic.testing.messenger_stage import (
     until_fresh,
 )
 
-__all__ = ("Ear", "MessengerConformance", "Seen", "Stage")
+__all__ = ("Ear", "MessengerConformance", "MessengerHarness", "SeenMessage")
 
 MARKUP = (
     r"*bold* _slanted_ `code` [name](http://example.org) <b>bold</b> &lt; \n ~gone~ || 100 % #1 🤖"
@@ -35,7 +35,7 @@ MARKUP = (
 class MessengerConformance(FileRules, EnclosureRules):
     """The rules. A subclass gives the fixture ``stage``."""
 
-    async def test_messages_of_a_chat_come_in_order(self, stage: Stage) -> None:
+    async def test_messages_of_a_chat_come_in_order(self, stage: MessengerHarness) -> None:
         """Every message is handed over, once each while nothing goes wrong, and in order."""
         written = [f"omni move {number} cm" for number in range(1, 9)]
         async with listening(stage) as ear:
@@ -47,7 +47,7 @@ class MessengerConformance(FileRules, EnclosureRules):
             for person in stage.people:
                 assert ear.texts(stage.chat(person)) == written
 
-    async def test_a_message_says_who_where_and_when(self, stage: Stage) -> None:
+    async def test_a_message_says_who_where_and_when(self, stage: MessengerHarness) -> None:
         """Identity is stable and distinct, times are in order, and nothing fresh is backlog."""
         count = len(stage.people) + 1
         async with listening(stage) as ear:
@@ -65,7 +65,9 @@ class MessengerConformance(FileRules, EnclosureRules):
             assert inbound.standing is Standing.FRESH
             assert inbound.nonce is None
 
-    async def test_nothing_is_confirmed_before_it_was_received(self, stage: Stage) -> None:
+    async def test_nothing_is_confirmed_before_it_was_received(
+        self, stage: MessengerHarness
+    ) -> None:
         """What is being received when the power fails must come again."""
         if not stage.keeps:
             return
@@ -80,7 +82,9 @@ class MessengerConformance(FileRules, EnclosureRules):
             ear.gate.set()
             await until_confirmed(stage)
 
-    async def test_what_was_not_received_comes_again_as_the_same(self, stage: Stage) -> None:
+    async def test_what_was_not_received_comes_again_as_the_same(
+        self, stage: MessengerHarness
+    ) -> None:
         """A duplicate is recognised by who, where and which message; so these never change."""
         if not stage.keeps:
             return
@@ -99,7 +103,7 @@ class MessengerConformance(FileRules, EnclosureRules):
             second.sent_ns,
         )
 
-    async def test_a_stop_overtakes_what_is_being_received(self, stage: Stage) -> None:
+    async def test_a_stop_overtakes_what_is_being_received(self, stage: MessengerHarness) -> None:
         """Nothing that takes long holds up a stop, not even in its own chat (I10)."""
         async with listening(stage) as ear:
             ear.gate.clear()
@@ -109,7 +113,7 @@ class MessengerConformance(FileRules, EnclosureRules):
             await until(stage, lambda: len(ear.heard) == 2, "a stop waited for another message")
             ear.gate.set()
 
-    async def test_nothing_is_left_running(self, stage: Stage) -> None:
+    async def test_nothing_is_left_running(self, stage: MessengerHarness) -> None:
         """When run is cancelled, even while something is received, it leaves no task behind."""
         before = asyncio.all_tasks()
         async with listening(stage) as ear:
@@ -118,14 +122,14 @@ class MessengerConformance(FileRules, EnclosureRules):
             await until(stage, lambda: bool(ear.heard), "a message was swallowed")
         await until(stage, lambda: asyncio.all_tasks() <= before, "a task was left running")
 
-    async def test_a_text_arrives_exactly_as_given(self, stage: Stage) -> None:
+    async def test_a_text_arrives_exactly_as_given(self, stage: MessengerHarness) -> None:
         """Markup is never read out of a text."""
         person = stage.people[0]
         async with listening(stage):
             await stage.messenger.send(Outbound(chat=stage.chat(person), text=MARKUP))
         assert [seen.text for seen in await stage.screen(person)] == [MARKUP]
 
-    async def test_a_long_text_arrives_whole(self, stage: Stage) -> None:
+    async def test_a_long_text_arrives_whole(self, stage: MessengerHarness) -> None:
         """In several messages if need be; only white space may go, where it was cut."""
         person = stage.people[0]
         async with listening(stage):
@@ -133,7 +137,7 @@ class MessengerConformance(FileRules, EnclosureRules):
         shown = [word for seen in await stage.screen(person) for word in seen.text.split()]
         assert shown == LONG.split()
 
-    async def test_sending_names_the_message(self, stage: Stage) -> None:
+    async def test_sending_names_the_message(self, stage: MessengerHarness) -> None:
         """Each of several sent at once is shown, under the id that was returned for it."""
         texts = {f"omni: at rest ({number})": stage.people[0] for number in range(3)}
         texts |= {f"{person}: hello": person for person in stage.people}
@@ -145,9 +149,9 @@ class MessengerConformance(FileRules, EnclosureRules):
                 ]
             )
         for message, (text, person) in zip(ids, texts.items(), strict=True):
-            assert Seen(message, text) in await stage.screen(person)
+            assert SeenMessage(message, text) in await stage.screen(person)
 
-    async def test_a_message_is_changed_in_place(self, stage: Stage) -> None:
+    async def test_a_message_is_changed_in_place(self, stage: MessengerHarness) -> None:
         """An edit shows the new text where the old one was; who cannot do it says so."""
         messenger, person = stage.messenger, stage.people[0]
         chat = stage.chat(person)
@@ -158,9 +162,9 @@ class MessengerConformance(FileRules, EnclosureRules):
                 await faults_only("editing", change)
                 return
             await change
-        assert await stage.screen(person) == [Seen(message, "omni: done")]
+        assert await stage.screen(person) == [SeenMessage(message, "omni: done")]
 
-    async def test_editing_to_the_same_content_succeeds(self, stage: Stage) -> None:
+    async def test_editing_to_the_same_content_succeeds(self, stage: MessengerHarness) -> None:
         """Who edits does not know what is shown after a restart."""
         messenger, person = stage.messenger, stage.people[0]
         if not messenger.edits:
@@ -173,9 +177,11 @@ class MessengerConformance(FileRules, EnclosureRules):
                 await messenger.edit(message, same)
             except Exception as error:
                 raise AssertionError("editing to the same content failed") from error
-        assert await stage.screen(person) == [Seen(message, "omni: done")]
+        assert await stage.screen(person) == [SeenMessage(message, "omni: done")]
 
-    async def test_a_message_is_kept_in_sight_until_it_is_not(self, stage: Stage) -> None:
+    async def test_a_message_is_kept_in_sight_until_it_is_not(
+        self, stage: MessengerHarness
+    ) -> None:
         """Both twice; one that is gone is said to be gone; who cannot do it says so."""
         messenger, person = stage.messenger, stage.people[0]
         chat = stage.chat(person)
@@ -196,7 +202,7 @@ class MessengerConformance(FileRules, EnclosureRules):
                 return
         raise AssertionError("a message that is not there was pinned")
 
-    async def test_a_tap_brings_its_nonce_and_its_tapper(self, stage: Stage) -> None:
+    async def test_a_tap_brings_its_nonce_and_its_tapper(self, stage: MessengerHarness) -> None:
         """The nonce travels, never the command; it is dated when it is received."""
         if not stage.taps:
             return
@@ -213,7 +219,7 @@ class MessengerConformance(FileRules, EnclosureRules):
         assert tapped.sent_ns == tapped.received_ns
         assert tapped.tap
 
-    async def test_answering_a_tap_never_raises(self, stage: Stage) -> None:
+    async def test_answering_a_tap_never_raises(self, stage: MessengerHarness) -> None:
         """Not twice, not with a handle nobody knows, not while the platform is away."""
         person = stage.people[0]
         chat = stage.chat(person)
@@ -229,7 +235,7 @@ class MessengerConformance(FileRules, EnclosureRules):
             except Exception as error:
                 raise AssertionError("answering a tap raised") from error
 
-    async def test_every_failure_is_a_messenger_fault(self, stage: Stage) -> None:
+    async def test_every_failure_is_a_messenger_fault(self, stage: MessengerHarness) -> None:
         """Whatever library is underneath, none of its exceptions comes through."""
         messenger, person = stage.messenger, stage.people[0]
         outbound = Outbound(chat=stage.chat(person), text="omni: done")

@@ -10,8 +10,8 @@ from rosic.core.order import Order, Permit
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
-    from rosic.core.robot import Profile
-    from rosic.core.skill import Argument
+    from rosic.core.robot.profile import Profile
+    from rosic.core.robot.skill import Argument
 
 LIFETIME_NS = 5_000_000_000
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from rosic.contracts.store import Store
     from rosic.core.identity import CommandId
-    from rosic.core.record import Memory, Unfinished
+    from rosic.core.records import Memory, Unfinished
 
 
 class Premises(Protocol):

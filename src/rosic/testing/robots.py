@@ -1,6 +1,6 @@
 """``contracts.robot.Robot`` in executable form: every adapter's tests subclass this suite.
 
-Each rule has a wicked robot that breaks it, in ``rosic.testing.wicked_robots``; a test shows that
+Each rule has a wicked robot that breaks it, in ``rosic.testing.faulty.robots``; a test shows that
 each is caught.
 """
 
@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, ClassVar
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Outcome, Report, Stage, Stop
-from rosic.core.view import Sight
+from rosic.core.order import Ending, Outcome, Stage, StageReport, Stop
+from rosic.core.robot.view import Sight
 from rosic.errors import NothingToSee, OrderVoid
 from rosic.testing.orders import OrderBook
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Robot
     from rosic.core.order import Order
-    from rosic.core.skill import Argument
+    from rosic.core.robot.skill import Argument
 
     MakeRobot: TypeAlias = Callable[[], AbstractAsyncContextManager[Robot]]
 
@@ -76,7 +76,7 @@ class RobotConformance:
             seen: list[float] = []
             book = OrderBook(robot.profile, clock)
 
-            def tell(report: Report) -> None:
+            def tell(report: StageReport) -> None:
                 if report.fraction is not None:
                     seen.append(report.fraction)
 
@@ -205,7 +205,7 @@ class RobotConformance:
     async def _execute(
         self, robot: Robot, order: Order, stages: list[Stage] | None = None
     ) -> Outcome:
-        def tell(report: Report) -> None:
+        def tell(report: StageReport) -> None:
             if stages is not None:
                 stages.append(report.stage)
 
@@ -217,7 +217,7 @@ class RobotConformance:
         received = asyncio.Event()
         order = OrderBook(robot.profile, clock).order(self.long, self.long_arguments)
 
-        def tell(report: Report) -> None:
+        def tell(report: StageReport) -> None:
             if report.stage is not Stage.SENT:
                 received.set()
 
@@ -230,5 +230,5 @@ class RobotConformance:
         assert self.acted(robot) == before
 
 
-def _ignore(_report: Report) -> None:
+def _ignore(_report: StageReport) -> None:
     """The report does not matter here."""

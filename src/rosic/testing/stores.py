@@ -1,7 +1,7 @@
 """What every record must do, in executable form.
 
 Subclass ``StoreConformance`` and give it a fixture named ``premises``; pytest does the rest. Each
-rule is known to fail on a store that breaks it: ``rosic.testing.wicked_stores``.
+rule is known to fail on a store that breaks it: ``rosic.testing.faulty.stores``.
 """
 # ruff: noqa: D102 - the name of a rule is its sentence
 
@@ -12,18 +12,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.record import (
-    KeyIssued,
-    KeyRevoked,
-    Letter,
-    Memory,
-    Seeded,
-    Unfinished,
-)
+from rosic.core.records import KeyIssued, KeyRevoked, Letter, Memory, Seeded, Unfinished
 from rosic.errors import Repeated, StoreFault
 from rosic.testing.fact_rules import FactRules
-from rosic.testing.premises import Premises, lives, recall
-from rosic.testing.records import (
+from rosic.testing.factories import (
     ADA,
     AWKWARD,
     KUKA,
@@ -40,6 +32,7 @@ from rosic.testing.records import (
     an_id,
     told,
 )
+from rosic.testing.premises import Premises, lives, recall
 
 if TYPE_CHECKING:
     from rosic.contracts.store import Store

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rosic.core.fleet import events as e
-from rosic.core.fleet.reacting import react
 from rosic.core.fleet.state import FleetState
-from rosic.core.fleet.task import State, Task, Why
+from rosic.core.fleet.task import Task, TaskReason, TaskState
+from rosic.core.fleet.transitions import react
 
 
 def fleet_after(*events: e.Event) -> FleetState:
@@ -21,20 +21,20 @@ def test_a_step_that_was_counted_is_not_in_doubt_after_a_crash() -> None:
         e.Given(Task(id="1", author="ann", among=("r1", "r2"))),
         e.Chosen("1", "r1"),
         e.Begun("1", 1),
-        e.Deviated("1", 1, Why.LOST),
+        e.Deviated("1", 1, TaskReason.LOST),
         e.Ended("1", 1, e.End.DONE),
-        e.Found("1", None),
+        e.TaskFound("1", None),
     )
-    assert fleet.tasks["1"].state is State.DONE
+    assert fleet.tasks["1"].state is TaskState.DONE
 
 
 def test_a_counted_step_of_several_is_not_done_again_after_a_crash() -> None:
     fleet = fleet_after(
         e.Given(Task(id="1", author="ann", among=("r1", "r2"), steps=2)),
         e.Chosen("1", "r1"),
-        e.Deviated("1", 1, Why.LATE),
+        e.Deviated("1", 1, TaskReason.LATE),
         e.Ended("1", 1, e.End.DONE),
-        e.Found("1", None),
+        e.TaskFound("1", None),
     )
     task = fleet.tasks["1"]
-    assert (task.state, task.done) == (State.QUEUED, 1)
+    assert (task.state, task.done) == (TaskState.QUEUED, 1)

@@ -9,13 +9,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosic.core.fleet import events as e
-from rosic.core.fleet.planning import Glance, by_priority, nearest_idle
-from rosic.core.fleet.reacting import react
+from rosic.core.fleet.candidates import RobotGlance, by_priority, nearest_idle
 from rosic.core.fleet.state import FleetState
-from rosic.core.fleet.task import HELD, Standing, State, Task, Why
+from rosic.core.fleet.task import HELD, FleetMembership, Task, TaskReason, TaskState
+from rosic.core.fleet.transitions import react
 
 if TYPE_CHECKING:
-    from rosic.core.record import Fact
+    from rosic.core.records import Fact
 
 ROBOTS = ("r1", "r2", "r3")
 PEOPLE = ("ann", "ben")
@@ -103,10 +103,10 @@ class World:
             assert before.done not in done, f"step {before.done} of {after.id} counted twice"
             done.add(before.done)
 
-    def glances(self) -> dict[str, Glance]:
+    def glances(self) -> dict[str, RobotGlance]:
         """Return what a look shows now."""
         return {
-            name: Glance(
+            name: RobotGlance(
                 robot=name,
                 free=robot.heard and not robot.latched and not robot.by_hand
                 and robot.doing is None and not robot.moving,
@@ -201,7 +201,7 @@ class World:
         machine.moving = False
         if mine:
             machine.holder = None
-        self.inbox.append(e.Rested(*key))
+        self.inbox.append(e.RobotRested(*key))
 
     def finish(self, a: int) -> None:
         """A robot ends what it does, well or badly; cut off, it is not believed."""
@@ -232,7 +232,7 @@ class World:
     def deviate(self, a: int) -> None:
         key = self.fleet.holds.get(ROBOTS[a % 3])
         if key is not None:
-            why = Why.LATE if self.robots[ROBOTS[a % 3]].heard else Why.LOST
+            why = TaskReason.LATE if self.robots[ROBOTS[a % 3]].heard else TaskReason.LOST
             self.feed(e.Deviated(key, self.fleet.tasks[key].attempt, why))
 
     def stop(self, a: int) -> None:
@@ -273,8 +273,8 @@ class World:
     def hold(self, a: int) -> None:
         if self.fleet.tasks:
             keys = list(self.fleet.tasks)
-            why = Why.CANCELLED if a & 8 else Why.PAUSED
-            self.feed(e.Held(keys[a % len(keys)], why))
+            why = TaskReason.CANCELLED if a & 8 else TaskReason.PAUSED
+            self.feed(e.TaskHeld(keys[a % len(keys)], why))
 
     def release(self, a: int) -> None:
         if self.fleet.tasks:
@@ -282,13 +282,15 @@ class World:
             self.feed(e.Released(keys[a % len(keys)], skip=bool(a & 8)))
 
     def stand(self, a: int) -> None:
-        standing = (Standing.ACTIVE, Standing.DISABLED, Standing.RETIRED)[(a >> 2) % 3]
+        standing = (FleetMembership.ACTIVE, FleetMembership.DISABLED, FleetMembership.RETIRED)[
+            (a >> 2) % 3
+        ]
         self.feed(e.Stood(ROBOTS[a % 3], standing))
 
     def hand(self, a: int) -> None:
         if self.fleet.tasks:
             keys = list(self.fleet.tasks)
-            self.feed(e.Handed(keys[a % len(keys)], PEOPLE[a % 2]))
+            self.feed(e.TaskHanded(keys[a % len(keys)], PEOPLE[a % 2]))
 
     def crash(self, _a: int) -> None:
         """The gateway dies and comes back: what it had not written never was."""
@@ -311,7 +313,7 @@ class World:
             end = self.claims.get(attempt, e.End.BUSY)
             if end is None:
                 self.doubted[key] = task.asked
-            self.feed(e.Found(key, end))
+            self.feed(e.TaskFound(key, end))
         assert not self.fleet.holds, "after a restart no robot has a task"
         assert not [doing for doing in self.todo if isinstance(doing, e.Begin)]
 
@@ -325,8 +327,8 @@ class World:
         assert set(fleet.tasks) == set(self.given), "a task is lost"
         for task in fleet.tasks.values():
             places = (task.state in HELD) + (task.id in fleet.waiting)
-            assert places == (task.state in HELD or task.state is State.QUEUED)
-            assert task.state is not State.DONE or task.done == task.steps
+            assert places == (task.state in HELD or task.state is TaskState.QUEUED)
+            assert task.state is not TaskState.DONE or task.done == task.steps
         working: dict[str, str] = {}
         for name, machine in self.robots.items():
             assert not machine.moving or name in fleet.holds, f"{name} is idle and not at rest"
@@ -342,7 +344,7 @@ class World:
         """Nothing fails any more, and people see to what waits for them: it all comes to an end."""
         for number in range(len(ROBOTS)):
             self.regain(number)
-            self.feed(e.Stood(ROBOTS[number], Standing.ACTIVE))
+            self.feed(e.Stood(ROBOTS[number], FleetMembership.ACTIVE))
         for _ in range(60):
             for number in range(len(ROBOTS)):
                 self.finish(number)  # well
@@ -361,13 +363,13 @@ class World:
 
     def _see_to(self) -> None:
         for task in list(self.fleet.tasks.values()):
-            if task.state in {State.PAUSED, State.FAILED, State.UNKNOWN}:
+            if task.state in {TaskState.PAUSED, TaskState.FAILED, TaskState.UNKNOWN}:
                 self.feed(e.Released(task.id))
-            elif task.state is State.QUEUED and self._in_vain(task):
-                self.feed(e.Held(task.id, Why.CANCELLED))
+            elif task.state is TaskState.QUEUED and self._in_vain(task):
+                self.feed(e.TaskHeld(task.id, TaskReason.CANCELLED))
 
     def _in_vain(self, task: Task) -> bool:
-        return any(self.fleet.tasks[key].state is State.CANCELLED for key in task.after)
+        return any(self.fleet.tasks[key].state is TaskState.CANCELLED for key in task.after)
 
 
 OPS = (

@@ -5,9 +5,9 @@ from typing import TypeAlias
 
 import pytest
 
-from rosic.app.units import compile_units
-from rosic.core.language import Context, Do, Line, UnitTable, Vocabulary, bind, understand
-from rosic.core.skill import Argument
+from rosic.config.units import compile_units
+from rosic.core.language import Do, Line, LineContext, UnitTable, Vocabulary, bind, understand
+from rosic.core.robot.skill import Argument
 from tests.core.language.fleet import profiles
 
 Means: TypeAlias = Callable[..., Line]
@@ -34,7 +34,7 @@ def means(vocabulary: Vocabulary, everyone: frozenset[str]) -> Means:
     """One line to what it means."""
 
     def understood(text: str, selected: str = "", visible: frozenset[str] = everyone) -> Line:
-        (line,) = understand(text, vocabulary, Context(selected, visible))
+        (line,) = understand(text, vocabulary, LineContext(selected, visible))
         return line
 
     return understood

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rosic.core.robot import Link, Profile
-from rosic.core.skill import Parameter, Skill
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
 
 DIRECTIONS: dict[str, tuple[str, ...]] = {
     "forward": ("ahead", "straight on"),

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from rosic.app.units import compile_units
-from rosic.core.language import Context, Do, Misunderstood, Vocabulary, bind, show, understand
+from rosic.config.units import compile_units
+from rosic.core.language import Do, LineContext, Misunderstood, Vocabulary, bind, show, understand
 from rosic.core.order import Spoken
-from rosic.core.robot import Link, Profile
-from rosic.core.skill import Parameter, Skill
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
 from rosic.errors import NotUnderstood, OutOfBounds, Refusal
 
 if TYPE_CHECKING:
@@ -307,7 +307,7 @@ def test_every_bound_that_is_offered_is_accepted(
         dig(vocabulary, number, said)
     except OutOfBounds as refused:
         (offer,) = refused.offers
-        (line,) = understand(offer, vocabulary, Context("", frozenset({"r1"})))
+        (line,) = understand(offer, vocabulary, LineContext("", frozenset({"r1"})))
         assert isinstance(line, Do)
         bind(vocabulary, "r1", line.skills[0], line.spoken)
 
@@ -327,7 +327,7 @@ def test_every_value_that_is_offered_is_accepted(
         bind(vocabulary, "r1", vocabulary.profiles["r1"].skills["dig"], ())
     assert refused.value.offers
     for offer in refused.value.offers:
-        (line,) = understand(offer, vocabulary, Context("", frozenset({"r1"})))
+        (line,) = understand(offer, vocabulary, LineContext("", frozenset({"r1"})))
         assert isinstance(line, Do)
         bind(vocabulary, "r1", line.skills[0], line.spoken)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 import pytest
 
 from rosic.core.language import clean, clean_name, inert_text, without_codes
-from rosic.core.language.cleaning import fold_word, quote
+from rosic.core.language.sanitise import fold_word, quote
 
 
 def test_what_cannot_be_seen_goes() -> None:

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from rosic.app.documents.profiles import known_units, load_profile, shipped_profiles
-from rosic.core.language import Context, Do, Errand, Vocabulary, hears_stop, understand
-from rosic.core.language.binding import bind
+from rosic.config.profiles import known_units, load_profile, shipped_profiles
+from rosic.core.language import CommandLine, Do, LineContext, Vocabulary, hears_stop, understand
+from rosic.core.language.arguments import bind
 from rosic.core.language.cancelling import hears_cancel
 from rosic.core.language.common_names import TYPED
-from rosic.core.robot import Link, Profile
-from rosic.core.skill import Parameter, Skill
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
 
 FLEET = tuple(load_profile(shipped_profiles()[name]) for name in ("kuka1", "omni", "cf1"))
 VOCABULARY = Vocabulary.build(FLEET, known_units())
 
 
 def meant(line: str, vocabulary: Vocabulary = VOCABULARY) -> object:
-    [found] = understand(line, vocabulary, Context("", frozenset(vocabulary.profiles)))
+    [found] = understand(line, vocabulary, LineContext("", frozenset(vocabulary.profiles)))
     if not isinstance(found, Do):
         return found
     [robot], [skill] = found.robots, found.skills
@@ -51,7 +51,7 @@ def test_german_means_the_same(german: str, english: str) -> None:
 )
 def test_german_errands(typed: str, verb: str) -> None:
     found = meant(typed)
-    assert isinstance(found, Errand)
+    assert isinstance(found, CommandLine)
     assert found.verb == verb
 
 
@@ -72,7 +72,7 @@ def test_what_would_leave_a_doubt_means_nothing() -> None:
     sides: dict[str, tuple[str, ...]] = {"back": (), "backward": ()}
     vocabulary = own("rover", shift=Skill(id="shift", parameters={"to": Parameter(choices=sides)}))
     assert meant("rover shift back", vocabulary) == ("rover", "shift", {"to": "back"})
-    [found] = understand("rover shift zurück", vocabulary, Context("", frozenset({"rover"})))
+    [found] = understand("rover shift zurück", vocabulary, LineContext("", frozenset({"rover"})))
     assert isinstance(found, Do)
     with pytest.raises(Exception, match='does not know "zurück"'):
         bind(vocabulary, "rover", found.skills[0], found.spoken)

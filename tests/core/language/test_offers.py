@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.language import Context, Do, Misunderstood, bind, understand
+from rosic.core.language import Do, LineContext, Misunderstood, bind, understand
 from rosic.errors import OutOfBounds, Refusal
 from tests.core.language.test_total import COMMANDS
 from tests.texts import LOCALE
@@ -25,7 +25,7 @@ _UNIT_PRINTED = re.compile(
 
 def _refusal(vocabulary: Vocabulary, everyone: frozenset[str], text: str) -> Refusal | None:
     """Return why a line is not carried out; None for what would be."""
-    (line,) = understand(text, vocabulary, Context("", everyone))
+    (line,) = understand(text, vocabulary, LineContext("", everyone))
     if isinstance(line, Misunderstood):
         return Refusal(line.sentence, offers=line.offers)
     if isinstance(line, Do):

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from rosic.app.documents.profiles import known_units, load_profile, shipped_profiles
+from rosic.config.profiles import known_units, load_profile, shipped_profiles
 from rosic.core.language import (
-    Context,
     Do,
     Help,
     Line,
+    LineContext,
     Misunderstood,
     Resume,
     Robots,
@@ -51,7 +51,7 @@ class Conversation:
             robots, unknown = self.vocabulary.to_stop(names, self.visible)
             named = names and not unknown
             return f"End what {', '.join(robots)} does for one" if named else OWN
-        (line,) = understand(text, self.vocabulary, Context(self.selected, self.visible))
+        (line,) = understand(text, self.vocabulary, LineContext(self.selected, self.visible))
         return self.said(line)
 
     def said(self, line: Line) -> str:

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from rosic.app.units import compile_units
-from rosic.core.language import Errand, Reader, Start, Vocabulary, without_codes
-from tests.rooms.pipeline.place import FLEET
+from rosic.config.units import compile_units
+from rosic.core.language import CommandLine, LanguageReader, Start, Vocabulary, without_codes
+from tests.gateway.place import FLEET
 
-READER = Reader(Vocabulary.build(FLEET, compile_units()))
+READER = LanguageReader(Vocabulary.build(FLEET, compile_units()))
 VISIBLE = frozenset(profile.id for profile in FLEET)
 SECRET = "417293"  # noqa: S105 - of nobody
 
@@ -19,7 +19,7 @@ def is_read_as_secret(text: str) -> bool:
     """Whether some line of a text brings the secret to where one is expected."""
     for line in READER.lines(text, "", VISIBLE):
         brought = line.payload if isinstance(line, Start) else ""
-        if isinstance(line, Errand) and line.verb in {"code", "authenticator"}:
+        if isinstance(line, CommandLine) and line.verb in {"code", "authenticator"}:
             brought = "" if line.rest.casefold().startswith("reset") else line.rest
         if SECRET in brought:
             return True

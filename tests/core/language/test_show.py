@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.language import Do, Vocabulary, bind, show
-from rosic.core.language.showing import show_bound, show_number, show_value
-from rosic.core.skill import Skill
+from rosic.core.language.formatting import show_bound, show_number, show_value
+from rosic.core.robot.skill import Skill
 
 if TYPE_CHECKING:
     from tests.core.language.conftest import Means

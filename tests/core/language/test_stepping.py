@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.app.documents.profiles import known_units
+from rosic.config.profiles import known_units
 from rosic.core.language import Vocabulary
 from rosic.core.language.stepping import beginning, stepped
-from rosic.core.robot import Link, Profile
-from rosic.core.skill import Parameter, Skill
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
 
 if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledParameter

@@ -4,8 +4,8 @@ from __future__ import annotations
 import pytest
 
 from rosic.core.language import Vocabulary, hears_stop
-from rosic.core.language.cleaning import normalised
-from rosic.core.language.stopping import is_stop_word
+from rosic.core.language.sanitise import normalised
+from rosic.core.language.stop_detection import is_stop_word
 
 EVERYTHING = """
 stop Stop STOP STOP!!! stop. "stop" **stop** /stop /stop@lab_robots_bot stop! STOOOOOOP sstop

@@ -15,10 +15,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rosic.app.units import compile_units
+from rosic.config.units import compile_units
 from rosic.core.language import (
-    Context,
     Do,
+    LineContext,
     Misunderstood,
     Vocabulary,
     bind,
@@ -27,8 +27,8 @@ from rosic.core.language import (
     show,
     understand,
 )
-from rosic.core.robot import Link, Profile
-from rosic.core.skill import Argument, Parameter, Skill
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Argument, Parameter, Skill
 from rosic.errors import Refusal
 from tests.core.language.fleet import DIRECTIONS, profiles
 
@@ -72,11 +72,11 @@ ODDITIES = [
 
 VOCABULARY = Vocabulary.build(profiles(), compile_units())
 CONTEXTS = [
-    Context("", frozenset(VOCABULARY.profiles)),
-    Context("omni", frozenset(VOCABULARY.profiles)),
-    Context("echo", frozenset(VOCABULARY.profiles)),
-    Context("crazyflies", frozenset({"omni", "cf2"})),
-    Context("nobody", frozenset()),
+    LineContext("", frozenset(VOCABULARY.profiles)),
+    LineContext("omni", frozenset(VOCABULARY.profiles)),
+    LineContext("echo", frozenset(VOCABULARY.profiles)),
+    LineContext("crazyflies", frozenset({"omni", "cf2"})),
+    LineContext("nobody", frozenset()),
 ]
 
 
@@ -85,7 +85,7 @@ def is_fit_to_show(text: str) -> bool:
     return clean(text) == text and bool(text.encode())
 
 
-def follow(text: str, context: Context) -> int:
+def follow(text: str, context: LineContext) -> int:
     """Take a message the whole way; return how many commands it held that could be carried out."""
     stop = hears_stop(text, VOCABULARY.known)
     lines = understand(text, VOCABULARY, context)
@@ -166,7 +166,7 @@ def test_a_hundred_thousand_messages_raise_nothing_but_refusals() -> None:
 
 @settings(deadline=None)  # a busy machine is no fault
 @given(text=st.text(st.characters(codec=None), max_size=200), context=st.sampled_from(CONTEXTS))
-def test_any_text_at_all(text: str, context: Context) -> None:
+def test_any_text_at_all(text: str, context: LineContext) -> None:
     follow(text, context)
 
 
@@ -181,7 +181,7 @@ def test_any_text_at_all(text: str, context: Context) -> None:
     ),
     context=st.sampled_from(CONTEXTS),
 )
-def test_any_lines_of_commands_and_oddities(lines: list[str], context: Context) -> None:
+def test_any_lines_of_commands_and_oddities(lines: list[str], context: LineContext) -> None:
     follow("\n".join(lines), context)
 
 
@@ -276,9 +276,9 @@ def test_the_number_of_robots_and_skills_costs_nothing(text: str) -> None:
     counts = []
     for robots, skills in ((1, 5), (50, 10), (300, 20)):
         vocabulary = fleet(robots, skills)
-        context = Context("", frozenset(vocabulary.profiles))
+        context = LineContext("", frozenset(vocabulary.profiles))
 
-        def work(vocabulary: Vocabulary = vocabulary, context: Context = context) -> None:
+        def work(vocabulary: Vocabulary = vocabulary, context: LineContext = context) -> None:
             hears_stop(text, vocabulary.known)
             (line,) = understand(text, vocabulary, context)
             if isinstance(line, Do):
@@ -292,6 +292,6 @@ def test_what_is_not_understood_is_looked_for_among_a_bounded_number() -> None:
     counts = []
     for robots in (1000, 2000):
         vocabulary = fleet(robots, 3)
-        context = Context("", frozenset(vocabulary.profiles))
+        context = LineContext("", frozenset(vocabulary.profiles))
         counts.append(steps(lambda v=vocabulary, c=context: understand("omn move", v, c)))  # type: ignore[misc]
     assert counts[1] <= 1.1 * counts[0]

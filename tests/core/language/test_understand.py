@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.core.language import (
-    Context,
     Do,
     Halt,
     Help,
     Line,
+    LineContext,
     Misunderstood,
     Resume,
     Robots,
@@ -160,7 +160,7 @@ def test_a_verb(means: Means, text: str, line: Line) -> None:
 
 def test_several_lines_keep_their_order(vocabulary: Vocabulary, everyone: frozenset[str]) -> None:
     lines = understand(
-        "omni move 1 m\r\n\n  \nmvoe\nstatus\nstop omni", vocabulary, Context("", everyone)
+        "omni move 1 m\r\n\n  \nmvoe\nstatus\nstop omni", vocabulary, LineContext("", everyone)
     )
 
     assert [type(line) for line in lines] == [Do, Misunderstood, Status, Halt]

@@ -9,7 +9,7 @@ import msgspec
 import pint
 import pytest
 
-from rosic.app import units as table_of_names
+from rosic.config import units as table_of_names
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -158,8 +158,8 @@ def test_a_slip_in_a_full_name_is_that_unit_or_nothing(units: UnitTable) -> None
 def test_what_ships_is_what_pint_says_now() -> None:
     shipped = table_of_names.shipped_factors()
 
-    assert shipped is not None, "made for another pint; run: python -m rosic.app.units"
-    assert shipped == table_of_names.ask_pint(), "run: python -m rosic.app.units"
+    assert shipped is not None, "made for another pint; run: python -m rosic.config.units"
+    assert shipped == table_of_names.ask_pint(), "run: python -m rosic.config.units"
 
 
 @pytest.mark.parametrize("change", [{"pint": "0.0.1"}, {"asked": "something else"}])
@@ -186,12 +186,12 @@ def test_factors_that_cannot_be_read_do_not_count(content: bytes | None, tmp_pat
 
 
 def test_with_what_ships_pint_is_not_imported() -> None:
-    code = "import sys; from rosic.app.units import compile_units as c; c(); print(*sys.modules)"
+    code = "import sys; from rosic.config.units import compile_units as c; c(); print(*sys.modules)"
     done = subprocess.run(  # noqa: S603 - our own interpreter
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120
     )
 
-    assert {"rosic.app.units", "msgspec"} <= set(done.stdout.split())
+    assert {"rosic.config.units", "msgspec"} <= set(done.stdout.split())
     assert {"pint", "numpy"}.isdisjoint(done.stdout.split())
 
 

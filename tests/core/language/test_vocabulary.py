@@ -6,8 +6,8 @@ import msgspec
 import pytest
 
 from rosic.core.language import SAY, UnitTable, Vocabulary, skills_of
-from rosic.core.robot import Link, Profile
-from rosic.core.skill import Parameter, Skill
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Parameter, Skill
 from tests.core.language.fleet import echo, kuka, omni, profiles
 
 

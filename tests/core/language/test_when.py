@@ -7,16 +7,16 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from rosic.core.civil import DAY_NS, MINUTE_NS, Local, day_number
-from rosic.core.language.lines import Misunderstood
-from rosic.core.language.when import EXAMPLES, When, read_when
+from rosic.core.language.ast import Misunderstood
+from rosic.core.language.time_parser import EXAMPLES, When, read_when
+from rosic.core.local_time import DAY_NS, MINUTE_NS, LocalTime, day_number
 
 HOURS_AHEAD = 1
 NOW_NS = day_number(2026, 11, 21) * DAY_NS + (9 * 60 + 30) * MINUTE_NS + 17_000_000_000
 
 
-def local_at(at_ns: int) -> Local:
-    return Local.at(0, at_ns // MINUTE_NS + HOURS_AHEAD * 60)
+def local_at(at_ns: int) -> LocalTime:
+    return LocalTime.at(0, at_ns // MINUTE_NS + HOURS_AHEAD * 60)
 
 
 def read(text: str) -> When | Misunderstood:
@@ -142,7 +142,7 @@ def test_now_is_a_moment_and_the_rest_a_clock_on_a_wall() -> None:
 
 
 def test_an_end_that_was_said_is_kept() -> None:
-    assert understood("tomorrow 22-2").ends == Local(2026, 11, 23, 2)
+    assert understood("tomorrow 22-2").ends == LocalTime(2026, 11, 23, 2)
     assert understood("tomorrow 22:00 4h").ends is None
 
 
@@ -270,6 +270,6 @@ def test_any_text_gives_a_time_or_a_sentence(text: str) -> None:
 def test_every_date_time_and_length_is_read_as_it_is_written(
     days: int, minute: int, minutes: int
 ) -> None:
-    start = Local.at(day_number(2026, 11, 21) + days, minute)
+    start = LocalTime.at(day_number(2026, 11, 21) + days, minute)
     found = understood(f"{start.date_text()} {start.time_text()} {minutes} min")
     assert (found.start, found.length_s) == (start, minutes * 60)

@@ -12,20 +12,20 @@ import os
 from itertools import count
 from typing import TYPE_CHECKING
 
-from rosic.app.documents.profiles import known_units
 from rosic.app.face import face_of
-from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.app.placing.people import Seed
-from rosic.authoriser.admission import Redeemed
-from rosic.authoriser.invitation import Given, Wanted
-from rosic.core.civil import Local
+from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
+from rosic.app.people import Seed
+from rosic.authoriser.admission import CodeRedeemed
+from rosic.authoriser.invitation import InvitationRequest, InvitedRights
+from rosic.config.profiles import known_units
 from rosic.core.identity import Address
-from rosic.core.robot import Link, Profile
-from rosic.core.skill import Skill
+from rosic.core.local_time import LocalTime
+from rosic.core.robot.profile import Link, Profile
+from rosic.core.robot.skill import Skill
 from rosic.core.slot import Pattern
 from rosic.robots.memory import MemoryRobot
 from rosic.stores.database import DatabaseStore
-from rosic.stores.latch import MemoryLatch
+from rosic.stores.stop_latch import MemoryLatch
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from pathlib import Path
 
-    from rosic.core.record import Record
+    from rosic.core.records import Record
 
 AT_ONCE = 4
 TIMES = 10
@@ -55,11 +55,11 @@ def a_gateway(store: DatabaseStore) -> Gateway:
         Profile(id=name, link=Link(kind="memory"), skills={"wave": Skill(id="wave")})
         for name in ROBOTS
     )
-    parts = Parts(
+    parts = GatewayParts(
         messengers=(), robot_factory=lambda _kind: MemoryRobot, store=store, latch=MemoryLatch(),
         clock=SystemClock(), entropy=SystemEntropy(), units=known_units(), face=face_of(),
     )  # fmt: skip
-    return Gateway(Settings(profiles=profiles, people=(ADA,)), parts)
+    return Gateway(GatewaySettings(profiles=profiles, people=(ADA,)), parts)
 
 
 class Pipe:
@@ -100,9 +100,9 @@ class Admin:
 
     async def _join(self, number: int) -> str:
         access, enrolment = self._access, self._access.enrolment
-        given = Given(roles=("operator", "viewer"), robots=ROBOTS, lasts_s=86_400.0)
+        given = InvitedRights(roles=("operator", "viewer"), robots=ROBOTS, lasts_s=86_400.0)
         async with access.changes.turn() as turn:
-            wanted = Wanted(given=given, needs_confirmation=False)
+            wanted = InvitationRequest(given=given, needs_confirmation=False)
             offer = enrolment.invitations.invite(wanted, self._ada)
             await turn.write(offer.records)
         async with access.changes.turn() as turn:
@@ -110,7 +110,7 @@ class Admin:
                 offer.code.reveal(), Address("memory", f"x{number}"), private=True,
                 name=f"Person {number}",
             )  # fmt: skip
-            assert isinstance(answer, Redeemed)
+            assert isinstance(answer, CodeRedeemed)
             await turn.write(self._gateway.furnishing.admitting.records(answer, self._ada))
         self._say("joined", number)
         return answer.person.id
@@ -118,8 +118,8 @@ class Admin:
     async def _book(self, number: int, who: str) -> None:
         calendar = self._gateway.rooms.organiser.calendar
         minute, far = number % 1_440, number // 1_440
-        first = Local.at(_today() + 1 + far * TIMES)
-        first = Local(first.year, first.month, first.day, minute // 60, minute % 60)
+        first = LocalTime.at(_today() + 1 + far * TIMES)
+        first = LocalTime(first.year, first.month, first.day, minute // 60, minute % 60)
         pattern = Pattern(first, 60, f"FREQ=DAILY;COUNT={TIMES}", "UTC")
         async with self._access.changes.turn() as turn:
             await turn.write(calendar.book_series(who, ROBOTS[number % 2], pattern, who))

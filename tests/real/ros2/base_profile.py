@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from tests.real.ros2.simulated import profile_of
 
 if TYPE_CHECKING:
-    from rosic.core.robot import Profile
+    from rosic.core.robot.profile import Profile
 
 WATCHDOG_S = 0.5
 PARAMETERS = {

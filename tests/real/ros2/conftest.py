@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.interfaces.cache import ensure_built, make_importable
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.testing.ros2.environment import why_missing
 from rosic.testing.ros2.graph import RosGraph, RosProcess
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import sys
 
-from rosic.core.order import Report, Stage
+from rosic.core.order import Stage, StageReport
 from rosic.system import SystemClock
 from tests.real.ros2.simulated import opened, shipped
 
@@ -22,7 +22,7 @@ async def drive(name: str, skill: str, spoken: list[str]) -> None:
     pairs = (entry.partition("=") for entry in spoken)
     arguments = {key: _number_or_word(value) for key, _, value in pairs}
 
-    def tell(report: Report) -> None:
+    def tell(report: StageReport) -> None:
         if report.stage is Stage.RUNNING and (report.fraction or 0.0) > 0.02:
             say("ready")
 

@@ -13,7 +13,7 @@ from tests.real.ros2.stream_driver import obey
 
 if TYPE_CHECKING:
     from rosic.core.order import Order
-    from rosic.core.robot import Profile
+    from rosic.core.robot.profile import Profile
     from tests.real.ros2.simulated import TriedRobot
 
 WATCHDOG_S = 0.5

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 import msgspec
 from msgspec.structs import replace
 
-from rosic.app.documents.profiles import load_profile, shipped_profiles
-from rosic.core.gate import Gate
-from rosic.core.robot import Profile
-from rosic.robots.ros2.nodes.watch import LINK_LOST_S
-from rosic.robots.ros2.parameters import SET_PARAMETERS, request, service_of
+from rosic.config.profiles import load_profile, shipped_profiles
+from rosic.core.order_gate import OrderGate
+from rosic.core.robot.profile import Profile
+from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS, request, service_of
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.testing.orders import OrderBook
+from rosic_sim.ros2.watch import LINK_LOST_S
 from tests.pace import patience
 
 if TYPE_CHECKING:
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Tell
     from rosic.core.order import Order, Outcome
-    from rosic.core.skill import Argument
-    from rosic.robots.ros2.runtime import RosRuntime
+    from rosic.core.robot.skill import Argument
+    from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.testing.ros2.graph import RosGraph, RosProcess
 
-SIMULATION = "rosic.robots.ros2.simulation"
+SIMULATION = "rosic_sim.ros2.simulation"
 FOREVER_S = 60.0
 
 
@@ -86,7 +86,7 @@ class TriedRobot(Ros2Robot):
     """
 
     def __init__(self, profile: Profile, clock: Clock) -> None:
-        super().__init__(profile, Gate.new(profile.id), clock)
+        super().__init__(profile, OrderGate.new(profile.id), clock)
         self._salt = os.urandom(8)
         self.book = OrderBook(profile, clock)
         self.begun_before = 0

@@ -21,8 +21,8 @@ from tests.real.ros2.simulated import opened, until
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.core.order import Order, Report
-    from rosic.core.robot import Profile
+    from rosic.core.order import Order, StageReport
+    from rosic.core.robot.profile import Profile
     from tests.real.ros2.simulated import TriedRobot
 
 
@@ -31,7 +31,7 @@ def say(line: str) -> None:
     sys.stdout.flush()
 
 
-def tell(report: Report) -> None:
+def tell(report: StageReport) -> None:
     if report.stage is Stage.RECEIVED:
         say("driving")
     if report.note:

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.robots.ros2.faults import BadValue, NoAnswer, NotSent
-from rosic.robots.ros2.reading import compile_path
-from rosic.robots.ros2.services import wait_until
+from rosic.robots.ros2.client.services import wait_until
+from rosic.robots.ros2.errors import BadValue, NoAnswer, NotSent
+from rosic.robots.ros2.messages.decode import compile_path
 from tests.pace import pace
 
 if TYPE_CHECKING:
-    from rosic.robots.ros2.actions import ActionLink
-    from rosic.robots.ros2.registry import TypeRegistry
-    from rosic.robots.ros2.runtime import RosRuntime
+    from rosic.robots.ros2.client.actions import ActionLink
+    from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.messages.types import TypeRegistry
     from rosic.testing.ros2.graph import RosProcess
 
 MOVE = "rosic_interfaces/action/Move"

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
 from tests.cli.running import Gateway, gateway, rosic, write_config
 from tests.cli.test_robot_add import QUICK
 from tests.pace import pace
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from pathlib import Path
 
-    from rosic.robots.ros2.ros import RosObject
-    from rosic.robots.ros2.topics import Latest
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.topics import LatestMessage
     from rosic.testing.ros2.graph import RosGraph
     from tests.cli.running import Ran
     from tests.real.ros2.simulated import Simulated
@@ -46,7 +46,7 @@ pytestmark = pytest.mark.limit(300)
 class Watched:
     """What a robot's odometry says to anybody on the graph."""
 
-    def __init__(self, latest: Latest) -> None:
+    def __init__(self, latest: LatestMessage) -> None:
         self._latest = latest
 
     def at_m(self) -> tuple[float, float]:

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.robot import Link, Profile
+from rosic.core.robot.profile import Link, Profile
 from rosic.errors import ConfigurationError
-from rosic.pipeline.among.inbox import PACE
+from rosic.features.robot_to_robot.inbox import PACE
 from rosic.robots.ros2.robot import Ros2Robot
+from tests.features.robot_to_robot.fellows import CAREFUL, Fellows
+from tests.features.robot_to_robot.test_storm import RealClock
+from tests.gateway.place import BO
 from tests.pace import pace
 from tests.real.ros2.simulated import shipped, simulated, until
-from tests.rooms.pipeline.among.fellows import CAREFUL, Fellows
-from tests.rooms.pipeline.among.test_storm import RealClock
-from tests.rooms.pipeline.place import BO
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tests.gateway.place import BO
 from tests.real.ros2.test_among import PATIENCE_S, Brain, OnRos, brains
-from tests.rooms.pipeline.place import BO
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

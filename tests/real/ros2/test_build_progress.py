@@ -6,7 +6,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
-from rosic.robots.ros2.station import SAY_EVERY_NS, BuildProgress
+from rosic.robots.ros2.client.node import SAY_EVERY_NS, BuildProgress
 
 if TYPE_CHECKING:
     import pytest

@@ -13,8 +13,8 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.bench.start import SIMULATION, began, one_more
-from rosic.core.gate import Gate
 from rosic.core.order import Ending
+from rosic.core.order_gate import OrderGate
 from rosic.errors import OrderVoid
 from rosic.system import SystemClock
 from tests.real.ros2.simulated import opened, shipped
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.core.order import Order
-    from rosic.core.skill import Argument
+    from rosic.core.robot.skill import Argument
     from rosic.testing.ros2.graph import RosGraph
 
 NAMES = ("omni1", "omni2", "omni3", "omni4")
@@ -59,7 +59,7 @@ async def test_robots_that_were_told_one_after_another_begin_together(
     assert max(moments.values()) - min(moments.values()) < TOGETHER_WITHIN_S * 1e9
 
 
-class LetsAllBegin(Gate):
+class LetsAllBegin(OrderGate):
     """Lets what comes too late for a common start pass, as if that came to be on the way."""
 
     __slots__ = ()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from rosic.core.order import Stop
-from rosic.core.parcel import Parcel, Receipt
+from rosic.core.robot.file_transfer import FileForRobot, Receipt
 from rosic.errors import ConfigurationError, RobotOffline, RobotUnreachable
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph, RosProcess
@@ -61,7 +61,7 @@ async def delivered(
         if stop:
             robot.gate.apply_stop(Stop("omni", robot.gate.generation + 1))
         return await robot.deliver(
-            Parcel(
+            FileForRobot(
                 name=name, path=str(path), sort="yaml", size=len(CONTENT),
                 digest=hashlib.sha256(CONTENT).digest(), content=CONTENT,
             )

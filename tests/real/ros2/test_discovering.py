@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.documents.profiles import check_profile, load_profile
-from rosic.app.finding.discovering import LOOK_S, discover
+from rosic.app.setup.discovery import LOOK_S, discover
+from rosic.config.profiles import check_profile, load_profile
 from rosic.core.order import Ending, Outcome
 from rosic.errors import RobotOffline
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built, make_importable
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from rosic.core.skill import Argument
+    from rosic.core.robot.skill import Argument
     from rosic.testing.ros2.graph import RosGraph
 
 pytestmark = [pytest.mark.limit(240)]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 import yaml
 
-from rosic.app.finding.discovering import LOOK_S, discover
-from rosic.cli.robot_discover import run
+from rosic.app.setup.discovery import LOOK_S, discover
+from rosic.cli.robots import run
 from rosic.system import SystemClock
 
 if TYPE_CHECKING:

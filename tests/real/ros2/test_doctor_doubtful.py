@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
-from rosic.app.doctor.findings import Finding, Verdict
-from rosic.app.doctor.trying import try_robot
+from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
+from rosic.app.setup.stop_test import try_robot
 from rosic.system import SystemClock, SystemEntropy
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ async def told(base: RosProcess, line: str) -> int:
     return int(await asyncio.to_thread(base.expect, "ok"))
 
 
-async def tried(folder: Path, within_s: float = 1.0) -> list[Finding]:
+async def tried(folder: Path, within_s: float = 1.0) -> list[DiagnosticFinding]:
     """Try the base; return everything that was found."""
     (folder / "base.yaml").write_text(BASE.format(within_s=within_s))
     (folder / "rosic.toml").write_text(PLACE)
@@ -83,7 +83,7 @@ async def test_a_robot_that_reports_too_seldom_is_not_moved_and_what_to_write_is
 
     [seldom] = await tried(tmp_path, within_s=0.5)
 
-    assert seldom.verdict is Verdict.LOOK
+    assert seldom.verdict is FindingVerdict.LOOK
     said = re.fullmatch(
         r"at_rest: heard every (\d\.\d) s; within_s 0\.5 is too short: write within_s: (\d\.\d); "
         r"it was not moved",
@@ -100,7 +100,7 @@ async def test_what_is_written_then_is_enough(base: RosProcess, tmp_path: Path) 
 
     stop, _watchdog, _ = await tried(tmp_path, within_s=3.0)
 
-    assert stop.verdict is Verdict.GOOD, stop.text
+    assert stop.verdict is FindingVerdict.GOOD, stop.text
     assert await told(base, "velocities") > 0
 
 
@@ -109,10 +109,10 @@ async def test_a_battery_in_per_cent_is_pointed_out(base: RosProcess, tmp_path: 
 
     battery, stop, *_ = await tried(tmp_path)
 
-    assert battery.verdict is Verdict.LOOK
+    assert battery.verdict is FindingVerdict.LOOK
     assert battery.text.startswith("battery: it reports more than 1, and ROS defines a fraction")
     assert battery.text.endswith("write full: 100 in its telemetry")
-    assert stop.verdict is Verdict.GOOD
+    assert stop.verdict is FindingVerdict.GOOD
 
 
 async def test_a_stop_that_never_answers_is_looked_at(base: RosProcess, tmp_path: Path) -> None:
@@ -121,12 +121,12 @@ async def test_a_stop_that_never_answers_is_looked_at(base: RosProcess, tmp_path
 
     stop, watchdog, stays = await tried(tmp_path)
 
-    assert stop.verdict is Verdict.LOOK
+    assert stop.verdict is FindingVerdict.LOOK
     assert re.fullmatch(
         r"stop: at rest after \d\.\d\d s; its own stop did not answer \(from a slow drive\)",
         stop.text,
     ), stop.text
-    assert watchdog.verdict is Verdict.GOOD
+    assert watchdog.verdict is FindingVerdict.GOOD
     assert stays.text.startswith("it stays stopped")
 
 
@@ -137,6 +137,6 @@ async def test_a_stop_that_says_that_it_failed_is_looked_at(
 
     stop, _, stays = await tried(tmp_path)
 
-    assert stop.verdict is Verdict.LOOK
+    assert stop.verdict is FindingVerdict.LOOK
     assert "; its own stop answered that it failed: brake circuit open (from" in stop.text
     assert stays.text.startswith("it stays stopped")

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 from rosic.app.config import load_config
-from rosic.app.doctor.findings import Finding, Verdict
-from rosic.app.doctor.trying import try_robot
-from rosic.robots.ros2.parameters import SET_PARAMETERS
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
+from rosic.app.setup.findings import DiagnosticFinding, FindingVerdict
+from rosic.app.setup.stop_test import try_robot
+from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock, SystemEntropy
 from rosic.testing.ros2.graph import RosGraph
 from tests.cli.running import rosic, write_config
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
     from pathlib import Path
 
-    from rosic.robots.ros2.topics import Latest, Publisher
+    from rosic.robots.ros2.client.topics import LatestMessage, Publisher
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 OMNI = """
@@ -66,18 +66,18 @@ async def onlooker(omni: Simulated) -> AsyncIterator[RosRuntime]:
         await set_fault(runtime, "omni", "battery", 1.0)
 
 
-async def tried(folder: Path) -> tuple[Finding, Finding]:
+async def tried(folder: Path) -> tuple[DiagnosticFinding, DiagnosticFinding]:
     """Try it; return what was found of its stop, and of its watchdog."""
     config = load_config(write_config(folder, OMNI))
     stop, watchdog, _ = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
     return stop, watchdog
 
 
-def watched(finding: Finding) -> tuple[str, float]:
+def watched(finding: DiagnosticFinding) -> tuple[str, float]:
     """Return what a finding says of the watchdog: how it ended, and the seconds."""
     said = BARKED.fullmatch(finding.text)
     assert said is not None, finding.text
-    assert said[3].endswith("good") == (finding.verdict is Verdict.GOOD)
+    assert said[3].endswith("good") == (finding.verdict is FindingVerdict.GOOD)
     return said[1], float(said[2])
 
 
@@ -86,7 +86,7 @@ async def test_its_stop_and_its_watchdog_are_measured(tmp_path: Path, omni: Simu
 
     stop, watchdog = await tried(tmp_path)
 
-    assert (stop.verdict, watchdog.verdict) == (Verdict.GOOD, Verdict.GOOD)
+    assert (stop.verdict, watchdog.verdict) == (FindingVerdict.GOOD, FindingVerdict.GOOD)
     measured = STOPPED.fullmatch(stop.text)
     assert measured is not None, stop.text
     assert 0.02 < float(measured[1]) < 1.0 * patience()
@@ -104,7 +104,7 @@ async def test_a_robot_without_a_watchdog_is_seen_to_go_on_and_is_stopped(
 
     _, watchdog = await tried(tmp_path)
 
-    assert watchdog.verdict is Verdict.LOOK
+    assert watchdog.verdict is FindingVerdict.LOOK
     how, seconds = watched(watchdog)
     assert how == "not seen at rest"
     assert seconds >= 5.0
@@ -118,7 +118,7 @@ async def test_a_watchdog_slower_than_its_profile_says_is_looked_at(
 
     _, watchdog = await tried(tmp_path)
 
-    assert watchdog.verdict is Verdict.LOOK
+    assert watchdog.verdict is FindingVerdict.LOOK
     how, seconds = watched(watchdog)
     assert how == "at rest"
     assert 1.8 < seconds < 3.0 * patience()
@@ -135,7 +135,7 @@ async def test_a_robot_that_is_not_measured_to_move_is_looked_at_and_stays_stopp
     found = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
 
     stop, watchdog, stays = found
-    assert {finding.verdict for finding in found} == {Verdict.LOOK}
+    assert {finding.verdict for finding in found} == {FindingVerdict.LOOK}
     assert "(it was sent velocities, and not measured to move)" in stop.text
     assert watchdog.text == "watchdog: it was sent velocities, and not measured to move"
     assert stays.text.startswith("it stays stopped")
@@ -145,7 +145,7 @@ async def test_a_robot_whose_rest_several_report_is_not_moved(
     tmp_path: Path, omni: Simulated
 ) -> None:
     types, domain = TypeRegistry([ODOMETRY]), omni.graph.domain_id
-    before, found = 0, list[Finding]()
+    before, found = 0, list[DiagnosticFinding]()
     async with await RosRuntime.open(types, node_name="second", domain_id=domain) as second:
         odometry = await second.publisher("/omni/odom", ODOMETRY)
         own = await second.latest("/omni/odom", ODOMETRY)
@@ -156,17 +156,17 @@ async def test_a_robot_whose_rest_several_report_is_not_moved(
             (folder := tmp_path / str(number)).mkdir()
             config = load_config(write_config(folder, OMNI))
             found = [f async for f in try_robot(config, "omni", SystemClock(), SystemEntropy())]
-            assert found[0].verdict is Verdict.LOOK
+            assert found[0].verdict is FindingVerdict.LOOK
             if len(found) == 1:
                 break
         telling.cancel()
 
     text = "whether it rests is not measured: more than one program reports it; it was not moved"
-    assert found == [Finding("omni", Verdict.LOOK, text)]
+    assert found == [DiagnosticFinding("omni", FindingVerdict.LOOK, text)]
     assert len(omni.actuations("omni")) == before
 
 
-async def tell_again_and_again(odometry: Publisher, own: Latest) -> None:
+async def tell_again_and_again(odometry: Publisher, own: LatestMessage) -> None:
     """Report what the robot itself reports: nothing but a second one speaks against it."""
     while True:
         message = own.message()

@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
+from rosic.core.messages import rests, status_line
 from rosic.core.order import Ending, Outcome, Stop
-from rosic.core.robot import AtRest, StopBinding
-from rosic.core.words import rests, status_line
+from rosic.core.robot.profile import AtRest, StopBinding
 from rosic.errors import RobotOffline, RobotUnreachable
 from rosic.system import SystemClock
 from tests.real.ros2.base_profile import base_profile
 from tests.real.ros2.simulated import opened, until
 
 if TYPE_CHECKING:
-    from rosic.core.robot import Profile
-    from rosic.core.skill import Argument
+    from rosic.core.robot.profile import Profile
+    from rosic.core.robot.skill import Argument
     from rosic.testing.ros2.graph import RosGraph, RosProcess
 
 NODE = Path(__file__).with_name("doubtful_node.py")

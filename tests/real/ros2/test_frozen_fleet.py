@@ -13,28 +13,28 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.app.documents.profiles import known_units
-from rosic.app.gateway import Gateway, Parts, Settings
-from rosic.core.fleet.mission import Mission, Part
-from rosic.core.rate import RateLimit
-from rosic.core.roles import DEFAULT_ROLES, Rulebook
+from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
+from rosic.config.profiles import known_units
+from rosic.core.fleet.mission import Mission, MissionPart
+from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.core.rate_limit import RateLimit
 from rosic.messengers.memory import MemoryMessenger
 from rosic.robots.ros2.robot import Ros2Robot
-from rosic.stores.latch import MemoryLatch
 from rosic.stores.memory import MemoryStore
+from rosic.stores.stop_latch import MemoryLatch
 from rosic.system import SystemClock
 from rosic.testing.clock import SeededEntropy
 from rosic.testing.ros2.graph import RosGraph
+from tests.gateway.place import PEOPLE
 from tests.pace import pace, patience
 from tests.real.ros2.base_profile import base_profile
 from tests.real.ros2.stream_site import FREEZE, GO_ON, HERE, Velocity, velocities_in
-from tests.rooms.pipeline.place import PEOPLE
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
     from pathlib import Path
 
-    from rosic.core.robot import Presence
+    from rosic.core.robot.profile import Presence
 
 NAMES = ("base1", "base2")
 FROZEN_S = 2.5
@@ -47,7 +47,7 @@ NOT_HEARD = "then it was not heard for 1."
 STOOD_STILL = "then ROSIC itself stood still"
 _NS = 1_000_000_000
 TOUR = Mission(
-    name="tour", do=(Part(on="base1", steps=("drive 0.2 m/s 20 s", "drive -0.2 m/s 20 s")),)
+    name="tour", do=(MissionPart(on="base1", steps=("drive 0.2 m/s 20 s", "drive -0.2 m/s 20 s")),)
 )
 
 
@@ -71,15 +71,15 @@ class Chat:
         self.messenger = MemoryMessenger("memory", clock=clock)
         fleet = tuple(replace(base_profile(name=name), groups=("bases",)) for name in NAMES)
         self.gateway = Gateway(
-            Settings(
+            GatewaySettings(
                 profiles=fleet,
                 people=PEOPLE,
                 limit=RateLimit(burst=1e6, per_s=1e6),
                 lease_idle_s=30.0,
-                rulebook=Rulebook(roles=DEFAULT_ROLES),
+                rulebook=RoleRules(roles=DEFAULT_ROLES),
                 missions=(TOUR,),
             ),
-            Parts(
+            GatewayParts(
                 messengers=(self.messenger,),
                 robot_factory=lambda _kind: Ros2Robot,
                 store=MemoryStore(),

@@ -6,7 +6,7 @@ from importlib import import_module
 from math import nan
 from typing import Any
 
-from rosic.robots.ros2.goal_fields import Remaining
+from rosic.robots.ros2.bindings.goal_fields import Remaining
 
 
 def test_what_is_left_is_measured_against_the_most_that_ever_was() -> None:

@@ -4,12 +4,18 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.robots.ros2.faults import BadName, NotSent
-from rosic.robots.ros2.graph import Offer, Snapshot, Topic, snapshot, wait_for
-from rosic.robots.ros2.names import is_under
+from rosic.robots.ros2.client.graph import (
+    GraphSnapshot,
+    GraphTopic,
+    OfferedEndpoint,
+    snapshot,
+    wait_for,
+)
+from rosic.robots.ros2.errors import BadName, NotSent
+from rosic.robots.ros2.messages.names import is_under
 
 if TYPE_CHECKING:
-    from rosic.robots.ros2.runtime import RosRuntime
+    from rosic.robots.ros2.client.runtime import RosRuntime
     from rosic.testing.ros2.graph import RosProcess
 
 TRIGGER = "std_srvs/srv/Trigger"
@@ -25,14 +31,14 @@ async def test_a_robot_is_seen_with_all_it_offers(runtime: RosRuntime) -> None:
     )
     assert seen.complete
     assert seen.nodes == ("/omni/robot",)
-    assert Topic("/omni/cmd_vel", ("geometry_msgs/msg/Twist",), 0, 1) in seen.topics
-    assert Topic("/omni/count", ("std_msgs/msg/Int32",), 1, 0) in seen.topics
+    assert GraphTopic("/omni/cmd_vel", ("geometry_msgs/msg/Twist",), 0, 1) in seen.topics
+    assert GraphTopic("/omni/count", ("std_msgs/msg/Int32",), 1, 0) in seen.topics
     assert set(seen.services) == {
-        Offer("/omni/slow", ("std_srvs/srv/SetBool",)),
-        Offer("/omni/stop", (TRIGGER,)),
-        Offer("/omni/take", ("diagnostic_msgs/srv/AddDiagnostics",)),
+        OfferedEndpoint("/omni/slow", ("std_srvs/srv/SetBool",)),
+        OfferedEndpoint("/omni/stop", (TRIGGER,)),
+        OfferedEndpoint("/omni/take", ("diagnostic_msgs/srv/AddDiagnostics",)),
     }
-    assert seen.actions == (Offer("/omni/move", ("rosic_interfaces/action/Move",)),)
+    assert seen.actions == (OfferedEndpoint("/omni/move", ("rosic_interfaces/action/Move",)),)
 
 
 @pytest.mark.usefixtures("interfaces")
@@ -54,9 +60,9 @@ async def test_a_robot_that_is_gone_is_gone_from_the_graph(
 
 
 async def test_waiting_is_bounded(runtime: RosRuntime) -> None:
-    looks: list[Snapshot] = []
+    looks: list[GraphSnapshot] = []
 
-    def never(now: Snapshot) -> bool:
+    def never(now: GraphSnapshot) -> bool:
         looks.append(now)
         return False
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.core.order import Outcome
-    from rosic.core.robot import Profile
+    from rosic.core.robot.profile import Profile
     from rosic.testing.ros2.graph import RosProcess
     from tests.real.ros2.simulated import TriedRobot
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from rosic.errors import ConfigurationError
+from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.interfaces import cache as keeping
 from rosic.robots.ros2.interfaces.__main__ import main
-from rosic.robots.ros2.interfaces.build import Package
+from rosic.robots.ros2.interfaces.build import InterfacePackage
 from rosic.robots.ros2.interfaces.cache import OWN, default_cache, ensure_built, make_importable
-from rosic.robots.ros2.messages import slots, to_message
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
+from rosic.robots.ros2.messages.encode import slots, to_message
+from rosic.robots.ros2.messages.types import TypeRegistry
 
 GRIPPER = "control_msgs/action/GripperCommand"
 ACTIONS = {
@@ -69,7 +69,7 @@ def test_the_package_is_an_ordinary_one_for_colcon() -> None:
         assert f"<depend>{used}</depend>" in manifest
 
 
-def gripper(folder: Path) -> Package:
+def gripper(folder: Path) -> InterfacePackage:
     """A package of somebody else, as a robot's maker would ship it."""
     (folder / "action").mkdir(parents=True)
     (folder / "msg").mkdir()
@@ -77,7 +77,7 @@ def gripper(folder: Path) -> Package:
     (folder / "action" / "GripperCommand.action").write_text(
         "GripperCommand command\n---\nfloat64 position\nbool reached_goal\n---\nfloat64 position\n"
     )
-    return Package("control_msgs", folder)
+    return InterfacePackage("control_msgs", folder)
 
 
 @pytest.mark.limit(240)
@@ -127,7 +127,7 @@ def test_a_file_that_makes_no_sense_is_named(tmp_path: Path) -> None:
     (tmp_path / "msg").mkdir()
     (tmp_path / "msg" / "Broken.msg").write_text("float65 x\n")
     with pytest.raises(ConfigurationError, match=r"could not be generated: .*float65"):
-        ensure_built(Package("broken_msgs", tmp_path), tmp_path / "cache")
+        ensure_built(InterfacePackage("broken_msgs", tmp_path), tmp_path / "cache")
     assert not list((tmp_path / "cache").glob("broken_msgs-*"))
     assert not list((tmp_path / "cache").glob(".broken_msgs-*"))
 

@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rosic.robots.ros2.faults import BadName, BadValue
-from rosic.robots.ros2.messages import to_message
-from rosic.robots.ros2.names import parse_type_name
-from rosic.robots.ros2.reading import compile_path, plain
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.ros import load_ros
-from rosic.robots.ros2.text import clean_text
+from rosic.robots.ros2.client.rclpy_import import load_ros
+from rosic.robots.ros2.errors import BadName, BadValue
+from rosic.robots.ros2.messages.decode import compile_path, plain
+from rosic.robots.ros2.messages.encode import to_message
+from rosic.robots.ros2.messages.names import parse_type_name
+from rosic.robots.ros2.messages.text import clean_text
+from rosic.robots.ros2.messages.types import TypeRegistry
 from tests.real.ros2.conftest import TYPES
 
 if TYPE_CHECKING:
-    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.ros2.client.rclpy_import import RosObject
 
 TWIST = "geometry_msgs/msg/Twist"
 ODOMETRY = "nav_msgs/msg/Odometry"

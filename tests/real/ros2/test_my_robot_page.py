@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from rosic.app.documents.profiles import check_profile
+from rosic.config.profiles import check_profile
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built
 from tests.cli.running import ROSIC, gateway
 from tests.pace import pace

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from rosic.core.order import Ending, Outcome, Report, Stage, Stop
-from rosic.core.view import Grid, Sight
+from rosic.core.order import Ending, Outcome, Stage, StageReport, Stop
+from rosic.core.robot.view import Grid, Sight
 from rosic.errors import OrderVoid, RobotOffline
-from rosic.robots.ros2.graph import wait_for
+from rosic.robots.ros2.client.graph import wait_for
+from rosic.robots.ros2.client.runtime import RosRuntime
 from rosic.robots.ros2.interfaces.cache import KNOWN, ensure_built, make_importable
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
 from tests.pace import pace
@@ -24,8 +24,8 @@ from tests.real.ros2.simulated import Simulated, TriedRobot, opened, shipped, si
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-    from rosic.core.skill import Argument
-    from rosic.robots.ros2.topics import Latest
+    from rosic.core.robot.skill import Argument
+    from rosic.robots.ros2.client.topics import LatestMessage
 
 ODOMETRY, JOINTS = "nav_msgs/msg/Odometry", "sensor_msgs/msg/JointState"
 
@@ -71,7 +71,7 @@ class Life:
     """The life of one order, as it was told."""
 
     def __init__(self, robot: TriedRobot, skill: str, arguments: dict[str, Argument]) -> None:
-        self.reports: list[Report] = []
+        self.reports: list[StageReport] = []
         self.task = asyncio.create_task(self._carry_out(robot, skill, arguments))
 
     @property
@@ -224,7 +224,7 @@ async def test_an_arm_goes_to_a_pose_no_faster_than_its_share(
 ) -> None:
     fastest: list[float] = []
 
-    def see(latest: Latest) -> None:
+    def see(latest: LatestMessage) -> None:
         message: Any = latest.message()
         fastest.append(max(map(abs, message.velocity)))
 

@@ -10,9 +10,9 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.order import Ending
-from rosic.core.stopboard import StopBoard, not_known_yet
+from rosic.core.stop_registry import StopRegistry, not_known_yet
 from rosic.linker.linker import Linker
-from rosic.stores.latch import MemoryLatch
+from rosic.stores.stop_latch import MemoryLatch
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
 from tests.pace import pace
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.core.order import Outcome
-    from rosic.core.skill import Argument
+    from rosic.core.robot.skill import Argument
     from tests.real.ros2.simulated import Simulated, TriedRobot
 
 FAR: dict[str, Argument] = {"direction": "forward", "distance": 4.0, "speed": 0.5}
@@ -36,7 +36,7 @@ def omni(tmp_path: Path, interfaces: Path) -> Iterator[Simulated]:  # noqa: ARG0
 
 
 def linker_of(robot: TriedRobot, clock: SystemClock, *, latched: bool = False) -> Linker:
-    board = StopBoard(["omni"], {"omni": (1, latched)}, not_known_yet())
+    board = StopRegistry(["omni"], {"omni": (1, latched)}, not_known_yet())
     return Linker({"omni": robot}, board, MemoryLatch(), clock, clock.wall_ns)
 
 

@@ -12,9 +12,9 @@ from msgspec.structs import replace
 
 from rosic.core.order import Ending, Outcome, Stage, Stop
 from rosic.errors import ConfigurationError, OrderVoid, RobotOffline, RobotUnreachable
-from rosic.robots.ros2.graph import wait_for
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
+from rosic.robots.ros2.client.graph import wait_for
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph, RosProcess
 from tests.pace import pace, patience

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rosic.contracts.robot import Robot
-    from rosic.core.skill import Argument
+    from rosic.core.robot.skill import Argument
 
 
 @pytest.fixture(scope="module")

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING
 import pytest
 from msgspec.structs import replace
 
-from rosic.core.order import Ending, Outcome, Report, Stage, Stop
-from rosic.core.robot import Link
+from rosic.core.order import Ending, Outcome, Stage, StageReport, Stop
+from rosic.core.robot.profile import Link
 from rosic.errors import RobotOffline
-from rosic.robots.ros2.dialogue import GREETING
+from rosic.robots.ros2.bindings.dialogue import GREETING
 from rosic.system import SystemClock
 from tests.pace import patience
 from tests.real.ros2.simulated import opened, shipped, until
 
 if TYPE_CHECKING:
-    from rosic.core.robot import Profile
+    from rosic.core.robot.profile import Profile
     from rosic.testing.ros2.graph import RosGraph
 
 PEER = Path(__file__).with_name("peer.py")
@@ -42,7 +42,7 @@ async def test_the_greeting_is_answered_and_words_go_both_ways(
 ) -> None:
     robot_process = graph.start(PEER)
     said: list[str] = []
-    told: list[Report] = []
+    told: list[StageReport] = []
     with caplog.at_level(logging.INFO, "rosic"):
         async with opened(talker, clock, said.append) as robot:
             assert robot.presence().online is None

@@ -5,11 +5,13 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from rosic.app.documents.profiles import check_profile
-from rosic.robots.ros2 import dialogue, heartbeat, rest
-from rosic.robots.ros2.nodes import faults, reports, swarm_topic, waiting_clock, watch
-from rosic.robots.ros2.nodes.offers import MODELS
-from rosic.robots.simulated.machines.omni import WATCHDOG_S
+from rosic.config.profiles import check_profile
+from rosic.robots.ros2 import stopping
+from rosic.robots.ros2.bindings import dialogue
+from rosic.robots.ros2.client import heartbeat
+from rosic_sim.robots.machines.omni import WATCHDOG_S
+from rosic_sim.ros2 import faults, reports, swarm_topic, waiting_clock, watch
+from rosic_sim.ros2.offers import MODELS
 
 PAGES = Path(__file__).parents[3] / "docs" / "robots"
 
@@ -29,7 +31,7 @@ def test_the_profile_that_is_shown_is_good(tmp_path: Path) -> None:
 
 def test_the_page_on_ros_2_gives_the_right_figures() -> None:
     text = page("ros2.md")
-    assert f"every {rest.AGAIN_EVERY_S:g} s" in text
+    assert f"every {stopping.AGAIN_EVERY_S:g} s" in text
     assert heartbeat.EVERY_S == 0.25
     assert (
         f"Four times a second ROSIC publishes the time on `<namespace>/{heartbeat.TOPIC}`" in text

@@ -12,9 +12,9 @@ from msgspec.structs import replace
 
 from rosic.core.order import Ending, Outcome, Stop
 from rosic.errors import OrderVoid, RobotOffline, RobotUnreachable
-from rosic.robots.ros2.parameters import SET_PARAMETERS
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
+from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
 from tests.pace import pace, patience
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
     from pathlib import Path
 
-    from rosic.core.order import Report
-    from rosic.core.robot import Profile
-    from rosic.core.skill import Argument
-    from rosic.robots.ros2.messages import Values
-    from rosic.robots.ros2.ros import RosObject
-    from rosic.robots.ros2.services import ServiceLink
-    from rosic.robots.ros2.topics import Latest
+    from rosic.core.order import StageReport
+    from rosic.core.robot.profile import Profile
+    from rosic.core.robot.skill import Argument
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.services import ServiceLink
+    from rosic.robots.ros2.client.topics import LatestMessage
+    from rosic.robots.ros2.messages.encode import Values
     from tests.real.ros2.simulated import TriedRobot
 
 FAR: dict[str, Argument] = {"direction": "forward", "distance": 4.0, "speed": 0.5}
@@ -59,7 +59,7 @@ def omni(tmp_path_factory: pytest.TempPathFactory, interfaces: Path) -> Iterator
 
 
 @pytest.fixture
-async def odometry(omni: Simulated) -> AsyncIterator[Latest]:
+async def odometry(omni: Simulated) -> AsyncIterator[LatestMessage]:
     """What somebody else measures, who has nothing to do with the robot under test."""
     types = TypeRegistry([ODOMETRY])
     domain = omni.graph.domain_id
@@ -69,19 +69,19 @@ async def odometry(omni: Simulated) -> AsyncIterator[Latest]:
         yield latest
 
 
-def x_m(odometry: Latest) -> float:
+def x_m(odometry: LatestMessage) -> float:
     message = odometry.message()
     assert message is not None
     return float(message.pose.pose.position.x)
 
 
-def speed_m_s(odometry: Latest) -> float:
+def speed_m_s(odometry: LatestMessage) -> float:
     message = odometry.message()
     assert message is not None
     return abs(float(message.twist.twist.linear.x))
 
 
-async def stands(odometry: Latest) -> bool:
+async def stands(odometry: LatestMessage) -> bool:
     """Tell whether the robot is at rest now, by the next that it says to somebody else.
 
     They may hear it late, so what it said before now does not count.
@@ -91,7 +91,7 @@ async def stands(odometry: Latest) -> bool:
     return speed_m_s(odometry) <= AT_REST_M_S
 
 
-def said_at_s(odometry: Latest) -> float:
+def said_at_s(odometry: LatestMessage) -> float:
     message = odometry.message()
     assert message is not None
     return float(message.header.stamp.sec + message.header.stamp.nanosec / 1e9)
@@ -107,7 +107,7 @@ async def moving(
     return task
 
 
-async def moving_fast(robot: TriedRobot, odometry: Latest) -> asyncio.Task[Outcome]:
+async def moving_fast(robot: TriedRobot, odometry: LatestMessage) -> asyncio.Task[Outcome]:
     """Return a motion that somebody else sees at speed; one that ended unseen is made again.
 
     Where the processors are busy, they may see none of it until it is over.
@@ -122,7 +122,9 @@ async def moving_fast(robot: TriedRobot, odometry: Latest) -> asyncio.Task[Outco
     pytest.fail(f"{TRIES} motions ended before anybody saw them at speed")
 
 
-async def test_what_is_done_is_what_was_measured(clock: SystemClock, odometry: Latest) -> None:
+async def test_what_is_done_is_what_was_measured(
+    clock: SystemClock, odometry: LatestMessage
+) -> None:
     async with opened(shipped("omni"), clock) as robot:
         before = x_m(odometry)
         outcome = await robot.do("move", NEAR)
@@ -140,7 +142,7 @@ async def test_what_is_done_is_what_was_measured(clock: SystemClock, odometry: L
 
 
 async def test_a_velocity_is_streamed_and_its_end_is_measured(
-    omni: Simulated, clock: SystemClock, odometry: Latest
+    omni: Simulated, clock: SystemClock, odometry: LatestMessage
 ) -> None:
     begun = len(omni.actuations("omni"))
     async with opened(shipped("omni"), clock) as robot:
@@ -166,7 +168,7 @@ async def test_a_robot_that_falls_silent_is_stopped_by_its_own_watchdog(clock: S
 
 
 async def test_a_measuring_of_the_watchdog_that_is_called_off_ends_at_rest(
-    omni: Simulated, clock: SystemClock, odometry: Latest
+    omni: Simulated, clock: SystemClock, odometry: LatestMessage
 ) -> None:
     """Its last word is of before it began to move, and nothing but a stop ends it."""
     types, domain = TypeRegistry([SET_PARAMETERS]), omni.graph.domain_id
@@ -179,7 +181,7 @@ async def test_a_measuring_of_the_watchdog_that_is_called_off_ends_at_rest(
                     "drive", {"linear": -0.2, "lateral": 0.0, "angular": 0.0, "duration": 2.0}
                 )
 
-                def call_off(_report: Report) -> None:
+                def call_off(_report: StageReport) -> None:
                     measuring.cancel()  # as soon as the first velocity is out
 
                 measuring = asyncio.create_task(robot.fall_silent(order, call_off))
@@ -191,7 +193,9 @@ async def test_a_measuring_of_the_watchdog_that_is_called_off_ends_at_rest(
             await set_fault(saboteur, "omni", "watchdog_s", 0.5)
 
 
-async def test_a_stop_is_confirmed_only_at_rest(clock: SystemClock, odometry: Latest) -> None:
+async def test_a_stop_is_confirmed_only_at_rest(
+    clock: SystemClock, odometry: LatestMessage
+) -> None:
     async with opened(shipped("omni"), clock) as robot:
         running = await moving_fast(robot, odometry)
         rest = await robot.stop(Stop("omni", 1))
@@ -212,7 +216,7 @@ async def test_a_stop_is_confirmed_only_at_rest(clock: SystemClock, odometry: La
 
 
 async def test_a_stop_reaches_goals_of_another_gateway(
-    clock: SystemClock, odometry: Latest
+    clock: SystemClock, odometry: LatestMessage
 ) -> None:
     """As after a crash: the goal is not ours any more, and the robot still carries it out."""
     profile = shipped("omni")
@@ -244,7 +248,7 @@ async def test_the_same_command_through_another_gateway_acts_once(
 
 
 async def test_a_goal_that_takes_too_long_is_called_off(
-    clock: SystemClock, odometry: Latest
+    clock: SystemClock, odometry: LatestMessage
 ) -> None:
     profile = shipped("omni")
     move = profile.skills["move"]
@@ -259,7 +263,7 @@ async def test_a_goal_that_takes_too_long_is_called_off(
 
 
 async def test_closing_brings_what_is_under_way_to_rest(
-    clock: SystemClock, odometry: Latest
+    clock: SystemClock, odometry: LatestMessage
 ) -> None:
     async with opened(shipped("omni"), clock) as robot:
         running = await moving(robot)

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.robots.ros2 import handover as handing
-from rosic.robots.ros2.faults import BadName, NotSent, RosMissing
-from rosic.robots.ros2.handover import Handover
-from rosic.robots.ros2.runtime import RosRuntime
-from rosic.robots.ros2.services import wait_until
+from rosic.robots.ros2.client import loop_bridge as handing
+from rosic.robots.ros2.client.loop_bridge import LoopBridge
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.client.services import wait_until
+from rosic.robots.ros2.errors import BadName, NotSent, RosMissing
 from rosic.testing.ros2.environment import environment_for_another_python
 from tests.pace import pace
 
 if TYPE_CHECKING:
-    from rosic.robots.ros2.registry import TypeRegistry
+    from rosic.robots.ros2.messages.types import TypeRegistry
     from rosic.testing.ros2.graph import RosGraph
 
 SOURCES = Path(__file__).parents[3] / "src"
@@ -102,7 +102,8 @@ def test_nothing_of_ros_is_imported_before_it_is_opened() -> None:
     done = python(
         """
         import sys
-        import rosic.robots.ros2.graph, rosic.robots.ros2.parameters, rosic.robots.ros2.runtime
+        import rosic.robots.ros2.client.graph, rosic.robots.ros2.client.runtime
+        import rosic.robots.ros2.bindings.parameter_values
         import rosic.robots.ros2.interfaces.cache
         foreign = ("rclpy", "std_msgs", "rosidl")
         print(sorted(name for name in sys.modules if name.startswith(foreign)))
@@ -123,8 +124,8 @@ def test_without_ros_one_sentence_says_how_to_get_it() -> None:
                     raise ModuleNotFoundError("No module named 'rclpy'")
 
         sys.meta_path.insert(0, Nothing())
-        from rosic.robots.ros2.registry import TypeRegistry
-        from rosic.robots.ros2.runtime import RosRuntime
+        from rosic.robots.ros2.messages.types import TypeRegistry
+        from rosic.robots.ros2.client.runtime import RosRuntime
         try:
             asyncio.run(RosRuntime.open(TypeRegistry([])))
         except Exception as error:
@@ -144,8 +145,8 @@ def test_a_process_that_forgets_to_close_still_ends_well(graph: RosGraph) -> Non
     done = python(
         """
         import asyncio
-        from rosic.robots.ros2.registry import TypeRegistry
-        from rosic.robots.ros2.runtime import RosRuntime
+        from rosic.robots.ros2.messages.types import TypeRegistry
+        from rosic.robots.ros2.client.runtime import RosRuntime
 
         async def main():
             global runtime
@@ -164,8 +165,8 @@ def test_signals_stay_with_the_gateway(graph: RosGraph) -> None:
     done = python(
         """
         import asyncio, signal
-        from rosic.robots.ros2.registry import TypeRegistry
-        from rosic.robots.ros2.runtime import RosRuntime
+        from rosic.robots.ros2.messages.types import TypeRegistry
+        from rosic.robots.ros2.client.runtime import RosRuntime
 
         async def main():
             told = asyncio.Event()
@@ -209,7 +210,7 @@ async def test_a_burst_wakes_the_loop_once_and_keeps_its_order() -> None:
         def call_soon(self, callback: object) -> None:
             loop.call_soon(callback)  # type: ignore[arg-type]
 
-    handover = Handover(Loop())  # type: ignore[arg-type]
+    handover = LoopBridge(Loop())  # type: ignore[arg-type]
 
     def burst() -> None:
         for number in range(1000):
@@ -223,7 +224,7 @@ async def test_a_burst_wakes_the_loop_once_and_keeps_its_order() -> None:
 
 
 async def test_a_burst_does_not_keep_the_loop_to_itself() -> None:
-    handover = Handover(asyncio.get_running_loop())
+    handover = LoopBridge(asyncio.get_running_loop())
     turns: list[int] = []
     seen: list[int] = []
     for number in range(1000):
@@ -240,7 +241,7 @@ async def test_what_comes_after_a_failure_is_delivered() -> None:
     loop = asyncio.get_running_loop()
     complaints: list[object] = []
     loop.set_exception_handler(lambda _loop, context: complaints.append(context["exception"]))
-    handover = Handover(loop)
+    handover = LoopBridge(loop)
     seen: list[int] = []
     handover.offer(lambda: seen.append(1 // 0))
     handover.offer(lambda: seen.append(2))
@@ -249,7 +250,7 @@ async def test_what_comes_after_a_failure_is_delivered() -> None:
 
 
 async def test_what_waits_is_bounded_and_counted() -> None:
-    handover = Handover(asyncio.get_running_loop(), limit=10)
+    handover = LoopBridge(asyncio.get_running_loop(), limit=10)
     seen: list[int] = []
     taken = [handover.offer(lambda: seen.append(1)) for _ in range(15)]
     assert taken == [True] * 10 + [False] * 5
@@ -261,4 +262,4 @@ async def test_what_waits_is_bounded_and_counted() -> None:
 def test_a_loop_that_is_gone_is_no_error() -> None:
     loop = asyncio.new_event_loop()
     loop.close()
-    assert Handover(loop).offer(lambda: None) is False
+    assert LoopBridge(loop).offer(lambda: None) is False

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.gate import Gate
-from rosic.core.robot import Camera, Link, MapSource, PathSource, PoseSource, Profile
-from rosic.core.view import Encoded, Grid, Raster, Sight, View
+from rosic.core.order_gate import OrderGate
+from rosic.core.robot.profile import Camera, Link, MapSource, PathSource, PoseSource, Profile
+from rosic.core.robot.view import Encoded, Grid, Raster, Sight, View
 from rosic.errors import NothingToSee
-from rosic.pictures.draw import draw
-from rosic.robots.ros2 import sights
+from rosic.rendering.draw import draw
+from rosic.robots.ros2 import camera_map
 from rosic.robots.ros2.robot import Ros2Robot
 from rosic.system import SystemClock
 from tests.pace import pace, patience
@@ -33,7 +33,7 @@ RAW = Camera(topic="/omni/raw", type="sensor_msgs/msg/Image")
 @pytest.fixture(autouse=True)
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Until both sides have found each other, nothing comes; a person would look once more."""
-    monkeypatch.setattr(sights, "FIRST_WITHIN_S", 60.0)
+    monkeypatch.setattr(camera_map, "FIRST_WITHIN_S", 60.0)
 
 
 @pytest.fixture
@@ -52,7 +52,7 @@ async def robot(camera: Camera = JPEG) -> AsyncIterator[Ros2Robot]:
         pose=PoseSource(topic="/omni/pose", type="geometry_msgs/msg/PoseStamped"),
         path=PathSource(topic="/omni/path"),
     )
-    made = Ros2Robot(profile, Gate.new("omni"), SystemClock())
+    made = Ros2Robot(profile, OrderGate.new("omni"), SystemClock())
     await made.open(lambda _: None)
     try:
         yield made
@@ -120,7 +120,7 @@ async def test_a_camera_that_is_silent_is_not_waited_for(
     graph: RosGraph, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert graph.domain_id >= 0
-    monkeypatch.setattr(sights, "FIRST_WITHIN_S", 0.3)
+    monkeypatch.setattr(camera_map, "FIRST_WITHIN_S", 0.3)
     async with robot() as made:
         for sight, what in ((Sight.PICTURE, "picture"), (Sight.MAP, "map")):
             async with asyncio.timeout(60 * pace()):

@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.documents.profiles import load_profile, shipped_profiles
+from rosic.config.profiles import load_profile, shipped_profiles
 from rosic.core.order import Ending
 from rosic.errors import ConfigurationError
-from rosic.robots.ros2.graph import snapshot
-from rosic.robots.ros2.nodes.offers import ACTIONS, MODELS
-from rosic.robots.ros2.parameters import SET_PARAMETERS, request, service_of
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
-from rosic.robots.ros2.simulation import main
+from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS, request, service_of
+from rosic.robots.ros2.client.graph import snapshot
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock
 from rosic.testing.ros2.graph import RosGraph
+from rosic_sim.ros2.offers import ACTIONS, MODELS
+from rosic_sim.ros2.simulation import main
 from tests.pace import pace, patience
 from tests.real.ros2.simulated import (
     SIMULATION,
@@ -37,8 +37,8 @@ from tests.real.ros2.simulated import (
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Iterator
 
-    from rosic.core.robot import Profile
-    from rosic.robots.ros2.topics import Latest
+    from rosic.core.robot.profile import Profile
+    from rosic.robots.ros2.client.topics import LatestMessage
 
 DRIVER = Path(__file__).with_name("driver.py")
 ROOT = Path(__file__).parents[3]
@@ -262,23 +262,23 @@ async def test_a_cut_link_holds_and_is_found_again(
         assert omni.presence().at_rest is True
 
 
-async def heard(onlooker: RosRuntime, topic: str, type_name: str) -> Latest:
+async def heard(onlooker: RosRuntime, topic: str, type_name: str) -> LatestMessage:
     """Subscribe, and wait for the first: discovery can take seconds."""
     latest = await onlooker.latest(topic, type_name)
     await latest.newer(0, timeout_s=60)
     return latest
 
 
-def x_m(odometry: Latest) -> float:
+def x_m(odometry: LatestMessage) -> float:
     message = odometry.message()
     return 0.0 if message is None else float(message.pose.pose.position.x)
 
 
-def z_m(odometry: Latest) -> float:
+def z_m(odometry: LatestMessage) -> float:
     message = odometry.message()
     return -1.0 if message is None else float(message.pose.pose.position.z)
 
 
-def speed_m_s(odometry: Latest) -> float:
+def speed_m_s(odometry: LatestMessage) -> float:
     message = odometry.message()
     return 0.0 if message is None else abs(float(message.twist.twist.linear.x))

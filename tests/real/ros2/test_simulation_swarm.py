@@ -12,19 +12,19 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.order import Ending, Outcome
-from rosic.robots.ros2.parameters import SET_PARAMETERS
-from rosic.robots.ros2.registry import TypeRegistry
-from rosic.robots.ros2.runtime import RosRuntime
-from rosic.robots.simulated.machines.separation import APART_M
+from rosic.robots.ros2.bindings.parameter_values import SET_PARAMETERS
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
 from rosic.system import SystemClock
+from rosic_sim.robots.machines.separation import APART_M
 from tests.real.ros2.simulated import TriedRobot, opened, set_fault, shipped, simulated, until
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
     from pathlib import Path
 
-    from rosic.core.skill import Argument
-    from rosic.robots.ros2.topics import Latest
+    from rosic.core.robot.skill import Argument
+    from rosic.robots.ros2.client.topics import LatestMessage
     from rosic.testing.ros2.graph import RosGraph
 
 NAMES = ("cf1", "cf2", "cf3")
@@ -47,7 +47,7 @@ class Room:
         here, there = self.places[one], self.places[other]
         return hypot(here[0] - there[0], here[1] - there[1])
 
-    def see(self, name: str, odometry: Latest) -> None:
+    def see(self, name: str, odometry: LatestMessage) -> None:
         message = odometry.message()
         assert message is not None
         place = message.pose.pose.position

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.robots.ros2.faults import BadName, BadValue, NotSent
-from rosic.robots.ros2.reading import compile_path
-from rosic.robots.ros2.services import wait_until
-from rosic.robots.ros2.topics import ON_ITS_WAY_S, Latest, Quality
+from rosic.robots.ros2.client.services import wait_until
+from rosic.robots.ros2.client.topics import ON_ITS_WAY_S, LatestMessage, TopicQos
+from rosic.robots.ros2.errors import BadName, BadValue, NotSent
+from rosic.robots.ros2.messages.decode import compile_path
 from tests.pace import pace, patience
 
 if TYPE_CHECKING:
-    from rosic.robots.ros2.registry import TypeRegistry
-    from rosic.robots.ros2.ros import RosObject
-    from rosic.robots.ros2.runtime import RosRuntime
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.messages.types import TypeRegistry
     from rosic.testing.ros2.graph import RosProcess
 
 TWIST = "geometry_msgs/msg/Twist"
@@ -105,7 +105,7 @@ async def test_telemetry_keeps_the_newest_value(runtime: RosRuntime, peer: RosPr
     assert len(told) <= latest.received
 
 
-async def _value(latest: Latest, wanted: int) -> None:
+async def _value(latest: LatestMessage, wanted: int) -> None:
     async with asyncio.timeout(60 * pace()):
         while (message := latest.message()) is None or message.data != wanted:
             await latest.newer(latest.received, timeout_s=30)
@@ -166,7 +166,7 @@ async def test_words_that_nobody_takes_are_dropped_and_counted(
         "/omni/from_robot_topic",
         STRING,
         lambda message: heard.append(message.data),
-        Quality(depth=5),
+        TopicQos(depth=5),
     )
     await listened_to(peer, "voice", 1)
     for _ in range(BURSTS):
@@ -190,7 +190,7 @@ async def test_a_callback_that_raises_does_not_silence_the_others(
         lambda _loop, context: complaints.append(context)
     )
 
-    def broken(_new: Latest) -> None:
+    def broken(_new: LatestMessage) -> None:
         raise RuntimeError("broken on purpose")
 
     await runtime.latest("/omni/count", INT32, on_new=broken)
@@ -202,7 +202,7 @@ async def test_a_callback_that_raises_does_not_silence_the_others(
 
 
 async def test_a_latched_message_reaches_who_comes_later(runtime: RosRuntime) -> None:
-    latched = Quality(latched=True, depth=1)
+    latched = TopicQos(latched=True, depth=1)
     publisher = await runtime.publisher("/map_name", STRING, latched)
     publisher.publish({"data": "hall"})
     late = await runtime.latest("/map_name", STRING, latched)

@@ -14,10 +14,10 @@ import time
 from itertools import count
 from pathlib import Path
 
-from rosic.core.record import Letter
+from rosic.core.records import Letter
 from rosic.stores.database import DatabaseStore
-from rosic.stores.latch import FileLatch
-from rosic.testing.records import ADA, a_claim, a_decision, a_fact, a_place
+from rosic.stores.stop_latch import FileLatch
+from rosic.testing.factories import ADA, a_claim, a_decision, a_fact, a_place
 
 AT_ONCE = 32
 

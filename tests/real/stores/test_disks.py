@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.record import Letter
+from rosic.core.records import Letter
 from rosic.errors import ConfigurationError, StoreFault
+from rosic.stores.data_dir import RESERVE, RESERVE_BYTES
 from rosic.stores.database import DatabaseStore
-from rosic.stores.folder import RESERVE, RESERVE_BYTES
-from rosic.stores.latch import FileLatch
 from rosic.stores.record_mark import DATABASE
+from rosic.stores.stop_latch import FileLatch
 from rosic.testing.clock import ManualClock
-from rosic.testing.records import ADA, OMNI, a_claim, a_stop
+from rosic.testing.factories import ADA, OMNI, a_claim, a_stop
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

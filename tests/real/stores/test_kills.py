@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.record import Letter
+from rosic.core.records import Letter
 from rosic.stores.database import DatabaseStore
-from rosic.stores.latch import FileLatch
+from rosic.stores.stop_latch import FileLatch
 from rosic.testing.clock import ManualClock
-from rosic.testing.records import ADA, OMNI, a_fact, an_id, told
+from rosic.testing.factories import ADA, OMNI, a_fact, an_id, told
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -9,10 +9,10 @@ from msgspec.structs import replace
 
 from rosic.authoriser.qr import qr_png
 from rosic.core.message import Attachment, Button
-from rosic.core.view import Clip, Raster
+from rosic.core.robot.view import Clip, Raster
 from rosic.errors import MessageGone, MessengerFault
 from rosic.messengers.telegram.files import FILE_BYTES
-from rosic.pictures.draw import draw
+from rosic.rendering.draw import draw
 from tests.real.telegram.gateway import Gateway, to
 
 if TYPE_CHECKING:

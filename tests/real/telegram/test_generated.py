@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.app.placing.people import Seed
+from rosic.app.people import Seed
 from rosic.core.identity import Address
 from rosic.messengers.memory import MemoryMessenger
-from rosic.messengers.telegram import mapping, wire
-from rosic.messengers.telegram.listening import Moment
+from rosic.messengers.telegram import incoming, updates
 from rosic.messengers.telegram.messenger import TelegramMessenger, telegram_messenger
+from rosic.messengers.telegram.polling_gap import PollMoment
 from rosic.testing.clock import settle
+from tests.gateway.place import Place
 from tests.real.telegram.generated import ADA, BO, OWN, VI, Generator, May
-from tests.rooms.pipeline.place import Place
 
 if TYPE_CHECKING:
     from rosic.contracts.clock import Clock
@@ -88,10 +88,10 @@ class Run:
 
     async def _feed(self, raw: dict[str, object]) -> None:
         clock = self._place.clock
-        listener, number = self._listener, wire.update_id(raw)
+        listener, number = self._listener, updates.update_id(raw)
         if number is None:  # it can be neither handed over nor confirmed
             return
-        received = mapping.Received(clock.wall_ns(), listener._listening.stamp(clock.wall_ns()))
+        received = incoming.ReceivedAt(clock.wall_ns(), listener._listening.stamp(clock.wall_ns()))
         update = listener.reading.parsed(raw)
         news = listener.reading.news(number, update, received, of_stranger=False)
         if news.inbound is not None:
@@ -141,7 +141,7 @@ def _listening(adapter: TelegramMessenger, clock: ManualClock) -> None:
     """Let it have drained its backlog."""
     listening = adapter._listener._listening
     for _ in range(2):
-        now = Moment(clock.wall_ns(), clock.monotonic_ns())
+        now = PollMoment(clock.wall_ns(), clock.monotonic_ns())
         listening.answered(now)
         listening.drained(now, empty=True, full=False)
     assert not listening.frozen

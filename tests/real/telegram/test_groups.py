@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from rosic.core.menu import Menu, Where
+from rosic.core.menu import Menu, MenuScope
 from rosic.core.message import Chat, ChatKind, Passage
 from rosic.errors import ChatGone, ChatNotBegun
 from rosic.testing.telegram import FakeTelegram, Settings
@@ -234,11 +234,11 @@ async def test_menus_by_language_and_chat_are_set_once(
     server: FakeTelegram, gateway: Gateway, ada: int
 ) -> None:
     menus = [
-        Menu(Where.PRIVATE, (("stop", "Stop"),)),
-        Menu(Where.PRIVATE, (("stop", "Anhalten"),), "de"),
-        Menu(Where.GROUPS, (("stop", "Stop"),)),
-        Menu(Where.CHAT, (("invite", "Invite"),), "", str(ada)),
-        Menu(Where.CHAT, (("invite", "Invite"),), "", "99"),
+        Menu(MenuScope.PRIVATE, (("stop", "Stop"),)),
+        Menu(MenuScope.PRIVATE, (("stop", "Anhalten"),), "de"),
+        Menu(MenuScope.GROUPS, (("stop", "Stop"),)),
+        Menu(MenuScope.CHAT, (("invite", "Invite"),), "", str(ada)),
+        Menu(MenuScope.CHAT, (("invite", "Invite"),), "", "99"),
     ]
     await gateway.messenger.set_menus(menus)
     await gateway.messenger.set_menus(menus)
@@ -246,7 +246,7 @@ async def test_menus_by_language_and_chat_are_set_once(
     assert [
         key for key in server.world.state.commands if '"all_private_chats"' in key and "de" in key
     ]
-    gone = Menu(Where.CHAT, (), "", str(ada))
+    gone = Menu(MenuScope.CHAT, (), "", str(ada))
     await gateway.messenger.set_menus([gone])
     assert len(gateway.calls("deleteMyCommands")) == 1
     assert not [key for key in server.world.state.commands if str(ada) in key]
@@ -255,7 +255,7 @@ async def test_menus_by_language_and_chat_are_set_once(
 async def test_a_menu_that_could_not_be_set_is_set_the_next_time(
     server: FakeTelegram, gateway: Gateway
 ) -> None:
-    menu = [Menu(Where.PRIVATE, (("stop", "Stop"),))]
+    menu = [Menu(MenuScope.PRIVATE, (("stop", "Stop"),))]
     server.fail("bad_gateway", "setMyCommands", 3)
     await gateway.messenger.set_menus(menu)
     assert server.world.state.commands == {}

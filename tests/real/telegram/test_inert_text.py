@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 from rosic.core.message import Attachment, Pieces
-from rosic.messengers.telegram.entities import inert
+from rosic.messengers.telegram.formatting import inert
 from rosic.testing.telegram.entities import cut
 from tests.pace import patience
 from tests.real.telegram.gateway import Gateway, to

@@ -73,10 +73,10 @@ async def test_more_than_telegram_takes_arrives_and_is_never_whole_in_memory(
 
 async def test_pieces_are_asked_for_as_they_go(local: FakeTelegram, near: Gateway) -> None:
     """Whoever takes the pieces holds a few of them: the way out is what makes the next one come."""
-    from rosic.messengers.telegram.uploading import Upload  # noqa: PLC0415 - of this test alone
+    from rosic.messengers.telegram.upload_stream import UploadStream  # noqa: PLC0415 - of this test alone
 
     file = large(count=4_000, promised=4_000)
-    upload = Upload({"chat_id": 1, "caption": None}, "document", file)
+    upload = UploadStream({"chat_id": 1, "caption": None}, "document", file)
     tracemalloc.start()
     try:
         total = 0

@@ -10,9 +10,9 @@ import pytest
 
 from rosic.core.message import Button, Chat, Outbound, Weight
 from rosic.errors import MessageGone, MessengerFault
-from rosic.messengers.telegram.line import Line
+from rosic.messengers.telegram.bot_client import BotClient
+from rosic.messengers.telegram.errors import ErrorKind, TelegramError
 from rosic.messengers.telegram.settings import read_settings
-from rosic.messengers.telegram.trouble import Kind, Trouble
 from rosic.testing.telegram import FakeTelegram
 from tests.pace import patience
 from tests.real.telegram.gateway import Gateway, to
@@ -246,11 +246,11 @@ async def test_every_call_is_bounded_in_time(server: FakeTelegram) -> None:
     settings = read_settings("lab", {"token": server.token, "api_base": server.api_base})
     server.fail("hang", "getMe", times=3, seconds=30)
     began_s = time.monotonic()
-    with pytest.raises(Trouble) as raised:
-        await Line(settings, answer_s=0.2).ask(lambda bot: bot.get_me())
-    assert raised.value.kind is Kind.LOST
-    with pytest.raises(Trouble):
-        await Line(settings).ask(lambda bot: bot.get_me(), within_s=0.2)
+    with pytest.raises(TelegramError) as raised:
+        await BotClient(settings, answer_s=0.2).ask(lambda bot: bot.get_me())
+    assert raised.value.kind is ErrorKind.LOST
+    with pytest.raises(TelegramError):
+        await BotClient(settings).ask(lambda bot: bot.get_me(), within_s=0.2)
     assert time.monotonic() - began_s < 3 * patience()
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from rosic.testing.telegram.transcript import View, transcript
+from rosic.testing.telegram.transcript import TranscriptView, transcript
 
 if TYPE_CHECKING:
     from rosic.testing.telegram import FakeTelegram
@@ -18,7 +18,7 @@ def keyboard(*labels: str) -> dict[str, Any]:
 
 
 def seen(server: FakeTelegram, chat: int, reader: int, *, every_form: bool = False) -> Transcript:
-    view = View(title="Robots", reader=reader, every_form=every_form)
+    view = TranscriptView(title="Robots", reader=reader, every_form=every_form)
     return transcript(server.messages(chat), server.presses(chat), view)
 
 

@@ -7,8 +7,8 @@ from typing import TypeAlias
 
 import msgspec
 
-from rosic.core.fleet.task import Standing, Task, TaskId, Why
-from rosic.core.robot import RobotId
+from rosic.core.fleet.task import FleetMembership, Task, TaskId, TaskReason
+from rosic.core.robot.profile import RobotId
 
 
 class End(enum.Enum):
@@ -71,21 +71,21 @@ class Deviated(msgspec.Struct, frozen=True):
 
     task: TaskId
     attempt: int
-    why: Why
+    why: TaskReason
 
 
-class Rested(msgspec.Struct, frozen=True):
+class RobotRested(msgspec.Struct, frozen=True):
     """The robot that a task leaves is at rest, or nothing that it does counts any more."""
 
     task: TaskId
     attempt: int
 
 
-class Held(msgspec.Struct, frozen=True):
+class TaskHeld(msgspec.Struct, frozen=True):
     """Somebody wants a task paused or cancelled."""
 
     task: TaskId
-    why: Why
+    why: TaskReason
 
 
 class Released(msgspec.Struct, frozen=True):
@@ -99,7 +99,7 @@ class Released(msgspec.Struct, frozen=True):
     skip: bool = False
 
 
-class Expired(msgspec.Struct, frozen=True):
+class TaskExpired(msgspec.Struct, frozen=True):
     """A task was not begun in time."""
 
     task: TaskId
@@ -120,17 +120,17 @@ class Stood(msgspec.Struct, frozen=True):
     """Somebody lets a robot take part, or not."""
 
     robot: RobotId
-    standing: Standing
+    standing: FleetMembership
 
 
-class Handed(msgspec.Struct, frozen=True):
+class TaskHanded(msgspec.Struct, frozen=True):
     """Somebody else looks after a task from now on."""
 
     task: TaskId
     author: str
 
 
-class Found(msgspec.Struct, frozen=True):
+class TaskFound(msgspec.Struct, frozen=True):
     """A task that had a robot when the last run ended, and what is known of its order.
 
     Attributes:
@@ -147,14 +147,14 @@ Event: TypeAlias = (
     | Begun
     | Ended
     | Deviated
-    | Rested
-    | Held
+    | RobotRested
+    | TaskHeld
     | Released
-    | Expired
+    | TaskExpired
     | Overdue
     | Stood
-    | Handed
-    | Found
+    | TaskHanded
+    | TaskFound
 )
 
 
@@ -176,20 +176,20 @@ class Recall(msgspec.Struct, frozen=True):
     task: TaskId
     robot: RobotId
     attempt: int
-    why: Why
+    why: TaskReason
 
 
-class Tell(msgspec.Struct, frozen=True):
+class TaskChanged(msgspec.Struct, frozen=True):
     """A task has changed in a way that whoever gave it wants to know."""
 
     before: Task
     after: Task
 
 
-Doing: TypeAlias = Begin | Recall | Tell
+Doing: TypeAlias = Begin | Recall | TaskChanged
 
 
-class Step(msgspec.Struct, frozen=True):
+class Transition(msgspec.Struct, frozen=True):
     """What an event makes of a fleet: nothing of it is so before it is written down.
 
     Attributes:
@@ -198,8 +198,8 @@ class Step(msgspec.Struct, frozen=True):
     """
 
     tasks: tuple[Task, ...] = ()
-    standings: tuple[tuple[RobotId, Standing], ...] = ()
+    standings: tuple[tuple[RobotId, FleetMembership], ...] = ()
     doings: tuple[Doing, ...] = ()
 
 
-NOTHING = Step()
+NOTHING = Transition()

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import msgspec
 
-from rosic.core.fleet.filling import Quantity, filled, no_such, read_value, texts_of
+from rosic.core.fleet.template import Quantity, filled, no_such, read_value, texts_of
 from rosic.errors import Refusal
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rosic.core.language.units import UnitTable
+    from rosic.core.language.numbers import UnitTable
 
 TASKS_AT_MOST: Final = 200
 DEEPEST: Final = 16
@@ -31,7 +31,7 @@ class Late(enum.Enum):
     CANCEL = "cancel"
 
 
-class Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class MissionPart(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One part of a mission: steps for one robot, or other parts.
 
     Attributes:
@@ -52,8 +52,8 @@ class Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
     on: str = ""
     steps: tuple[str, ...] = ()
-    sequence: tuple[Part, ...] = ()
-    together: tuple[Part, ...] = ()
+    sequence: tuple[MissionPart, ...] = ()
+    together: tuple[MissionPart, ...] = ()
     mission: str = ""
     values: dict[str, str] = msgspec.field(name="with", default={})
     priority: int = 1
@@ -78,7 +78,7 @@ class Mission(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     """
 
     name: str
-    do: tuple[Part, ...]
+    do: tuple[MissionPart, ...]
     title: str = ""
     parameters: dict[str, Quantity] = {}
     deadline: str = ""
@@ -98,12 +98,12 @@ class Leaf(NamedTuple):
         steps: As they are to be done: nothing is left open in them.
     """
 
-    part: Part
+    part: MissionPart
     after: tuple[int, ...]
     steps: tuple[str, ...] = ()
 
 
-class Wrong(ValueError):
+class InvalidMission(ValueError):
     """A mission that cannot be carried out.
 
     Attributes:
@@ -158,7 +158,7 @@ class _Layout:
         self._included_ever = 0
 
     def row(
-        self, parts: tuple[Part, ...], after: tuple[int, ...], place: tuple[str | int, ...],
+        self, parts: tuple[MissionPart, ...], after: tuple[int, ...], place: tuple[str | int, ...],
         within: Within,
     ) -> tuple[int, ...]:  # fmt: skip
         """Lay parts out one after another; return what has to be done for all to be done."""
@@ -167,7 +167,7 @@ class _Layout:
         return after
 
     def part(
-        self, part: Part, after: tuple[int, ...], place: tuple[str | int, ...],
+        self, part: MissionPart, after: tuple[int, ...], place: tuple[str | int, ...],
         within: Within,
     ) -> tuple[int, ...]:  # fmt: skip
         """Lay one part out."""
@@ -184,57 +184,63 @@ class _Layout:
         return tuple(ends)
 
     def _task(
-        self, part: Part, after: tuple[int, ...], place: tuple[str | int, ...], within: Within
+        self,
+        part: MissionPart,
+        after: tuple[int, ...],
+        place: tuple[str | int, ...],
+        within: Within,
     ) -> tuple[int, ...]:
         if len(self.leaves) >= TASKS_AT_MOST:
-            raise Wrong(place, f"This mission has more than {TASKS_AT_MOST} tasks.")
+            raise InvalidMission(place, f"This mission has more than {TASKS_AT_MOST} tasks.")
         steps = tuple(filled(step, within.texts) for step in part.steps)
         self.leaves.append(Leaf(part, after, steps))
         return (len(self.leaves) - 1,)
 
     def _included(
-        self, part: Part, after: tuple[int, ...], place: tuple[str | int, ...],
+        self, part: MissionPart, after: tuple[int, ...], place: tuple[str | int, ...],
         within: Within,
     ) -> tuple[int, ...]:  # fmt: skip
         missions, other = within.missions, self._missions.get(part.mission)
         if part.mission in missions:
             way = " -> ".join((*missions[missions.index(part.mission) :], part.mission))
-            raise Wrong(place, f"This mission goes round in a circle: {way}.")
+            raise InvalidMission(place, f"This mission goes round in a circle: {way}.")
         if other is None:
-            raise Wrong(place, f"No mission is called {part.mission!r}.")
+            raise InvalidMission(place, f"No mission is called {part.mission!r}.")
         if len(missions) > DEEPEST:
-            raise Wrong(place, f"This mission includes missions more than {DEEPEST} deep.")
+            raise InvalidMission(place, f"This mission includes missions more than {DEEPEST} deep.")
         self._included_ever += 1
         if self._included_ever > INCLUDED_AT_MOST:
-            raise Wrong(place, f"This mission includes more than {INCLUDED_AT_MOST} missions.")
+            raise InvalidMission(
+                place, f"This mission includes more than {INCLUDED_AT_MOST} missions."
+            )
         inner = Within((*missions, part.mission), self._handed_on(part, other, place, within))
         # What is wrong inside another mission is said where that one is included.
         try:
             return self.row(other.do, after, ("do",), inner)
-        except Wrong as wrong:
-            raise Wrong(place, wrong.sentence) from wrong
+        except InvalidMission as wrong:
+            raise InvalidMission(place, wrong.sentence) from wrong
 
     def _handed_on(
-        self, part: Part, other: Mission, place: tuple[str | int, ...], within: Within
+        self, part: MissionPart, other: Mission, place: tuple[str | int, ...], within: Within
     ) -> dict[str, str]:
         """Return what another mission is given for what it leaves open."""
         given: dict[str, float] = {}
         try:
             for name, text in part.values.items():
                 if name not in other.parameters:
-                    raise Wrong((*place[:-1], "with"), no_such(name, other.parameters))
+                    raise InvalidMission((*place[:-1], "with"), no_such(name, other.parameters))
                 said = filled(text, within.texts)
                 if "$" not in said:  # else nothing is known of it yet
                     given[name] = read_value(name, other.parameters[name], said, self._units)
             texts = texts_of(other.parameters, _assumed(part, other, given))
         except Refusal as refusal:
-            raise Wrong(place, refusal.sentence) from refusal
+            raise InvalidMission(place, refusal.sentence) from refusal
         return {
             name: text for name, text in texts.items() if name in given or name not in part.values
         }
 
 
-def _assumed(part: Part, other: Mission, given: Mapping[str, float]) -> dict[str, float]:
+def _assumed(part: MissionPart, other: Mission, given: Mapping[str, float]) -> dict[str, float]:
     """Return what is given, and something for what will be given later."""
     later = {name: other.parameters[name].min for name in part.values if name not in given}
     return {**later, **given}

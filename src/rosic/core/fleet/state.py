@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.core.fleet.task import HELD, OVER, Standing, State, Task, TaskId
-from rosic.core.record import Fact
+from rosic.core.fleet.task import HELD, OVER, FleetMembership, Task, TaskId, TaskState
+from rosic.core.records import Fact
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
 
-    from rosic.core.fleet.events import Step
-    from rosic.core.robot import RobotId
+    from rosic.core.fleet.events import Transition
+    from rosic.core.robot.profile import RobotId
 
 TASK: Final = "task"
 STANDING: Final = "robot-standing"
@@ -22,7 +22,7 @@ KEPT_OVER: Final = 200
 
 _encode = msgspec.msgpack.Encoder().encode
 _task = msgspec.msgpack.Decoder(Task).decode
-_standing = msgspec.msgpack.Decoder(Standing).decode
+_standing = msgspec.msgpack.Decoder(FleetMembership).decode
 
 
 class FleetState:
@@ -42,16 +42,16 @@ class FleetState:
         self.waiting: dict[TaskId, None] = {}
         self.due: dict[TaskId, None] = {}
         self.unreadable: list[str] = []
-        self._standings: dict[RobotId, Standing] = {}
+        self._standings: dict[RobotId, FleetMembership] = {}
         self._over: dict[TaskId, None] = {}
         self._missions: dict[str, dict[TaskId, None]] = {}
         self._newest = 0
 
     # ---- what is so ----
 
-    def standing(self, robot: RobotId) -> Standing:
+    def standing(self, robot: RobotId) -> FleetMembership:
         """Return whether a robot takes part; whoever was never spoken of does."""
-        return self._standings.get(robot, Standing.ACTIVE)
+        return self._standings.get(robot, FleetMembership.ACTIVE)
 
     def mission(self, mission: str) -> tuple[Task, ...]:
         """Return the tasks of a mission, in the order in which they were given."""
@@ -69,7 +69,8 @@ class FleetState:
     def ready(self, task: Task) -> bool:
         """Whether everything that has to be done before a task is done; what is unknown is not."""
         return all(
-            other in self.tasks and self.tasks[other].state is State.DONE for other in task.after
+            other in self.tasks and self.tasks[other].state is TaskState.DONE
+            for other in task.after
         )
 
     def beginning(self, robots: Collection[RobotId]) -> list[TaskId]:
@@ -84,7 +85,7 @@ class FleetState:
 
     # ---- what is written ----
 
-    def facts(self, step: Step) -> tuple[Fact, ...]:
+    def facts(self, step: Transition) -> tuple[Fact, ...]:
         """Return what makes a step so."""
         return (
             *(Fact(kind=TASK, key=task.id, body=_encode(task)) for task in step.tasks),
@@ -139,7 +140,7 @@ class FleetState:
         self._list(key, task)
         if task.state in HELD:
             self.holds[task.robot] = key
-        elif task.state is State.QUEUED:
+        elif task.state is TaskState.QUEUED:
             self.waiting[key] = None
         elif task.state in OVER:
             self._over[key] = None

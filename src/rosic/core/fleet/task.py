@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import msgspec
 
 from rosic.core.identity import PrincipalId
-from rosic.core.robot import RobotId
+from rosic.core.robot.profile import RobotId
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -22,7 +22,7 @@ MOVES_AT_MOST: Final = 5
 PRIORITIES: Final = (0, 9)
 
 
-class State(enum.Enum):
+class TaskState(enum.Enum):
     """Where a task is in its life."""
 
     __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
@@ -39,7 +39,7 @@ class State(enum.Enum):
     """A step of it may or may not have been carried out; a person says what is to follow."""
 
 
-class Why(enum.Enum):
+class TaskReason(enum.Enum):
     """Why a task leaves its robot before it is done, or did so last."""
 
     __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
@@ -61,14 +61,14 @@ class Why(enum.Enum):
     """ROSIC stood still while its robot moved: what was meant then need not be meant now."""
 
 
-HELD: Final = frozenset({State.ASSIGNED, State.RUNNING})
+HELD: Final = frozenset({TaskState.ASSIGNED, TaskState.RUNNING})
 """States in which a task has a robot, and nobody else has it."""
-OVER: Final = frozenset({State.DONE, State.CANCELLED})
-RESTING: Final = frozenset({State.PAUSED, State.FAILED, State.UNKNOWN})
+OVER: Final = frozenset({TaskState.DONE, TaskState.CANCELLED})
+RESTING: Final = frozenset({TaskState.PAUSED, TaskState.FAILED, TaskState.UNKNOWN})
 """States that only a person ends."""
 
 
-class Need(msgspec.Struct, frozen=True, array_like=True):
+class TaskNeed(msgspec.Struct, frozen=True, array_like=True):
     """What has to be so before a robot is asked. That it is idle is always needed.
 
     Attributes:
@@ -140,17 +140,17 @@ class Task(msgspec.Struct, frozen=True, kw_only=True):
     until_ns: int = 0
     expected_ns: int = 0
     once: bool = False
-    need: Need = Need()
+    need: TaskNeed = TaskNeed()
     place: tuple[float, float] | None = None
     mission: str = ""
     after: tuple[TaskId, ...] = ()
     due: Due = Due()
-    state: State = State.QUEUED
+    state: TaskState = TaskState.QUEUED
     robot: RobotId = ""
     attempt: int = 0
     asked: int = 0
     done: int = 0
-    why: Why = Why.NONE
+    why: TaskReason = TaskReason.NONE
     leaving: bool = False
     tried: tuple[RobotId, ...] = ()
     moves: int = 0
@@ -184,7 +184,7 @@ def idle_first(tasks: Iterable[Task]) -> list[Task]:
     return sorted(tasks, key=lambda task: task.state in HELD)
 
 
-class Standing(enum.Enum):
+class FleetMembership(enum.Enum):
     """Whether a robot is part of the fleet."""
 
     __hash__ = object.__hash__  # Enum hashes the name, in Python, every time

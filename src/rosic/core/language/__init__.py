@@ -6,19 +6,15 @@ up in a `Vocabulary`, which is compiled from the profiles once and replaced when
 
 from __future__ import annotations
 
-from rosic.core.language.binding import bind
-from rosic.core.language.cancelling import hears_cancel, is_urgent
-from rosic.core.language.cleaning import clean, clean_name, inert_text
-from rosic.core.language.compiled import SAY, skills_of
-from rosic.core.language.grammar import LONGEST_TEXT, MOST_LINES, places, understand
-from rosic.core.language.lines import (
+from rosic.core.language.arguments import bind
+from rosic.core.language.ast import (
     Cancel,
-    Context,
+    CommandLine,
     Do,
-    Errand,
     Halt,
     Help,
     Line,
+    LineContext,
     Misunderstood,
     Resume,
     Robots,
@@ -26,12 +22,16 @@ from rosic.core.language.lines import (
     Status,
     Use,
 )
-from rosic.core.language.reader import Reader
-from rosic.core.language.reading import MOST_WORDS
+from rosic.core.language.cancelling import hears_cancel, is_urgent
+from rosic.core.language.compiled import SAY, skills_of
+from rosic.core.language.formatting import show
+from rosic.core.language.line_parser import MOST_WORDS
+from rosic.core.language.numbers import Unit, UnitTable
+from rosic.core.language.parser import LONGEST_TEXT, MOST_LINES, places, understand
+from rosic.core.language.reader import LanguageReader
+from rosic.core.language.sanitise import clean, clean_name, inert_text
 from rosic.core.language.secrecy import kept_of, without_codes
-from rosic.core.language.showing import show
-from rosic.core.language.stopping import hears_stop
-from rosic.core.language.units import Unit, UnitTable
+from rosic.core.language.stop_detection import hears_stop
 from rosic.core.language.vocabulary import Vocabulary
 
 __all__ = [
@@ -40,14 +40,14 @@ __all__ = [
     "MOST_WORDS",
     "SAY",
     "Cancel",
-    "Context",
+    "CommandLine",
     "Do",
-    "Errand",
     "Halt",
     "Help",
+    "LanguageReader",
     "Line",
+    "LineContext",
     "Misunderstood",
-    "Reader",
     "Resume",
     "Robots",
     "Start",

@@ -10,15 +10,15 @@ import re
 from typing import TYPE_CHECKING
 
 from rosic.core.language.cancel_words import CANCEL, KEPT, MISSPELT, TASKS, WITH
-from rosic.core.language.cleaning import is_plain
-from rosic.core.language.stop_words import ALONG, EVERYTHING, UNSAID, fold_stop
-from rosic.core.language.stopping import (
+from rosic.core.language.sanitise import is_plain
+from rosic.core.language.stop_detection import (
     LONGEST_LINE,
     LONGEST_SHOUT,
     hears_stop,
     lines_of,
     words_of,
 )
+from rosic.core.language.stop_words import ALONG, EVERYTHING, UNSAID, fold_stop
 
 if TYPE_CHECKING:
     from collections.abc import Container

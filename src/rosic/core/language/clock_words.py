@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
-from rosic.core.civil import MINUTES_A_DAY
-from rosic.core.language.cleaning import clean, fold_word, quote
-from rosic.core.saying import said
+from rosic.core.i18n import said
+from rosic.core.language.sanitise import clean, fold_word, quote
+from rosic.core.local_time import MINUTES_A_DAY
 
 LONGEST_TEXT = 200
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.saying import joined, said
+from rosic.core.i18n import joined, said
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -10,7 +10,7 @@ from __future__ import annotations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.saying import said, titled
+from rosic.core.i18n import said, titled
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 
-from rosic.core.language.cleaning import clean_name, normalised, quote
 from rosic.core.language.common_names import shown_name, typed_names
+from rosic.core.language.keywords import FILLERS, NOT_FINITE
+from rosic.core.language.numbers import NONE, Unit, UnitTable
 from rosic.core.language.numerals import read_numeral
+from rosic.core.language.sanitise import clean_name, normalised, quote
 from rosic.core.language.suggestions import did_you_mean
-from rosic.core.language.units import NONE, Unit, UnitTable
-from rosic.core.language.words import FILLERS, NOT_FINITE
-from rosic.core.robot import Profile, RobotId
-from rosic.core.skill import Argument, Parameter, Skill, SkillClass
+from rosic.core.robot.profile import Profile, RobotId
+from rosic.core.robot.skill import Argument, Parameter, Skill, SkillClass
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from rosic.core.language.lines import Errand, Help
-from rosic.core.language.words import ALIASES, HELP_PAGES, PAGE_ALIASES
+from rosic.core.language.ast import CommandLine, Help
+from rosic.core.language.keywords import ALIASES, HELP_PAGES, PAGE_ALIASES
 
 # Said alone, these change nothing: they say how they are said, or show what there is. So that is
 # the help about them.
@@ -28,12 +28,12 @@ PAGE_OF: Final = {
 HELP_WORDS: Final = frozenset({"?", "help", "hilfe"})
 
 
-def help_named(word: str) -> Errand | Help | None:
+def help_named(word: str) -> CommandLine | Help | None:
     """Return what is said about a word in small letters; None where it is no page, no command."""
     page = PAGE_ALIASES.get(word, word)
     if page in HELP_PAGES:
         return Help(page)
     command = ALIASES.get(word, word)
     if command in EXPLAINED:
-        return Errand(command, "")
+        return CommandLine(command, "")
     return Help(PAGE_OF[command]) if command in PAGE_OF else None

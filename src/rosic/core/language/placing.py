@@ -5,13 +5,13 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from rosic.core.language.cleaning import clean
 from rosic.core.language.compiled import TOLERANCE, CompiledParameter, CompiledSkill
+from rosic.core.language.sanitise import clean
 
 if TYPE_CHECKING:
-    from rosic.core.language.units import Unit, UnitTable
+    from rosic.core.language.numbers import Unit, UnitTable
     from rosic.core.order import Spoken
-    from rosic.core.skill import Argument
+    from rosic.core.robot.skill import Argument
 
 
 def fits(compiled: CompiledSkill, spoken: tuple[Spoken, ...], units: UnitTable) -> bool:

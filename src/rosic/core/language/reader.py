@@ -8,21 +8,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.language.ast import Cancel, Halt, LineContext
 from rosic.core.language.cancelling import hears_cancel
-from rosic.core.language.grammar import understand
-from rosic.core.language.lines import Cancel, Context, Halt
-from rosic.core.language.stopping import hears_stop
+from rosic.core.language.parser import understand
+from rosic.core.language.stop_detection import hears_stop
 
 if TYPE_CHECKING:
-    from rosic.core.language.lines import Line
+    from rosic.core.language.ast import Line
     from rosic.core.language.vocabulary import Vocabulary
-    from rosic.core.robot import RobotId
+    from rosic.core.robot.profile import RobotId
 
 REMEMBERED = 8_192
 LONGEST_REMEMBERED = 200
 
 
-class Reader:
+class LanguageReader:
     """`hears_stop`, `hears_cancel` and `understand` over one vocabulary."""
 
     __slots__ = ("_lines", "_urgent", "vocabulary")
@@ -61,7 +61,7 @@ class Reader:
         key = (text, selected, visible)
         read = self._lines.get(key)
         if read is None:
-            read = understand(text, self.vocabulary, Context(selected, visible))
+            read = understand(text, self.vocabulary, LineContext(selected, visible))
             if len(text) <= LONGEST_REMEMBERED:
                 if len(self._lines) >= REMEMBERED:
                     self._lines.clear()

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.language.cleaning import clean, normalised
-from rosic.core.language.lines import Do
+from rosic.core.language.ast import Do
+from rosic.core.language.keywords import ALIASES
+from rosic.core.language.sanitise import clean, normalised
 from rosic.core.language.wording import past_fillers, words_of
-from rosic.core.language.words import ALIASES
 
 if TYPE_CHECKING:
-    from rosic.core.language.lines import Line
+    from rosic.core.language.ast import Line
 
 # What stands behind these words lets somebody in; behind the word in brackets, nothing does.
 _SECRET: Final = {"authenticator": "reset", "code": "", "join": "", "start": ""}

@@ -5,11 +5,11 @@ from __future__ import annotations
 from math import ceil, floor, log10
 from typing import TYPE_CHECKING
 
-from rosic.core.language.showing import usual_values
+from rosic.core.language.formatting import usual_values
 
 if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledParameter
-    from rosic.core.skill import Argument
+    from rosic.core.robot.skill import Argument
 
 # Bounds this far apart are gone through by preferred numbers (1, 2, 5, 10, ...), so that ten taps
 # lead from a centimetre to a few metres; others in equal steps, twenty or fewer from end to end.

@@ -7,7 +7,7 @@ import unicodedata
 from itertools import product
 from string import ascii_lowercase, digits
 
-from rosic.core.language.cleaning import normalised
+from rosic.core.language.sanitise import normalised
 
 # As the first word of a line, any of these stops, whatever follows.
 _STRONG = """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import islice
 from typing import TYPE_CHECKING
 
-from rosic.core.saying import joined, said
+from rosic.core.i18n import joined, said
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping

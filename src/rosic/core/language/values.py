@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rosic.core.language.keywords import FILLERS, NOT_FINITE, NUMBERS, SOFT_FILLERS
 from rosic.core.language.numerals import read_numeral
-from rosic.core.language.words import FILLERS, NOT_FINITE, NUMBERS, SOFT_FILLERS
 from rosic.core.order import Spoken
 
 if TYPE_CHECKING:
     from rosic.core.language.compiled import CompiledSkill
-    from rosic.core.language.units import UnitTable
+    from rosic.core.language.numbers import UnitTable
 
 _SKIPPED = FILLERS | SOFT_FILLERS
 _PER = frozenset({"per", "pro"})

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.core.language.cancelling import is_cancel_word
-from rosic.core.language.cleaning import clean_name, quote
 from rosic.core.language.common_names import TYPED
 from rosic.core.language.compiled import (
     CompiledRobot,
@@ -18,16 +17,17 @@ from rosic.core.language.compiled import (
     skills_of,
     spellings,
 )
+from rosic.core.language.keywords import EVERYTHING, FILLERS, NOT_FINITE, NOTHING, NUMBERS, VERBS
+from rosic.core.language.numbers import UnitTable
 from rosic.core.language.numerals import read_numeral
-from rosic.core.language.stopping import is_stop_word
-from rosic.core.language.units import UnitTable
-from rosic.core.language.words import EVERYTHING, FILLERS, NOT_FINITE, NOTHING, NUMBERS, VERBS
-from rosic.core.robot import Profile, RobotId
+from rosic.core.language.sanitise import clean_name, quote
+from rosic.core.language.stop_detection import is_stop_word
+from rosic.core.robot.profile import Profile, RobotId
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rosic.core.skill import Skill
+    from rosic.core.robot.skill import Skill
 
 _RESERVED = VERBS | FILLERS | EVERYTHING | NOTHING | frozenset(NUMBERS) | frozenset(NOT_FINITE)
 

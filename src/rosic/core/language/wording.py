@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from rosic.core.language.cleaning import fold_word
-from rosic.core.language.words import FILLERS
+from rosic.core.language.keywords import FILLERS
+from rosic.core.language.sanitise import fold_word
 
 FOLDED_AT_MOST: Final = 1024
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 import msgspec
 
-from rosic.messengers.telegram import wire
+from rosic.messengers.telegram import updates
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,7 +26,7 @@ LEAST_BYTES: Final = 256
 """No update counts as less."""
 
 
-class Pause:
+class BatchPause:
     """Lets others have the loop while much is read: a stop that was found is obeyed meanwhile."""
 
     def __init__(self) -> None:
@@ -64,6 +64,6 @@ def limit_after(raws: Sequence[object], limit: int) -> int:
 
 def _weight(update: object) -> int:
     """Return how much an update gives to do, about as its length in bytes."""
-    message = wire.written(update) if isinstance(update, wire.Update) else None
+    message = updates.written(update) if isinstance(update, updates.Update) else None
     text = (message.text or message.caption or "") if message is not None else ""
     return LEAST_BYTES + 4 * len(text)

@@ -17,7 +17,7 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final
 from urllib.parse import quote
 
-from rosic.core.saying import said
+from rosic.core.i18n import said
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram.files import LOCAL_BYTES
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncGenerator
 
     from rosic.core.message import Enclosure
-    from rosic.messengers.telegram.line import Line
+    from rosic.messengers.telegram.bot_client import BotClient
     from rosic.messengers.telegram.settings import TelegramSettings
 
 FETCH_BYTES: Final = 20_000_000
@@ -48,7 +48,7 @@ class Fetcher:
         most: How large a file may be.
     """
 
-    def __init__(self, line: Line, settings: TelegramSettings) -> None:
+    def __init__(self, line: BotClient, settings: TelegramSettings) -> None:
         self._line = line
         self._folder = settings.local_folder
         self.most = LOCAL_BYTES if settings.local_mode else FETCH_BYTES

@@ -15,7 +15,7 @@ from telegram import InputFile, InputMediaPhoto
 
 from rosic.errors import MessengerFault
 from rosic.messengers.telegram import text as texts
-from rosic.messengers.telegram.entities import inert
+from rosic.messengers.telegram.formatting import inert
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Mapping
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from telegram import InlineKeyboardMarkup, Message, ReplyParameters
 
     from rosic.core.message import Attachment, Outbound
-    from rosic.messengers.telegram.line import ApiBot
+    from rosic.messengers.telegram.bot_client import ApiBot
 
 FILE_BYTES: Final = 50_000_000
 PHOTO_BYTES: Final = 10_000_000

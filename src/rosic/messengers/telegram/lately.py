@@ -26,7 +26,7 @@ _decode = msgspec.msgpack.Decoder(tuple[int, ...]).decode
 log = logging.getLogger("rosic.messengers.telegram")
 
 
-class Lately:
+class RecentGroupMessages:
     """When something was said in each group, as far as it still counts.
 
     Args:

@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from rosic.errors import MessengerFault
+from rosic.messengers.telegram.bot_client import BotClient
 from rosic.messengers.telegram.chats import Chats
+from rosic.messengers.telegram.command_menu import TelegramMenus
 from rosic.messengers.telegram.fetching import Fetcher
 from rosic.messengers.telegram.files import FILE_BYTES, LOCAL_BYTES
-from rosic.messengers.telegram.gestures import Gestures
-from rosic.messengers.telegram.limiter import PUBLISHED, Limiter, Rates
-from rosic.messengers.telegram.line import Line
-from rosic.messengers.telegram.listener import Listener
-from rosic.messengers.telegram.menus import Menus
-from rosic.messengers.telegram.scrub import hide
+from rosic.messengers.telegram.log_redaction import hide
+from rosic.messengers.telegram.outgoing import Outgoing
+from rosic.messengers.telegram.polling import Poller
+from rosic.messengers.telegram.rate_limiter import PUBLISHED, BotRates, RateLimiter
+from rosic.messengers.telegram.reactions import Reactions
 from rosic.messengers.telegram.settings import TelegramSettings, read_settings
-from rosic.messengers.telegram.speaker import Speaker
 
 if TYPE_CHECKING:
     from collections import Counter
@@ -57,8 +57,8 @@ class TelegramMessenger:
         settings: TelegramSettings,
         clock: Clock,
         *,
-        line: Line | None = None,
-        rates: Rates = PUBLISHED,
+        line: BotClient | None = None,
+        rates: BotRates = PUBLISHED,
         spoke_before: bool = False,
     ) -> None:
         hide(settings.token)
@@ -66,15 +66,15 @@ class TelegramMessenger:
             hide(settings.proxy)
         self.name = name
         self.on_alarm: Callable[[MessengerFault], None] = lambda _fault: None
-        self._line, chats = line or Line(settings), Chats()
+        self._line, chats = line or BotClient(settings), Chats()
         poll_timeout_s = settings.poll_timeout_s
-        self._listener = Listener(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
+        self._listener = Poller(name, self._line, chats, clock, poll_timeout_s, self._raise_alarm)
         self.file_bytes = LOCAL_BYTES if settings.local_mode else FILE_BYTES
-        self._limiter = limiter = Limiter(clock, rates, spoke_before=spoke_before)
-        self._speaker = Speaker(self._line, limiter, chats, clock)
+        self._limiter = limiter = RateLimiter(clock, rates, spoke_before=spoke_before)
+        self._speaker = Outgoing(self._line, limiter, chats, clock)
         self._speaker.file_bytes = self.file_bytes
-        self._gestures = Gestures(self._line, chats, limiter)
-        self._menus = Menus(name, self._line, clock)
+        self._gestures = Reactions(self._line, chats, limiter)
+        self._menus = TelegramMenus(name, self._line, clock)
         self._fetcher = Fetcher(self._line, settings)
         self.fetch_bytes = self._fetcher.most
         self._running = False
@@ -111,7 +111,7 @@ class TelegramMessenger:
 
     @property
     def counts(self) -> Counter[str]:
-        """What became of updates; see `Listener`."""
+        """What became of updates; see `Poller`."""
         return self._listener.counts
 
     def _raise_alarm(self, fault: MessengerFault) -> None:

@@ -16,10 +16,10 @@ import msgspec
 
 from rosic.core.language import is_urgent
 from rosic.core.message import Chat, ChatKind, Passage, Passing
-from rosic.messengers.telegram import mapping, wire
-from rosic.messengers.telegram.batch import Pause, turns
-from rosic.messengers.telegram.listening import SECOND_NS
-from rosic.messengers.telegram.window import AlikeLines, News
+from rosic.messengers.telegram import incoming, updates
+from rosic.messengers.telegram.batch import BatchPause, turns
+from rosic.messengers.telegram.polling_gap import SECOND_NS
+from rosic.messengers.telegram.update_window import AdmittedUpdate, AlikeLines
 
 if TYPE_CHECKING:
     from asyncio import Task, TaskGroup
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rosic.core.identity import Address
     from rosic.core.message import Inbound, Reaction
     from rosic.messengers.telegram.chats import Chats
-    from rosic.messengers.telegram.window import Window
+    from rosic.messengers.telegram.update_window import UpdateWindow
 
 T = TypeVar("T")
 
@@ -56,8 +56,8 @@ class Unread(NamedTuple):
     rank: int
     number: int
     since: int
-    update: wire.Update
-    received: mapping.Received
+    update: updates.Update
+    received: incoming.ReceivedAt
 
 
 class Reading:
@@ -117,9 +117,9 @@ class Reading:
     async def take_in(
         self,
         group: TaskGroup,
-        window: Window,
+        window: UpdateWindow,
         raws: Sequence[object],
-        received: mapping.Received,
+        received: incoming.ReceivedAt,
     ) -> int:
         """Look for stops in everything that people known here sent; read the rest beside polling.
 
@@ -131,10 +131,10 @@ class Reading:
             How many had not been given out before.
         """
         self._taking = True
-        pause = Pause()
-        parsed: dict[int, wire.Update | None] = {}
+        pause = BatchPause()
+        parsed: dict[int, updates.Update | None] = {}
         for raw in raws:
-            number = wire.update_id(raw)
+            number = updates.update_id(raw)
             if number is not None and number not in parsed and not window.knows(number):
                 parsed[number] = self.parsed(raw)
                 await pause.after(raw)
@@ -154,8 +154,8 @@ class Reading:
         self.go_on()
         return len(parsed)
 
-    async def _read_on(self, window: Window) -> None:
-        pause = Pause()
+    async def _read_on(self, window: UpdateWindow) -> None:
+        pause = BatchPause()
         while self._unread:
             if self._unread[0].rank > UNNAMED and (self.hurried or not window.has_room):
                 self._wake.clear()
@@ -168,7 +168,7 @@ class Reading:
                 await turns(TURNS)
         self._later = None
 
-    def _release(self, window: Window) -> None:
+    def _release(self, window: UpdateWindow) -> None:
         """Have followed what was read, unless what may hold a stop and came with it is not yet.
 
         Nor does it wait for what came after it: somebody may go on sending that for ever.
@@ -177,64 +177,64 @@ class Reading:
             waited_for = self._unread and self._unread[0].rank == UNNAMED
             window.release(self._unread[0].since if waited_for else None)
 
-    def _pass_over(self, window: Window) -> None:
+    def _pass_over(self, window: UpdateWindow) -> None:
         """Do not read at all what is too much of strangers."""
         while len(self._unread) > UNREAD_AT_MOST and self._unread[-1].rank > UNNAMED:
-            window.admit(News(self._unread.pop().number, None))
+            window.admit(AdmittedUpdate(self._unread.pop().number, None))
             self._counts["unread"] += 1
             if self._counts["unread"] % UNREAD_AT_MOST == 1:
                 log.warning("%s: strangers send more than can be read", self._name)
 
-    def parsed(self, raw: object) -> wire.Update | None:
+    def parsed(self, raw: object) -> updates.Update | None:
         """Return an update as Telegram documents it; None for one that is malformed."""
         try:
-            return wire.parse(raw)
+            return updates.parse(raw)
         except msgspec.ValidationError as error:
             self._counts["malformed"] += 1
             log.warning("%s: a malformed update was passed over: %s", self._name, error)
             return None
 
-    def _rank(self, update: wire.Update) -> int:
-        who = mapping.author(update)
+    def _rank(self, update: updates.Update) -> int:
+        who = incoming.author(update)
         if who is None:
-            message = wire.written(update)
+            message = updates.written(update)
             if message is None:
                 return KNOWN
-            return UNNAMED if self.serves(Chat(mapping.PLATFORM, str(message.chat.id))) else UNMET
+            return UNNAMED if self.serves(Chat(incoming.PLATFORM, str(message.chat.id))) else UNMET
         return KNOWN if self.known(who) else STRANGER
 
     def news(
         self,
         number: int,
-        update: wire.Update | None,
-        received: mapping.Received,
+        update: updates.Update | None,
+        received: incoming.ReceivedAt,
         *,
         of_stranger: bool = False,
-    ) -> News:
+    ) -> AdmittedUpdate:
         """Read an update."""
         if update is None:
-            return News(number, None)
-        if (move := mapping.moved(update)) is not None:
+            return AdmittedUpdate(number, None)
+        if (move := incoming.moved(update)) is not None:
             self._chats.moved(*move)
-        passing = mapping.passing(update, hears_groups=self.hears_groups)
+        passing = incoming.passing(update, hears_groups=self.hears_groups)
         if passing is not None:
             self.passes(passing)
-        if (reaction := mapping.reaction(update)) is not None:
+        if (reaction := incoming.reaction(update)) is not None:
             self._follow(self.reacted, reaction)
-        inbound = mapping.read(update, self.own_name, received, may_stop=not of_stranger)
+        inbound = incoming.read(update, self.own_name, received, may_stop=not of_stranger)
         if inbound is None:
-            return News(number, None)
-        if self.one_of_several and (message := wire.written(update)) is not None:
+            return AdmittedUpdate(number, None)
+        if self.one_of_several and (message := updates.written(update)) is not None:
             text = message.text or message.caption or ""
             inbound = self._alike.named(inbound, message.date, text)
         self._chats.back(inbound.chat.id)
         self._check_clock(inbound, update)
         # Whom nobody knows stops nothing, whatever they say.
-        return News(number, inbound, not of_stranger and self._is_stop(inbound))
+        return AdmittedUpdate(number, inbound, not of_stranger and self._is_stop(inbound))
 
     def _moved(self, old: str, new: str) -> None:
         """A group has moved: seen, or found by speaking, before it could be seen."""
-        group = Chat(mapping.PLATFORM, old, ChatKind.GROUP)
+        group = Chat(incoming.PLATFORM, old, ChatKind.GROUP)
         self.passes(Passing(chat=group, what=Passage.MOVED, new_id=new))
 
     def passes(self, passing: Passing) -> None:
@@ -255,7 +255,7 @@ class Reading:
         said = inbound.text if inbound.nonce is None else inbound.nonce
         return is_urgent(said) or self._chats.stops(said)
 
-    def _check_clock(self, inbound: Inbound, update: wire.Update) -> None:
+    def _check_clock(self, inbound: Inbound, update: updates.Update) -> None:
         """Say so when a message comes from the future: then lateness cannot be told either."""
         date = update.message.date if update.message is not None else 0
         ahead_ns = date * SECOND_NS - inbound.received_ns

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from msgspec.structs import replace
 
+from rosic.core.i18n import said
 from rosic.core.identity import Address
 from rosic.core.language.cancelling import is_urgent
 from rosic.core.message import Chat, Enclosure, Inbound, Outbound
-from rosic.core.saying import said
 from rosic.errors import ConfigurationError, MessengerFault
 from rosic.messengers.terminal.choices import Choices
-from rosic.messengers.terminal.completing import Completer
-from rosic.messengers.terminal.drawer import FILE_BYTES, Drawer
+from rosic.messengers.terminal.completion import Completer
+from rosic.messengers.terminal.downloads import FILE_BYTES, DownloadFolder
 from rosic.messengers.terminal.screen import (
     Interrupted,
     PlainScreen,
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from rosic.contracts.clock import Clock
     from rosic.contracts.messenger import Receive
-    from rosic.core.robot import Profile
+    from rosic.core.robot.profile import Profile
 
 CHAT = "terminal"
 WAITING_AT_MOST = 256
@@ -86,7 +86,7 @@ class TerminalMessenger:
         self._screen = screen
         self._completer = Completer()
         self._choices = Choices()
-        self._drawer = Drawer()
+        self._drawer = DownloadFolder()
         self._chat = Chat(self.platform, CHAT)
         self._serial = 0
         self._interrupts = 0

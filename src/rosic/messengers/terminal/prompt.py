@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from prompt_toolkit.completion import CompleteEvent
     from prompt_toolkit.document import Document
 
-    from rosic.messengers.terminal.completing import Completer
+    from rosic.messengers.terminal.completion import Completer
 
 PROMPT = "> "
 NARROWEST = 20

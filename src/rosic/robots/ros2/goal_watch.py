@@ -8,22 +8,22 @@ from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from rosic.core.deadman import Break, Cause
-from rosic.core.saying import said
+from rosic.core.i18n import said
 from rosic.errors import RobotUnreachable, RosicError
-from rosic.robots.ros2.errand import note
+from rosic.robots.ros2.bindings.binding_call import note
 from rosic.robots.ros2.feedback_pulse import FeedbackPulse
-from rosic.robots.ros2.reading import compile_path
-from rosic.robots.ros2.way import Way
+from rosic.robots.ros2.messages.decode import compile_path
+from rosic.robots.ros2.way import MeasuredWay
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rosic.core.order import Order
-    from rosic.robots.ros2.actions import Goal
-    from rosic.robots.ros2.errand import Errand
-    from rosic.robots.ros2.goal_fields import Fraction
-    from rosic.robots.ros2.rest import Resting
-    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.ros2.bindings.binding_call import BindingCall
+    from rosic.robots.ros2.bindings.goal_fields import Fraction
+    from rosic.robots.ros2.client.actions import Goal
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.stopping import Resting
 
 _log = logging.getLogger(__name__)
 
@@ -61,7 +61,7 @@ class GoalWatch:
         way: How far it went.
     """
 
-    def __init__(self, errand: Errand, fraction: Fraction, missed: Missed) -> None:
+    def __init__(self, errand: BindingCall, fraction: Fraction, missed: Missed) -> None:
         """Begin.
 
         Args:
@@ -71,7 +71,7 @@ class GoalWatch:
         """
         self.broken: Break | None = None
         self.resting: Resting | None = None
-        self.way = Way(errand.side.measured, 0.0)  # as fast as its odometry says
+        self.way = MeasuredWay(errand.side.measured, 0.0)  # as fast as its odometry says
         self._errand = errand
         self._pulse = FeedbackPulse(self.now_ns())
         self._unserved_ns: int | None = None

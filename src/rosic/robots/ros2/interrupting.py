@@ -6,13 +6,13 @@ import logging
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rosic.core.deadman import Break, Cause
-from rosic.core.measures import measured
-from rosic.core.saying import joined, said
+from rosic.core.i18n import joined, said
+from rosic.core.units import measured
 from rosic.errors import RobotUnreachable, StillMoves
 
 if TYPE_CHECKING:
-    from rosic.robots.ros2.errand import Errand
-    from rosic.robots.ros2.rest import Resting
+    from rosic.robots.ros2.bindings.binding_call import BindingCall
+    from rosic.robots.ros2.stopping import Resting
 
 _log = logging.getLogger(__name__)
 
@@ -55,7 +55,7 @@ def moved(metres: float | None) -> str:
     return said("moved {way} by its odometry", way=measured(f"{metres:.2f} m", metres, "m"))
 
 
-class Doubt(NamedTuple):
+class NotAtRest(NamedTuple):
     """What was measured instead of rest.
 
     Attributes:
@@ -67,7 +67,7 @@ class Doubt(NamedTuple):
     code: str = ""
 
 
-async def after_the_end(errand: Errand) -> Doubt:
+async def after_the_end(errand: BindingCall) -> NotAtRest:
     """Wait until it rests that says that it has ended, at most `rest_timeout_s`; then say so.
 
     Returns:
@@ -78,19 +78,19 @@ async def after_the_end(errand: Errand) -> Doubt:
     since_ns = side.clock.monotonic_ns()
     until_ns = since_ns + int(side.rest_timeout_s * _NS)
     if not sees.measures_rest or not errand.order.skill.actuates:
-        return Doubt()
+        return NotAtRest()
     while errand.allowed():
         if sees.at_rest(since_ns) or sees.holds(since_ns):
-            return Doubt()
+            return NotAtRest()
         if side.clock.monotonic_ns() > until_ns:
             moves = sees.at_rest(max(since_ns, sees.stale_ns())) is False
             _log.warning("%s: it says that order %d has ended, and was not measured at rest",
                          errand.order.robot, errand.order.n)  # fmt: skip
             if moves:
-                return Doubt(said("it still moves"), StillMoves.code)
-            return Doubt(said("its rest could not be measured"))
+                return NotAtRest(said("it still moves"), StillMoves.code)
+            return NotAtRest(said("its rest could not be measured"))
         await sees.next_word(LOOK_EVERY_S)
-    return Doubt()
+    return NotAtRest()
 
 
 def in_doubt(shown: str, what: str, resting: Resting) -> RobotUnreachable:

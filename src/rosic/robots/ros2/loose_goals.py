@@ -11,15 +11,15 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from rosic.core.saying import said
+from rosic.core.i18n import said
 from rosic.errors import RobotOffline
-from rosic.robots.ros2.faults import NoAnswer, NotSent
+from rosic.robots.ros2.errors import NoAnswer, NotSent
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rosic.contracts.clock import Clock
-    from rosic.robots.ros2.actions import Goal
+    from rosic.robots.ros2.client.actions import Goal
 
 _log = logging.getLogger(__name__)
 

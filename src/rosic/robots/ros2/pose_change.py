@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rosic.robots.ros2.ros import RosObject
-    from rosic.robots.ros2.topics import Heard, Latest
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.topics import Heard, LatestMessage
 
 WITHIN_NS: Final = 500_000_000
 """So far back it is compared; and always with the message before, however seldom they come."""
@@ -33,7 +33,7 @@ class PoseChange:
         below: At most so many m/s, and rad/s, are rest.
     """
 
-    def __init__(self, source: Latest, below: float) -> None:
+    def __init__(self, source: LatestMessage, below: float) -> None:
         self._source = source
         self._below = below
         self._known: dict[int, RosObject] = {}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.ros2.client.rclpy_import import RosObject
 
     Ends: TypeAlias = Mapping[bytes, str]
     """Ids of ends on the graph to their nodes' full names; empty as long as that is not known."""

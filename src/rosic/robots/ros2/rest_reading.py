@@ -5,18 +5,18 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from rosic.core.saying import said
-from rosic.robots.ros2.faults import BadName, BadValue
+from rosic.core.i18n import said
+from rosic.robots.ros2.errors import BadName, BadValue
+from rosic.robots.ros2.messages.decode import Plain, compile_path
 from rosic.robots.ros2.pose_change import PoseChange
-from rosic.robots.ros2.reading import Plain, compile_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from rosic.contracts.clock import Clock
-    from rosic.core.robot import AtRest
-    from rosic.robots.ros2.ros import RosObject
-    from rosic.robots.ros2.topics import Latest
+    from rosic.core.robot.profile import AtRest
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.topics import LatestMessage
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 _NS = 1_000_000_000
@@ -29,7 +29,9 @@ class RestReading:
         source: The topic.
     """
 
-    def __init__(self, at_rest: AtRest, source: Latest, cls: RosObject, clock: Clock) -> None:
+    def __init__(
+        self, at_rest: AtRest, source: LatestMessage, cls: RosObject, clock: Clock
+    ) -> None:
         """Check the fields.
 
         Raises:

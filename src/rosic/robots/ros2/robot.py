@@ -7,29 +7,29 @@ import logging
 from contextlib import suppress
 from typing import TYPE_CHECKING, TypeAlias
 
+from rosic.core.i18n import said
 from rosic.core.order import Ending, Order, Outcome, Rest, Stop
-from rosic.core.robot import Presence, Profile
-from rosic.core.saying import said
+from rosic.core.robot.profile import Presence, Profile
 from rosic.errors import ConfigurationError
-from rosic.robots.ros2.among import Among
-from rosic.robots.ros2.by_action import ByAction
-from rosic.robots.ros2.by_delivery import ByDelivery
-from rosic.robots.ros2.by_parameters import ByParameters
-from rosic.robots.ros2.by_service import ByService
-from rosic.robots.ros2.by_topic import ByTopic
-from rosic.robots.ros2.dialogue import Dialogue
-from rosic.robots.ros2.errand import Carrier, Errand, Side
-from rosic.robots.ros2.faults import BadValue
-from rosic.robots.ros2.goal_trajectory import TrajectoryGoal
-from rosic.robots.ros2.heartbeat import Heartbeat
+from rosic.robots.ros2.bindings.action import ActionSkill
+from rosic.robots.ros2.bindings.binding_call import Binding, BindingCall, RobotSide
+from rosic.robots.ros2.bindings.dialogue import DialogueBinding
+from rosic.robots.ros2.bindings.file import FileBinding
+from rosic.robots.ros2.bindings.parameters import ParameterSkill
+from rosic.robots.ros2.bindings.service import ServiceSkill
+from rosic.robots.ros2.bindings.topic import TopicSkill
+from rosic.robots.ros2.bindings.trajectory import TrajectoryGoal
+from rosic.robots.ros2.camera_map import CameraAndMap
+from rosic.robots.ros2.client.heartbeat import Heartbeat
+from rosic.robots.ros2.client.node import others_under, station_of
+from rosic.robots.ros2.client.qos_mismatch import QosMismatch
+from rosic.robots.ros2.errors import BadValue
 from rosic.robots.ros2.loose_goals import LooseGoals
-from rosic.robots.ros2.measuring import Measurements
-from rosic.robots.ros2.meeting import Meetings
-from rosic.robots.ros2.names import check_graph_name
-from rosic.robots.ros2.rest import Brakes, Resting
+from rosic.robots.ros2.messages.names import check_graph_name
+from rosic.robots.ros2.peer_link import PeerLink
 from rosic.robots.ros2.settling import Settling
-from rosic.robots.ros2.sights import Sights
-from rosic.robots.ros2.station import others_under, station_of
+from rosic.robots.ros2.stopping import Resting, StopController
+from rosic.robots.ros2.telemetry import Measurements
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Iterator
@@ -37,13 +37,15 @@ if TYPE_CHECKING:
     from rosic.contracts.among import Speak
     from rosic.contracts.clock import Clock
     from rosic.contracts.robot import Say, Tell
-    from rosic.core.gate import Gate
-    from rosic.core.parcel import Parcel, Receipt
-    from rosic.core.skill import Skill
-    from rosic.core.view import Sight, View
-    from rosic.robots.ros2.graph import Snapshot
+    from rosic.core.order_gate import OrderGate
+    from rosic.core.robot.file_transfer import FileForRobot, Receipt
+    from rosic.core.robot.skill import Skill
+    from rosic.core.robot.view import Sight, View
+    from rosic.robots.ros2.client.graph import GraphSnapshot
 
-    Part: TypeAlias = Measurements | Brakes | Heartbeat | Carrier | Sights | ByDelivery | Among
+    Part: TypeAlias = (
+        Measurements | StopController | Heartbeat | Binding | CameraAndMap | FileBinding | PeerLink
+    )
 
 _log = logging.getLogger(__name__)
 
@@ -66,7 +68,7 @@ class Ros2Robot:
     All robots of a process share one node, ``chat_interface``.
     """
 
-    def __init__(self, profile: Profile, gate: Gate, clock: Clock) -> None:
+    def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
         """Make it; nothing is opened.
 
         Raises:
@@ -80,11 +82,11 @@ class Ros2Robot:
         # What stands at the root shares it with everybody: it is told by its topics alone.
         self._namespace = "" if space in {"", ROOT} else check_graph_name(space)
         self._measured = Measurements(profile, clock)
-        self._brakes = Brakes(profile, self._measured, clock)
+        self._brakes = StopController(profile, self._measured, clock)
         self._heartbeat = Heartbeat(self._namespace, clock)
-        self._sights = Sights(profile, clock)
-        self._meetings = Meetings(profile.id)
-        self._delivery = ByDelivery(profile, gate)
+        self._sights = CameraAndMap(profile, clock)
+        self._meetings = QosMismatch(profile.id)
+        self._delivery = FileBinding(profile, gate)
         self._dialogue = self._text_link()
         self._among = self._fellow_link()
         self._carriers = {name: self._carrier(name, s) for name, s in profile.skills.items()}
@@ -92,39 +94,39 @@ class Ros2Robot:
         self._appeared_ns = 0
         self._was_online = False
         self._seen: bool | None = None
-        self._errand: Errand | None = None
+        self._errand: BindingCall | None = None
         self._settling = Settling(profile, self._measured, clock, self._online, self._to_rest)
         self._loose = LooseGoals(clock, self._settling.begin)
 
-    def _text_link(self) -> Dialogue | None:
+    def _text_link(self) -> DialogueBinding | None:
         if not self.profile.link.dialogue:
             return None
         if not self._namespace:
             raise ConfigurationError(
                 f"{self.profile.id}: a dialogue needs a namespace.", hint="For example /talker."
             )
-        return Dialogue(self.profile.shown, self._namespace, self._clock)
+        return DialogueBinding(self.profile.shown, self._namespace, self._clock)
 
-    def _fellow_link(self) -> Among | None:
+    def _fellow_link(self) -> PeerLink | None:
         if not self.profile.link.among:
             return None
         if not self._namespace:
             raise ConfigurationError(
                 f"{self.profile.id}: among needs a namespace.", hint="For example /omni."
             )
-        return Among(self._namespace)
+        return PeerLink(self._namespace)
 
-    def _carrier(self, name: str, skill: Skill) -> Carrier:
+    def _carrier(self, name: str, skill: Skill) -> Binding:
         if skill.action is not None:
             trajectory = skill.action.trajectory
             maker = None if trajectory is None else TrajectoryGoal(trajectory, self.profile.joints)
-            return ByAction(skill.action, maker)
+            return ActionSkill(skill.action, maker)
         if skill.service is not None:
-            return ByService(skill.service)
+            return ServiceSkill(skill.service)
         if skill.topic is not None:
-            return ByTopic(skill.topic)
+            return TopicSkill(skill.topic)
         if skill.set_parameters is not None:
-            return ByParameters(skill.set_parameters)
+            return ParameterSkill(skill.set_parameters)
         if self._dialogue is not None:
             return self._dialogue
         raise ConfigurationError(
@@ -200,7 +202,7 @@ class Ros2Robot:
 
     async def execute(self, order: Order, tell: Tell) -> Outcome:
         """Carry out one order."""
-        errand = self._errand = Errand(order, tell, self._side(), self._patience_s(order))
+        errand = self._errand = BindingCall(order, tell, self._side(), self._patience_s(order))
         try:
             carrier = self._carriers[order.skill.id]
             if order.skill.actuates and carrier is not self._dialogue:
@@ -235,9 +237,9 @@ class Ros2Robot:
             OrderVoid, RobotOffline: The robot has not moved.
         """
         carrier = self._carriers[order.skill.id]
-        if not isinstance(carrier, ByTopic):
+        if not isinstance(carrier, TopicSkill):
             raise ConfigurationError(f"{order.skill.id} of {self.profile.id} streams nothing.")
-        errand = self._errand = Errand(order, tell, self._side(), self._patience_s(order))
+        errand = self._errand = BindingCall(order, tell, self._side(), self._patience_s(order))
         resting = Resting(confirmed=False, seconds=0.0)
         try:
             resting = await carrier.fall_silent(errand)
@@ -317,7 +319,7 @@ class Ros2Robot:
         """Yield what can be seen."""
         return self._sights.look(sight)
 
-    async def deliver(self, parcel: Parcel) -> Receipt:
+    async def deliver(self, parcel: FileForRobot) -> Receipt:
         """Hand a file to the robot's side."""
         return await self._delivery.deliver(parcel)
 
@@ -338,7 +340,7 @@ class Ros2Robot:
             return self._dialogue.answered
         return None if self._early() and not self._seen else self._seen
 
-    def _look(self, seen: Snapshot) -> None:
+    def _look(self, seen: GraphSnapshot) -> None:
         """Take in what is on the graph."""
         if self._namespace:
             self._seen = others_under(seen, self._namespace)
@@ -368,8 +370,8 @@ class Ros2Robot:
         deadline_s = (order.deadline_ns - now_ns) / _NS - DEADLINE_MARGIN_S
         return max(0.0, min(found_s, deadline_s))
 
-    def _side(self) -> Side:
-        return Side(
+    def _side(self) -> RobotSide:
+        return RobotSide(
             self.profile.shown,
             self.gate,
             self._clock,

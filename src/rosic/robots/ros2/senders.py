@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from rosic.robots.ros2.ros import RosObject
+    from rosic.robots.ros2.client.rclpy_import import RosObject
 
     About: TypeAlias = Mapping[str, RosObject]
     """What rclpy says of a message: who sent it, and when by the sender's wall clock."""

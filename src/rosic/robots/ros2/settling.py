@@ -9,17 +9,17 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Final
 
-from rosic.core.saying import said
+from rosic.core.i18n import said
 from rosic.errors import RobotOffline
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
 
     from rosic.contracts.clock import Clock
-    from rosic.core.robot import Profile
-    from rosic.robots.ros2.errand import Errand
-    from rosic.robots.ros2.measuring import Measurements
-    from rosic.robots.ros2.rest import Resting
+    from rosic.core.robot.profile import Profile
+    from rosic.robots.ros2.bindings.binding_call import BindingCall
+    from rosic.robots.ros2.stopping import Resting
+    from rosic.robots.ros2.telemetry import Measurements
 
 EVERY_S: Final = 0.1
 TRIES: Final = 3
@@ -70,7 +70,7 @@ class Settling:
         finally:
             self._task = None
 
-    async def check(self, errand: Errand) -> None:
+    async def check(self, errand: BindingCall) -> None:
         """See that the robot is there, that its rest can be measured, and that it has rested.
 
         Raises:

@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.core.deadman import Break, Cause, DeadMan
-from rosic.robots.ros2.faults import NotSent
+from rosic.robots.ros2.errors import NotSent
 from rosic.robots.ros2.rebirths import Newcomers, born_anew
-from rosic.robots.ros2.way import Way, told_m_s
+from rosic.robots.ros2.way import MeasuredWay, told_m_s
 
 if TYPE_CHECKING:
-    from rosic.robots.ros2.errand import Errand
-    from rosic.robots.ros2.messages import Values
-    from rosic.robots.ros2.topics import Publisher
+    from rosic.robots.ros2.bindings.binding_call import BindingCall
+    from rosic.robots.ros2.client.topics import Publisher
+    from rosic.robots.ros2.messages.encode import Values
 
 _NS = 1_000_000_000
 
 
-class Pace(NamedTuple):
+class StreamPace(NamedTuple):
     """How often velocities are sent, and for how long in all."""
 
     period_s: float
@@ -39,10 +39,12 @@ class VelocityStream:
         way: How far it went.
     """
 
-    def __init__(self, errand: Errand, publisher: Publisher, values: Values, pace: Pace) -> None:
+    def __init__(
+        self, errand: BindingCall, publisher: Publisher, values: Values, pace: StreamPace
+    ) -> None:
         self.moved = False
         self.seconds = self.sent_s = 0.0
-        self.way = Way(errand.side.measured, told_m_s(values))
+        self.way = MeasuredWay(errand.side.measured, told_m_s(values))
         self._errand = errand
         self._publisher = publisher
         self._message = publisher.made(values)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from rosic.robots.ros2.measuring import Measurements, Placed
+    from rosic.robots.ros2.telemetry import MeasuredPose, Measurements
 
 _NS: Final = 1_000_000_000
 AT_MOST: Final = 2.0
@@ -17,7 +17,7 @@ SLACK_S: Final = 0.1
 SLACK_M: Final = 0.05
 
 
-class Way:
+class MeasuredWay:
     """Added up from look to look.
 
     Attributes:
@@ -61,7 +61,7 @@ class Way:
             self._meant_m += now.speed_m_s * (now.at_ns - before.at_ns) / _NS
         self._at = now
 
-    def _jumps(self, past_m: float, before: Placed, now: Placed) -> bool:
+    def _jumps(self, past_m: float, before: MeasuredPose, now: MeasuredPose) -> bool:
         speed_m_s = max(self._told_m_s, before.speed_m_s, now.speed_m_s)
         past_s = (now.at_ns - before.at_ns) / _NS + SLACK_S
         return now.births != before.births or past_m > AT_MOST * speed_m_s * past_s + SLACK_M

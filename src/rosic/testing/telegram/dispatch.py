@@ -6,8 +6,8 @@ import inspect
 from typing import TYPE_CHECKING, NamedTuple
 
 from rosic.testing.telegram.methods import bot, chats, media, messages
-from rosic.testing.telegram.methods.call import Answer, Call, Method
-from rosic.testing.telegram.parameters import Arguments, Raw, check
+from rosic.testing.telegram.methods.call import ApiResult, Call, Method
+from rosic.testing.telegram.parameters import CallParameters, Raw, check
 from rosic.testing.telegram.refusals import ApiError
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ async def perform(world: World, prepared: Prepared) -> JsonObject:
     result = prepared.method.run(world, prepared.call)
     if inspect.isawaitable(result):
         result = await result
-    if isinstance(result, Answer):
+    if isinstance(result, ApiResult):
         return {"ok": True, "result": result.result, "description": result.description}
     return {"ok": True, "result": result}
 
@@ -82,4 +82,4 @@ def refused(error: ApiError) -> JsonObject:
 
 def recorded(raw: Raw) -> JsonObject:
     """Return what the record keeps of a call that could not be read."""
-    return Arguments(dict(raw.values), raw.files).shown()
+    return CallParameters(dict(raw.values), raw.files).shown()

@@ -14,7 +14,7 @@ import msgspec
 from aiohttp import web
 
 from rosic.testing.telegram import dispatch, files
-from rosic.testing.telegram.faults import AFTER, BAD_GATEWAY, Fault, Faults
+from rosic.testing.telegram.faults import AFTER, BAD_GATEWAY, ServerFault, ServerFaults
 from rosic.testing.telegram.parameters import Raw
 from rosic.testing.telegram.reading import read
 from rosic.testing.telegram.refusals import ApiError, too_many
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 TOKEN_SHAPE = re.compile(r"[0-9]+:[^/]+\Z")
 
 
-class Reply(NamedTuple):
+class HttpReply(NamedTuple):
     """What goes back: a status, and JSON."""
 
     status: int
@@ -36,7 +36,7 @@ class Reply(NamedTuple):
 class BotDoor:
     """Serves the Bot API for one token."""
 
-    def __init__(self, world: World, faults: Faults, token: str) -> None:
+    def __init__(self, world: World, faults: ServerFaults, token: str) -> None:
         self._world = world
         self._faults = faults
         self._token = token
@@ -67,7 +67,7 @@ class BotDoor:
         try:
             self._check_token(request.match_info["token"])
         except ApiError as error:
-            return _respond(Reply(error.code, dispatch.refused(error)))
+            return _respond(HttpReply(error.code, dispatch.refused(error)))
         broken: ApiError | None = None
         try:
             raw = await read(request, self._world.settings.local_folder)
@@ -92,7 +92,7 @@ class BotDoor:
 
     async def _answer(
         self, request: web.Request, method: str, raw: Raw, broken: ApiError | None
-    ) -> Reply:
+    ) -> HttpReply:
         def alive() -> bool:
             return request.transport is not None and not request.transport.is_closing()
 
@@ -100,11 +100,11 @@ class BotDoor:
             if broken is not None:
                 raise broken
             prepared = dispatch.prepare(self._world, method, raw, alive)
-            return Reply(200, await dispatch.perform(self._world, prepared))
+            return HttpReply(200, await dispatch.perform(self._world, prepared))
         except ApiError as error:
-            return Reply(error.code, dispatch.refused(error))
+            return HttpReply(error.code, dispatch.refused(error))
 
-    async def _fail(self, request: web.Request, fault: Fault, raw: Raw) -> web.StreamResponse:
+    async def _fail(self, request: web.Request, fault: ServerFault, raw: Raw) -> web.StreamResponse:
         """Fail the call before it takes effect."""
         match fault.kind:
             case "too_many_requests":
@@ -118,15 +118,17 @@ class BotDoor:
                 if fault.kind == "hang":
                     await self._delay(fault.seconds)
                 return _reset(request)
-        return _respond(Reply(error.code, dispatch.refused(error)))
+        return _respond(HttpReply(error.code, dispatch.refused(error)))
 
-    def _tell_to_wait(self, fault: Fault, raw: Raw) -> None:
+    def _tell_to_wait(self, fault: ServerFault, raw: Raw) -> None:
         chat = raw.values.get("chat_id")
         if isinstance(chat, int | str) and str(chat).lstrip("-").isdigit():
             now_s = self._world.clock.now_s()
             self._world.limiter.told(int(chat), fault.retry_after_s, now_s)
 
-    async def _spoil(self, request: web.Request, fault: Fault, reply: Reply) -> web.StreamResponse:
+    async def _spoil(
+        self, request: web.Request, fault: ServerFault, reply: HttpReply
+    ) -> web.StreamResponse:
         """Spoil the answer of a call that took effect."""
         if fault.kind == "truncated":
             body = msgspec.json.encode(reply.body)
@@ -150,7 +152,7 @@ class BotDoor:
         try:
             self._check_token(request.match_info["token"])
         except ApiError as error:
-            return _respond(Reply(error.code, dispatch.refused(error)))
+            return _respond(HttpReply(error.code, dispatch.refused(error)))
         path = request.match_info["path"]
         self._world.journal.add("download", path=path)
         fault = self._faults.next_for("download", None)
@@ -158,7 +160,7 @@ class BotDoor:
             return web.Response(status=502, body=BAD_GATEWAY, content_type="text/html")
         held = None if self._world.settings.local_folder else files.by_path(self._world, path)
         if held is None:
-            return _respond(Reply(404, dispatch.refused(ApiError(404, "Not Found"))))
+            return _respond(HttpReply(404, dispatch.refused(ApiError(404, "Not Found"))))
         if fault is not None:
             return await self._break_off(request, held.content)
         return web.Response(body=held.content, content_type="application/octet-stream")
@@ -171,7 +173,7 @@ class BotDoor:
         return _reset(request)
 
 
-def _respond(reply: Reply) -> web.Response:
+def _respond(reply: HttpReply) -> web.Response:
     headers = {}
     if wait_s := reply.body.get("parameters", {}).get("retry_after"):
         headers["Retry-After"] = str(wait_s)

@@ -40,7 +40,7 @@ BAD_GATEWAY = (
 )
 
 
-class Fault(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
+class ServerFault(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
     """One order to fail.
 
     Attributes:
@@ -65,7 +65,7 @@ class Fault(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
         return named and (self.chat_id is None or str(self.chat_id) == str(chat_id))
 
 
-class Faults:
+class ServerFaults:
     """The orders in force.
 
     Attributes:
@@ -75,9 +75,9 @@ class Faults:
 
     def __init__(self) -> None:
         self.latency_s = 0.0
-        self.orders: list[Fault] = []
+        self.orders: list[ServerFault] = []
 
-    def next_for(self, method: str, chat_id: object) -> Fault | None:
+    def next_for(self, method: str, chat_id: object) -> ServerFault | None:
         """Return the fault for this call and count it."""
         fault = next((order for order in self.orders if order.fits(method, chat_id)), None)
         if fault is not None:

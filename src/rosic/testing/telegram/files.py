@@ -7,7 +7,7 @@ import struct
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from rosic.testing.telegram.state import JsonObject, StoredFile
+from rosic.testing.telegram.state import JsonObject, ServerFile
 
 if TYPE_CHECKING:
     from rosic.testing.telegram.parameters import Upload
@@ -36,31 +36,31 @@ def _jpeg_size(content: bytes) -> tuple[int, int] | None:
     return None
 
 
-def store_document(world: World, upload: Upload) -> StoredFile:
+def store_document(world: World, upload: Upload) -> ServerFile:
     """Keep a document; its name is the last part of what was given."""
     name = PurePosixPath(upload.name.replace("\\", "/")).name or "file"
     show = {"file_name": name, "mime_type": upload.content_type or "application/octet-stream"}
     return _store(world, upload, "document", show)
 
 
-def store_animation(world: World, upload: Upload) -> StoredFile:
+def store_animation(world: World, upload: Upload) -> ServerFile:
     """Keep a GIF; how long it lasts is not looked into."""
     width, height = struct.unpack("<HH", upload.content[6:10])
     show = {"width": width, "height": height, "duration": 1, "mime_type": "image/gif"}
     return _store(world, upload, "animation", show)
 
 
-def store_photo(world: World, upload: Upload, size: tuple[int, int]) -> StoredFile:
+def store_photo(world: World, upload: Upload, size: tuple[int, int]) -> ServerFile:
     """Keep a photo of this width and height."""
     return _store(world, upload, "photo", {"width": size[0], "height": size[1]})
 
 
-def _store(world: World, upload: Upload, kind: str, show: JsonObject) -> StoredFile:
+def _store(world: World, upload: Upload, kind: str, show: JsonObject) -> ServerFile:
     """https://core.telegram.org/bots/api#file: the unique id names content and opens nothing."""
     number = world.serial()
     digest = upload.sha256
     suffix = PurePosixPath(upload.name).suffix[:10] or ".bin"
-    held = StoredFile(
+    held = ServerFile(
         id=f"{kind}-{number}-{digest[:24]}",
         unique_id=f"u{digest[:15]}",
         name=upload.name,
@@ -80,14 +80,14 @@ def _store(world: World, upload: Upload, kind: str, show: JsonObject) -> StoredF
     return held
 
 
-def by_path(world: World, path: str) -> StoredFile | None:
+def by_path(world: World, path: str) -> ServerFile | None:
     """Return the file behind a `file_path`, while the link that getFile gave is good."""
     held = next((held for held in world.state.files.values() if held.path == path), None)
     now_s = world.clock.now_s()
     return held if held is not None and now_s < held.link_until_s else None
 
 
-def left_in(folder: str, held: StoredFile) -> str:
+def left_in(folder: str, held: ServerFile) -> str:
     """Leave a file where a local server does, and return its absolute path."""
     path = Path(folder) / held.path
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rosic.testing.telegram import objects
 from rosic.testing.telegram.refusals import ControlError
-from rosic.testing.telegram.state import Chat, Content, JsonObject, Message
+from rosic.testing.telegram.state import Content, JsonObject, Message, ServerChat
 from rosic.testing.telegram.world import PRESENT, World
 
 if TYPE_CHECKING:
@@ -142,21 +142,21 @@ class Groups:
         self._note(new, next(iter(old.members)), {"migrate_from_chat_id": old.id})
         return new.id
 
-    def _new_chat(self, kind: str, title: str) -> Chat:
+    def _new_chat(self, kind: str, title: str) -> ServerChat:
         number = self.world.serial()
         base = -4_000_000_000 if kind == "group" else -1_002_000_000_000
         instance = str(-4_611_686_018_427_387_000 + number)
-        chat = Chat(id=base - number, kind=kind, title=title, instance=instance)
+        chat = ServerChat(id=base - number, kind=kind, title=title, instance=instance)
         self.world.state.chats[chat.id] = chat
         return chat
 
-    def _note_passage(self, where: Chat, user: int, actor: int, *, joined: bool) -> None:
+    def _note_passage(self, where: ServerChat, user: int, actor: int, *, joined: bool) -> None:
         who = objects.user(self.world.state.users[user])
         self._note(
             where, actor, {"new_chat_members": [who]} if joined else {"left_chat_member": who}
         )
 
-    def _note(self, where: Chat, actor: int, fields: Mapping[str, object]) -> None:
+    def _note(self, where: ServerChat, actor: int, fields: Mapping[str, object]) -> None:
         """Write a service message."""
         if actor == self.world.bot.id:
             return

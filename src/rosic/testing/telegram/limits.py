@@ -19,7 +19,7 @@ UNDER_WAY_S = 0.25
 CLOCK_SLACK_S = 0.05
 
 
-class Bucket:
+class TokenBucket:
     """A token bucket that starts full."""
 
     def __init__(self, per_s: float, burst: float) -> None:
@@ -72,7 +72,7 @@ class Limiter:
 
     def __init__(self, limits: Limits | None) -> None:
         self.limits = limits
-        self._chats: dict[int, Bucket] = {}
+        self._chats: dict[int, TokenBucket] = {}
         self._groups: dict[int, Window] = {}
         self._overall: Window | None = None
         self._told: dict[int, tuple[float, float]] = {}
@@ -108,7 +108,7 @@ class Limiter:
             return 0
         if self._overall is None:
             self._overall = Window(max(1, int(limits.overall_per_s)), SECOND_S)
-        chat = self._chats.setdefault(chat_id, Bucket(limits.chat_per_s, limits.chat_burst))
+        chat = self._chats.setdefault(chat_id, TokenBucket(limits.chat_per_s, limits.chat_burst))
         window = self._groups.setdefault(chat_id, Window(limits.group_per_min, GROUP_WINDOW_S))
         wait_s = max(chat.wait_s(now_s), self._overall.wait_s(now_s))
         if is_group:

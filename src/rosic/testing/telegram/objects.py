@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rosic.testing.telegram.state import Chat, Content, JsonObject, Message, Query, State, User
+    from rosic.testing.telegram.state import (
+        ButtonPress,
+        Content,
+        JsonObject,
+        Message,
+        ServerChat,
+        State,
+        User,
+    )
 
 
 ICON_COLOUR = 7_322_096
@@ -24,7 +32,7 @@ def user(who: User) -> JsonObject:
     return shown
 
 
-def chat(where: Chat, state: State) -> JsonObject:
+def chat(where: ServerChat, state: State) -> JsonObject:
     """https://core.telegram.org/bots/api#chat."""
     shown: JsonObject = {"id": where.id, "type": where.kind}
     if where.kind == "private":
@@ -103,7 +111,7 @@ def content(what: Content) -> JsonObject:
     return shown
 
 
-def callback_query(query: Query, state: State) -> JsonObject:
+def callback_query(query: ButtonPress, state: State) -> JsonObject:
     """https://core.telegram.org/bots/api#callbackquery; it has no date.
 
     A message that was deleted is shown as https://core.telegram.org/bots/api#inaccessiblemessage.

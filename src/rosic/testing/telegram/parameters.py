@@ -78,7 +78,7 @@ class Raw(msgspec.Struct, frozen=True, kw_only=True):
     typed: frozenset[str] = frozenset()
 
 
-class Arguments:
+class CallParameters:
     """The checked parameters of one call."""
 
     def __init__(self, values: dict[str, Any], files: dict[str, Upload]) -> None:
@@ -132,7 +132,7 @@ class Arguments:
         return {**self._values, **files}
 
 
-def check(signature: Signature, raw: Raw) -> tuple[Arguments, list[str]]:
+def check(signature: Signature, raw: Raw) -> tuple[CallParameters, list[str]]:
     """Convert every parameter as Telegram does.
 
     Returns:
@@ -164,7 +164,7 @@ def check(signature: Signature, raw: Raw) -> tuple[Arguments, list[str]]:
         for name in raw.files
         if signature.get(name) is not Kind.FILE and f"attach://{name}" not in attached
     ]
-    return Arguments(values, raw.files), problems
+    return CallParameters(values, raw.files), problems
 
 
 def convert(name: str, kind: Kind, value: object, *, typed: bool) -> tuple[Any, bool]:

@@ -14,11 +14,11 @@ from rosic.testing.telegram.state import (
     ANONYMOUS_ADMIN_ID,
     CHANNEL_BOT_ID,
     SERVICE_ID,
-    Chat,
+    ButtonPress,
     Content,
     JsonObject,
     Message,
-    Query,
+    ServerChat,
     User,
 )
 from rosic.testing.telegram.world import PRESENT, World
@@ -86,7 +86,7 @@ class People:
             is_bot=is_bot, started=started,
         )  # fmt: skip
         instance = str(-4_611_686_018_427_000_000 - number)
-        self.world.state.chats[number] = Chat(id=number, kind="private", instance=instance)
+        self.world.state.chats[number] = ServerChat(id=number, kind="private", instance=instance)
         return number
 
     def set_language(self, user: int, language_code: str) -> None:
@@ -174,7 +174,7 @@ class People:
             raise ControlError(f"there is no message {message} in chat {chat} to press on")
         self._require_present(self.world.state.chats[chat], user)
         data = button if forged else self._data_of(found, button, stale=stale)
-        query = Query(
+        query = ButtonPress(
             id=str(5_000_000_000_000_000_000 + self.world.serial()),
             user_id=user,
             chat_id=chat,
@@ -267,7 +267,7 @@ class People:
             self._forward_to_discussion(message, where)
         return message
 
-    def _begin(self, where: Chat, user: int) -> None:
+    def _begin(self, where: ServerChat, user: int) -> None:
         self._require_present(where, user)
         person = self.world.state.users[user]
         if where.kind == "private":
@@ -275,7 +275,7 @@ class People:
                 raise ControlError("this person has blocked the bot; unblock it first")
             person.started = True
 
-    def _require_present(self, where: Chat, user: int) -> None:
+    def _require_present(self, where: ServerChat, user: int) -> None:
         if user not in self.world.state.users:
             raise ControlError(f"there is no user {user}")
         there = where.id == user if where.kind == "private" else where.members.get(user) in PRESENT
@@ -283,7 +283,7 @@ class People:
             raise ControlError(f"user {user} is not in chat {where.id}")
 
     def _author(
-        self, where: Chat, user: int | None, unusual: Saying
+        self, where: ServerChat, user: int | None, unusual: Saying
     ) -> tuple[int | None, int | None]:
         """Return `from` and `sender_chat` (https://core.telegram.org/bots/api#message)."""
         if where.kind == "channel":
@@ -293,7 +293,7 @@ class People:
             return user, None
         return ANONYMOUS_ADMIN_ID if sender_chat == where.id else CHANNEL_BOT_ID, sender_chat
 
-    def _forward_to_discussion(self, post: Message, channel: Chat) -> None:
+    def _forward_to_discussion(self, post: Message, channel: ServerChat) -> None:
         """Telegram's own account forwards a channel's post into the linked group."""
         group = self.world.state.chats[channel.linked_chat_id or 0]
         origin = {

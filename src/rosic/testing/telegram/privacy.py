@@ -7,7 +7,13 @@ https://core.telegram.org/bots/faq#what-messages-will-my-bot-get.
 from __future__ import annotations
 
 from rosic.testing.telegram.entities import cut
-from rosic.testing.telegram.state import ANONYMOUS_ADMIN_ID, CHANNEL_BOT_ID, Chat, Message, State
+from rosic.testing.telegram.state import (
+    ANONYMOUS_ADMIN_ID,
+    CHANNEL_BOT_ID,
+    Message,
+    ServerChat,
+    State,
+)
 
 SERVICE_FIELDS = frozenset({
     "new_chat_members", "left_chat_member", "new_chat_title", "group_chat_created",
@@ -20,7 +26,7 @@ PRESENT = ADMINS | {"member", "restricted"}
 STAND_INS = frozenset({ANONYMOUS_ADMIN_ID, CHANNEL_BOT_ID})
 
 
-def visible(message: Message, chat: Chat, state: State, *, private: bool) -> bool:
+def visible(message: Message, chat: ServerChat, state: State, *, private: bool) -> bool:
     """Say whether the bot gets an update about this message.
 
     With `private`, privacy mode is on for the bot.
@@ -40,7 +46,7 @@ def visible(message: Message, chat: Chat, state: State, *, private: bool) -> boo
     return _meant_for(message, chat, state)
 
 
-def _meant_for(message: Message, chat: Chat, state: State) -> bool:
+def _meant_for(message: Message, chat: ServerChat, state: State) -> bool:
     """Say what privacy mode lets through: service messages, commands, replies, mentions.
 
     That a mention of the bot gets through is common experience; Telegram's list does not name it.
@@ -55,7 +61,7 @@ def _meant_for(message: Message, chat: Chat, state: State) -> bool:
     return _names_bot(message, chat, state)
 
 
-def _names_bot(message: Message, chat: Chat, state: State) -> bool:
+def _names_bot(message: Message, chat: ServerChat, state: State) -> bool:
     content = message.content
     text = content.text or content.caption or ""
     own = f"@{state.bot.username}".lower()
@@ -70,7 +76,7 @@ def _names_bot(message: Message, chat: Chat, state: State) -> bool:
     return False
 
 
-def _is_own_command(command: str, own: str, chat: Chat, state: State) -> bool:
+def _is_own_command(command: str, own: str, chat: ServerChat, state: State) -> bool:
     """`/stop@this_bot` always; a bare `/stop` "if the bot was the last bot to send a message"."""
     _, at, addressed = command.partition("@")
     if at:

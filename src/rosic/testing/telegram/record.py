@@ -11,7 +11,7 @@ from rosic.testing.telegram.refusals import ControlError
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from rosic.testing.telegram.state import Content, JsonObject, Message, Query
+    from rosic.testing.telegram.state import ButtonPress, Content, JsonObject, Message
     from rosic.testing.telegram.world import World
 
 
@@ -56,7 +56,7 @@ class Record:
         queries = self.world.state.queries.values()
         return [self._pressed(query) for query in queries if query.chat_id == chat]
 
-    def _pressed(self, query: Query) -> JsonObject:
+    def _pressed(self, query: ButtonPress) -> JsonObject:
         return {
             "id": query.id,
             "user_id": query.user_id,

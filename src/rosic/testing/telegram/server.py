@@ -11,7 +11,7 @@ from aiohttp import web
 from rosic.testing.telegram.clock import ServerClock
 from rosic.testing.telegram.control_door import ControlDoor
 from rosic.testing.telegram.door import BotDoor
-from rosic.testing.telegram.faults import Faults
+from rosic.testing.telegram.faults import ServerFaults
 from rosic.testing.telegram.groups import Groups
 from rosic.testing.telegram.journal import Journal
 from rosic.testing.telegram.limits import Limiter
@@ -70,7 +70,7 @@ class FakeTelegram(People, Groups, Trouble, Record):
         self.token = token
         self.port = port
         self.report: Callable[[str], None] = to_stderr
-        self.faults = Faults()
+        self.faults = ServerFaults()
         self._state_file = state_file
         self._runner: web.AppRunner | None = None
         self._door: BotDoor | None = None

@@ -39,7 +39,7 @@ class User(msgspec.Struct, kw_only=True, omit_defaults=True):
     blocked: bool = False
 
 
-class Chat(msgspec.Struct, kw_only=True, omit_defaults=True):
+class ServerChat(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One chat.
 
     Attributes:
@@ -118,7 +118,7 @@ class Message(msgspec.Struct, kw_only=True, omit_defaults=True):
         return self.versions[-1]
 
 
-class Query(msgspec.Struct, kw_only=True, omit_defaults=True):
+class ButtonPress(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One press of a button, and what the bot answered.
 
     Attributes:
@@ -134,7 +134,7 @@ class Query(msgspec.Struct, kw_only=True, omit_defaults=True):
     answers: list[JsonObject] = []
 
 
-class StoredFile(msgspec.Struct, kw_only=True, omit_defaults=True):
+class ServerFile(msgspec.Struct, kw_only=True, omit_defaults=True):
     """One file held by Telegram.
 
     Attributes:
@@ -189,14 +189,14 @@ class State(msgspec.Struct, kw_only=True, omit_defaults=True):
 
     bot: User
     users: dict[int, User] = {}
-    chats: dict[int, Chat] = {}
+    chats: dict[int, ServerChat] = {}
     messages: dict[int, dict[int, Message]] = {}
     counters: dict[int, int] = {}
     queue: list[Pending] = []
     next_update_id: int = 100_000_001
     allowed: list[str] | None = None
-    queries: dict[str, Query] = {}
-    files: dict[str, StoredFile] = {}
+    queries: dict[str, ButtonPress] = {}
+    files: dict[str, ServerFile] = {}
     commands: dict[str, list[JsonObject]] = {}
     names: dict[str, str] = {}
     webhook: Webhook = msgspec.field(default_factory=Webhook)

@@ -121,7 +121,7 @@ def _lines(bubble: Bubble) -> Iterable[str]:
         yield "  " + " ".join(f"[{key.label}]{'*' if key.tap else ''}" for key in row)
 
 
-class View(msgspec.Struct, frozen=True, kw_only=True):
+class TranscriptView(msgspec.Struct, frozen=True, kw_only=True):
     """Whose eyes, and what they are shown.
 
     Attributes:
@@ -142,7 +142,7 @@ class View(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def transcript(
-    messages: Sequence[JsonObject], presses: Sequence[JsonObject], view: View
+    messages: Sequence[JsonObject], presses: Sequence[JsonObject], view: TranscriptView
 ) -> Transcript:
     """Return a chat as one person saw it.
 
@@ -163,7 +163,7 @@ def transcript(
 class _Chat:
     """The messages of a chat, and where they were tapped."""
 
-    def __init__(self, messages: list[JsonObject], view: View) -> None:
+    def __init__(self, messages: list[JsonObject], view: TranscriptView) -> None:
         self.messages = messages
         self._view = view
         self._by_id = {message["message_id"]: message for message in messages}

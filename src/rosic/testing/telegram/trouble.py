@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from rosic.testing.telegram.faults import Fault, Faults
+from rosic.testing.telegram.faults import ServerFault, ServerFaults
 from rosic.testing.telegram.refusals import ControlError
 from rosic.testing.telegram.settings import Limits
 
@@ -19,13 +19,13 @@ class Trouble:
     """The control side's switches. All are off at first, except the limits."""
 
     world: World
-    faults: Faults
+    faults: ServerFaults
 
     def fail(self, kind: str, method: str = "*", times: int = 1, **details: object) -> None:
-        """Let the next `times` calls of a method fail; see `Fault` for kinds and details."""
+        """Let the next `times` calls of a method fail; see `ServerFault` for kinds and details."""
         try:
             order = {"kind": kind, "method": method, "times": times, **details}
-            self.faults.orders.append(msgspec.convert(order, Fault))
+            self.faults.orders.append(msgspec.convert(order, ServerFault))
         except msgspec.ValidationError as error:
             raise ControlError(str(error)) from None
 

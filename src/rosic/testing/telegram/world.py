@@ -11,9 +11,9 @@ from rosic.testing.telegram.state import (
     ANONYMOUS_ADMIN_ID,
     CHANNEL_BOT_ID,
     SERVICE_ID,
-    Chat,
     JsonObject,
     Message,
+    ServerChat,
     State,
     User,
 )
@@ -57,7 +57,7 @@ class World:
         self.state.serial += 1
         return self.state.serial
 
-    def new_message_id(self, chat: Chat) -> int:
+    def new_message_id(self, chat: ServerChat) -> int:
         """Return the next id in this chat.
 
         Private chats and basic groups of one bot share a counter, supergroups and channels have
@@ -79,7 +79,7 @@ class World:
         message = self.state.messages.get(chat_id, {}).get(message_id)
         return None if message is None or message.deleted else message
 
-    def bot_status(self, chat: Chat) -> str:
+    def bot_status(self, chat: ServerChat) -> str:
         """Return the bot's own status in a chat; "left" when it never was there."""
         return chat.members.get(self.bot.id, "left")
 
@@ -131,7 +131,7 @@ def dump_state(world: World) -> bytes:
     return msgspec.json.encode(world.state)
 
 
-def full_chat(chat: Chat, state: State) -> JsonObject:
+def full_chat(chat: ServerChat, state: State) -> JsonObject:
     """https://core.telegram.org/bots/api#chatfullinfo."""
     shown = objects.chat(chat, state)
     shown |= {

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from rosic.errors import ConfigurationError
-from rosic.robots.ros2.interfaces.build import Package
+from rosic.robots.ros2.interfaces.build import InterfacePackage
 from rosic.robots.ros2.interfaces.cache import OWN, default_cache, ensure_built
 
 
@@ -28,7 +28,9 @@ def main(arguments: list[str] | None = None) -> int:
     )
     asked = parser.parse_args(arguments)
     try:
-        built = ensure_built(Package(asked.package, asked.source.resolve()), asked.output.resolve())
+        built = ensure_built(
+            InterfacePackage(asked.package, asked.source.resolve()), asked.output.resolve()
+        )
     except ConfigurationError as error:
         sys.stderr.write(f"{error}\n")
         return 2

@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rosic.errors import ConfigurationError, how_to_install
-from rosic.robots.ros2.faults import RosMissing
-from rosic.robots.ros2.names import check_node_name
+from rosic.robots.ros2.errors import RosMissing
+from rosic.robots.ros2.messages.names import check_node_name
 
 KINDS = ("msg", "srv", "action")
 
@@ -68,7 +68,7 @@ def unheard(_package: str, _fraction: float) -> None:
 
 
 @dataclass(frozen=True)
-class Package:
+class InterfacePackage:
     """The sources of one package.
 
     Attributes:
@@ -116,7 +116,10 @@ def check_tools() -> None:
 
 
 def build(
-    package: Package, output: Path, workers: int | None = None, progress: Progress = unheard
+    package: InterfacePackage,
+    output: Path,
+    workers: int | None = None,
+    progress: Progress = unheard,
 ) -> None:
     """Build ``package`` so that it can be imported with ``output`` on the path.
 
@@ -149,7 +152,7 @@ class _Workshop:
     """One build under way."""
 
     def __init__(
-        self, package: Package, files: list[Path], folder: Path, progress: Progress
+        self, package: InterfacePackage, files: list[Path], folder: Path, progress: Progress
     ) -> None:
         self.package = package
         self._progress = progress

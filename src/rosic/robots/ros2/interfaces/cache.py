@@ -18,15 +18,15 @@ from typing import TYPE_CHECKING
 
 from rosic.errors import ConfigurationError
 from rosic.robots.ros2.interfaces import build as building
-from rosic.robots.ros2.interfaces.build import Package, Progress, build, unheard
+from rosic.robots.ros2.interfaces.build import InterfacePackage, Progress, build, unheard
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-OWN = Package("rosic_interfaces", Path(__file__).with_name("rosic_interfaces"))
+OWN = InterfacePackage("rosic_interfaces", Path(__file__).with_name("rosic_interfaces"))
 # What the profiles that ship speak besides: declared again, for where no distribution is sourced.
 KNOWN = {
-    name: Package(name, Path(__file__).with_name(name))
+    name: InterfacePackage(name, Path(__file__).with_name(name))
     for name in (OWN.name, "control_msgs", "nav2_msgs")
 }
 
@@ -57,7 +57,7 @@ def default_cache() -> Path:
 
 
 def ensure_built(
-    package: Package = OWN, cache: Path | None = None, progress: Progress = unheard
+    package: InterfacePackage = OWN, cache: Path | None = None, progress: Progress = unheard
 ) -> Path:
     """Return a folder from which ``package`` can be imported, and build it unless it is there.
 
@@ -93,7 +93,7 @@ def ensure_built(
 
 
 def make_importable(
-    package: Package = OWN, cache: Path | None = None, progress: Progress = unheard
+    package: InterfacePackage = OWN, cache: Path | None = None, progress: Progress = unheard
 ) -> None:
     """Make sure that ``package`` can be imported by this process, as `ensure_built` does.
 
@@ -105,7 +105,7 @@ def make_importable(
     importlib.invalidate_caches()
 
 
-def _build_into(package: Package, cache: Path, built: Path, progress: Progress) -> None:
+def _build_into(package: InterfacePackage, cache: Path, built: Path, progress: Progress) -> None:
     with tempfile.TemporaryDirectory(dir=cache, prefix=f".{package.name}-") as scratch:
         build(package, Path(scratch), progress=progress)
         shutil.rmtree(Path(scratch) / "_build")
@@ -121,7 +121,7 @@ def _build_into(package: Package, cache: Path, built: Path, progress: Progress) 
         shutil.rmtree(old, ignore_errors=True)
 
 
-def _digest(package: Package) -> str:
+def _digest(package: InterfacePackage) -> str:
     """Digest everything that the result depends on: sources, generators, Python, and the prefix."""
     digest = hashlib.sha256()
     parts = [package.name.encode(), str(sysconfig.get_config_var("SOABI")).encode()]

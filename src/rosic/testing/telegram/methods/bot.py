@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from rosic.testing.telegram import objects
-from rosic.testing.telegram.methods.call import Answer, Call, Method
+from rosic.testing.telegram.methods.call import ApiResult, Call, Method
 from rosic.testing.telegram.parameters import Kind
 from rosic.testing.telegram.refusals import QUERY_TOO_OLD, bad_request, too_many
 from rosic.testing.telegram.state import JsonObject, Webhook
@@ -83,7 +83,7 @@ def _allow(world: World, call: Call) -> None:
     world.queue.allow(kinds)
 
 
-def set_webhook(world: World, call: Call) -> Answer:
+def set_webhook(world: World, call: Call) -> ApiResult:
     """https://core.telegram.org/bots/api#setwebhook. This server never calls the URL."""
     url = call.args.text("url")
     if not url:
@@ -103,16 +103,16 @@ def set_webhook(world: World, call: Call) -> Answer:
         max_connections=min(100, max(1, call.args.integer("max_connections", 40))),
         ip_address=call.args.text("ip_address") or None,
     )
-    return Answer(True, "Webhook is already set" if unchanged else "Webhook was set")
+    return ApiResult(True, "Webhook is already set" if unchanged else "Webhook was set")
 
 
-def delete_webhook(world: World, call: Call) -> Answer:
+def delete_webhook(world: World, call: Call) -> ApiResult:
     """https://core.telegram.org/bots/api#deletewebhook."""
     if call.args.flag("drop_pending_updates"):
         world.queue.clear()
     was_set = bool(world.state.webhook.url)
     world.state.webhook = Webhook()
-    return Answer(True, "Webhook was deleted" if was_set else "Webhook is already deleted")
+    return ApiResult(True, "Webhook was deleted" if was_set else "Webhook is already deleted")
 
 
 def get_webhook_info(world: World, _: Call) -> JsonObject:

@@ -9,8 +9,8 @@ from rosic.testing.telegram.refusals import ApiError, bad_request, forbidden, to
 from rosic.testing.telegram.world import PRESENT, World
 
 if TYPE_CHECKING:
-    from rosic.testing.telegram.parameters import Arguments, Signature
-    from rosic.testing.telegram.state import Chat, Message, User
+    from rosic.testing.telegram.parameters import CallParameters, Signature
+    from rosic.testing.telegram.state import Message, ServerChat, User
 
 ADMINS = frozenset({"creator", "administrator"})
 
@@ -23,11 +23,11 @@ class Call(NamedTuple):
     """
 
     method: str
-    args: Arguments
+    args: CallParameters
     alive: Callable[[], bool]
 
 
-class Answer(NamedTuple):
+class ApiResult(NamedTuple):
     """A result with a `description`, which some methods add."""
 
     result: Any
@@ -45,7 +45,7 @@ class Method(NamedTuple):
     run: Handler
 
 
-def chat_of(world: World, args: Arguments) -> Chat:
+def chat_of(world: World, args: CallParameters) -> ServerChat:
     """Return the chat that `chat_id` names.
 
     Raises:
@@ -65,7 +65,7 @@ def chat_of(world: World, args: Arguments) -> Chat:
     return chat
 
 
-def _lookup(world: World, named: int | str) -> Chat | None:
+def _lookup(world: World, named: int | str) -> ServerChat | None:
     """An @name finds public groups and channels only (https://core.telegram.org/bots/api#sendmessage)."""
     if isinstance(named, int):
         return world.state.chats.get(named)
@@ -74,7 +74,7 @@ def _lookup(world: World, named: int | str) -> Chat | None:
     return next((c for c in public if (c.username or "").lower() == name), None)
 
 
-def present_in(world: World, args: Arguments) -> Chat:
+def present_in(world: World, args: CallParameters) -> ServerChat:
     """Return the chat, after checking that the bot is there.
 
     Raises:
@@ -94,7 +94,7 @@ def present_in(world: World, args: Arguments) -> Chat:
     return chat
 
 
-def writable(world: World, args: Arguments) -> Chat:
+def writable(world: World, args: CallParameters) -> ServerChat:
     """Return the chat, after checking that the bot may write there.
 
     A bot cannot begin a conversation
@@ -126,20 +126,20 @@ def _knows(world: World, person: User) -> bool:
     )
 
 
-def require_admin(world: World, chat: Chat, refusal: str) -> None:
+def require_admin(world: World, chat: ServerChat, refusal: str) -> None:
     """Raise a 400 unless the chat is private or the bot is an administrator there."""
     if chat.kind != "private" and world.bot_status(chat) not in ADMINS:
         raise bad_request(refusal)
 
 
-def require_right(world: World, chat: Chat, right: str, refusal: str) -> None:
+def require_right(world: World, chat: ServerChat, right: str, refusal: str) -> None:
     """Raise a 400 unless the chat is private, or the bot an administrator with this right."""
     require_admin(world, chat, refusal)
     if right in chat.withheld.get(world.bot.id, ()):
         raise bad_request(refusal)
 
 
-def message_of(world: World, args: Arguments, chat: Chat, what: str) -> Message:
+def message_of(world: World, args: CallParameters, chat: ServerChat, what: str) -> Message:
     """Return the message that `message_id` names; `what` is "message to edit" or the like."""
     if "message_id" not in args:
         raise bad_request("message identifier is not specified")
@@ -149,7 +149,7 @@ def message_of(world: World, args: Arguments, chat: Chat, what: str) -> Message:
     return message
 
 
-def spend(world: World, call: Call, chat: Chat) -> None:
+def spend(world: World, call: Call, chat: ServerChat) -> None:
     """Count one message or edit against the limits.
 
     Raises:

@@ -16,7 +16,7 @@ from rosic.testing.telegram.methods.call import (
 )
 from rosic.testing.telegram.parameters import Kind
 from rosic.testing.telegram.refusals import bad_request
-from rosic.testing.telegram.state import Chat, Content, JsonObject, Message
+from rosic.testing.telegram.state import Content, JsonObject, Message, ServerChat
 from rosic.testing.telegram.world import PRESENT, World, full_chat
 
 ACTIONS = frozenset({
@@ -72,13 +72,13 @@ def pin_chat_message(world: World, call: Call) -> bool:
     return True
 
 
-def _require_pins(world: World, chat: Chat) -> None:
+def _require_pins(world: World, chat: ServerChat) -> None:
     """https://core.telegram.org/bots/api#pinchatmessage: which right, depends on the chat."""
     right = {"supergroup": "can_pin_messages", "channel": "can_edit_messages"}.get(chat.kind, "")
     require_right(world, chat, right, NO_PIN)
 
 
-def _tell_pinned(world: World, chat: Chat, message: Message) -> None:
+def _tell_pinned(world: World, chat: ServerChat, message: Message) -> None:
     """Queue the service message; a bot hears of its own pin, as the published server does it."""
     note = world.keep(
         Message(

@@ -16,9 +16,9 @@ from rosic.testing.telegram.methods.messages import (
     formatted,
     sent,
 )
-from rosic.testing.telegram.parameters import Arguments, Kind, Upload
+from rosic.testing.telegram.parameters import CallParameters, Kind, Upload
 from rosic.testing.telegram.refusals import ApiError, bad_request
-from rosic.testing.telegram.state import Content, JsonObject, StoredFile
+from rosic.testing.telegram.state import Content, JsonObject, ServerFile
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,7 +38,7 @@ def send_photo(world: World, call: Call) -> JsonObject:
 
 def _photo(world: World, call: Call, field: str) -> JsonObject:
     upload = _upload(world, call, field, "photo")
-    if isinstance(upload, StoredFile):
+    if isinstance(upload, ServerFile):
         return {"photo": [upload.show]}
     if upload.size > MAX_PHOTO:
         raise ApiError(413, "Request Entity Too Large")
@@ -79,7 +79,7 @@ def _animation(world: World, call: Call, field: str) -> JsonObject:
     return {"animation": upload.show, "document": upload.show}
 
 
-def _upload(world: World, call: Call, field: str, kind: str) -> Upload | StoredFile:
+def _upload(world: World, call: Call, field: str, kind: str) -> Upload | ServerFile:
     """Return what was sent: new content, or a file that Telegram holds already."""
     given = call.args.file(field)
     if given is None or given == "":
@@ -115,7 +115,7 @@ def edit_message_media(world: World, call: Call) -> JsonObject:
         raise unsupported(world, call, f"a media of type {kind!r}")
     for field in set(media) - INPUT_MEDIA:
         world.journal.violation(call.method, f"unknown field {field!r} in media")
-    parts = Arguments(
+    parts = CallParameters(
         {name: value for name, value in media.items() if name != "type"}, call.args.files
     )
     inner = Call(call.method, parts, call.alive)

@@ -19,9 +19,9 @@ from rosic.testing.telegram.methods.call import (
     unsupported,
     writable,
 )
-from rosic.testing.telegram.parameters import Arguments, Kind
+from rosic.testing.telegram.parameters import CallParameters, Kind
 from rosic.testing.telegram.refusals import NOT_MODIFIED, bad_request
-from rosic.testing.telegram.state import Chat, Content, JsonObject, Message
+from rosic.testing.telegram.state import Content, JsonObject, Message, ServerChat
 
 if TYPE_CHECKING:
     from rosic.testing.telegram.world import World
@@ -74,7 +74,7 @@ REPLY_FIELDS = frozenset({
 
 
 def formatted(
-    args: Arguments, field: str, entity_field: str, most: int
+    args: CallParameters, field: str, entity_field: str, most: int
 ) -> tuple[str, list[JsonObject]]:
     """Return text and entities as they are kept: parsed, trimmed, completed, checked for length.
 
@@ -135,7 +135,7 @@ def sent(world: World, call: Call, content: Content) -> JsonObject:
     return objects.message(message, world.state)
 
 
-def replied(world: World, call: Call, chat: Chat) -> int | None:
+def replied(world: World, call: Call, chat: ServerChat) -> int | None:
     """Return the message to reply to (https://core.telegram.org/bots/api#replyparameters)."""
     parameters = call.args.object("reply_parameters")
     if not parameters:
@@ -152,7 +152,7 @@ def replied(world: World, call: Call, chat: Chat) -> int | None:
     raise bad_request("message to be replied not found")
 
 
-def topic(args: Arguments, chat: Chat) -> int | None:
+def topic(args: CallParameters, chat: ServerChat) -> int | None:
     """Return the topic that `message_thread_id` names (https://core.telegram.org/bots/api#sendmessage)."""
     if "message_thread_id" not in args:
         return None
@@ -245,7 +245,7 @@ def delete_message(world: World, call: Call) -> bool:
     return True
 
 
-def _require_deleting(world: World, chat: Chat, message: Message) -> None:
+def _require_deleting(world: World, chat: ServerChat, message: Message) -> None:
     """Raise a 400 unless the bot may delete this message, however old it is.
 
     Everything in a private chat; its own in a group; other people's in a basic group as an

@@ -1,0 +1,218 @@
+"""Everything that lets people in and keeps them out, put together and brought up to date."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING
+
+from rosic.app.people import person_of
+from rosic.app.policy import key_of
+from rosic.authoriser.abuse import AbuseDetector, AbuseLimits
+from rosic.authoriser.authoriser import Authoriser
+from rosic.authoriser.counters import Counters
+from rosic.authoriser.directory import Directory
+from rosic.authoriser.enrolment import Enrolment, EnrolmentRules
+from rosic.authoriser.keys import KeyRing
+from rosic.authoriser.locks import Locks
+from rosic.authoriser.security_report import SecurityReports
+from rosic.authoriser.two_factor import TwoFactor
+from rosic.core.deferred import Deferred
+from rosic.core.records import Enrolled, KeyIssued, KeyRevoked
+from rosic.core.slot import SERIES, SLOT
+from rosic.errors import Refusal
+from rosic.features.dashboard.dashboard import KIND as CARD
+from rosic.gateway.transactions import Transactions
+from rosic.organiser.access_requests import PETITION, AccessRequests
+from rosic.organiser.grants import GRANT
+from rosic.organiser.grounds import AccessState
+from rosic.organiser.planning.wishes import WISH, Wishes
+from rosic.organiser.rate_limits import KIND as RATE
+from rosic.organiser.roles import ROLE
+from rosic.organiser.wait_queue import WAITING, WaitingList
+
+if TYPE_CHECKING:
+    from rosic.app.policy import PolicyService
+    from rosic.authoriser.invitation import InvitedRights
+    from rosic.authoriser.monotonic_clock import MonotonicWallClock
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.store import Store
+    from rosic.core.identity import PrincipalId
+    from rosic.core.records import Fact, Memory
+    from rosic.core.stop_registry import StopRegistry
+    from rosic.organiser.calendar import Calendar
+    from rosic.organiser.organiser import Organiser
+
+ADMIN = "admin"
+
+
+def _nobody_invites(_principal: PrincipalId, _given: InvitedRights) -> bool:
+    """Let nobody in: who may is not known yet."""
+    return False
+
+
+def authoriser_of(time: MonotonicWallClock, clock: Clock, entropy: Entropy) -> Authoriser:
+    """Return an authoriser who knows nobody yet."""
+    keys = KeyRing(time, entropy, Counters())
+    return Authoriser(Directory(), keys, clock, entropy)
+
+
+class AccessFeature:
+    """The authoriser's and the organiser's books, and the way in which they change.
+
+    Attributes:
+        changes: Through which every change goes.
+        enrolment, keys, locks, stepup, misuse, tally, time, security, waiting, petitions: The
+            books.
+        cards: Live cards of earlier runs, for whoever shows them.
+        may_invite: Whether somebody may let a person in with that; nobody, until it is bound.
+    """
+
+    def __init__(
+        self, authoriser: Authoriser, authority: PolicyService, store: Store, entropy: Entropy,
+        place: str,
+    ) -> None:  # fmt: skip
+        self.changes = Transactions(store)
+        self.cards: tuple[Fact, ...] = ()
+        self.keys = authoriser.keys
+        self.time, self.tally = self.keys.time, self.keys.tally
+        self.locks = Locks(self.time)
+        self.may_invite: Deferred[[PrincipalId, InvitedRights], bool] = Deferred(_nobody_invites)
+        self.enrolment = Enrolment(
+            authoriser.directory, self.locks, self.time, entropy, self.tally,
+            EnrolmentRules(self.may_invite),
+        )  # fmt: skip
+        self.stepup = TwoFactor(self.time, entropy, self.tally, place=place)
+        self.misuse = AbuseDetector(
+            self.time, AbuseLimits(), only_admin=self.is_only_admin, name=authoriser.directory.name
+        )
+        self.security = SecurityReports(
+            authoriser, self.enrolment, self.keys, self.locks, self.tally, self.time
+        )
+        self.waiting = WaitingList(self.time)
+        self.wishes = Wishes(self.time.wall_ns)
+        self.petitions = AccessRequests(self.time.wall_ns, entropy)
+        self._authoriser = authoriser
+        self._authority = authority
+        self._calendar: Calendar | None = None
+
+    @property
+    def state(self) -> AccessState:
+        """Return what deciding rests on besides the rights."""
+        authoriser, authority = self._authoriser, self._authority
+        return AccessState(
+            clock=self.time,
+            key_of=partial(key_of, authoriser),
+            narrow=authoriser.directory.narrowed,
+            locked=self.locks.everybody(),
+            own_limits=authority.roster.own_limits,
+            locked_out=lambda _principal: self.tally.count("locked"),
+            released=lambda _robot: authority.moved(),
+        )
+
+    def restore(self, memory: Memory, organiser: Organiser, board: StopRegistry) -> None:
+        """Take over what earlier runs wrote, and say who keeps what from now on."""
+        authority, changes = self._authority, self.changes
+        self.time.when_behind = partial(self._set_back, board)
+        self.time.when_ahead = partial(self._paused, organiser)
+        keepers = {
+            "high-water": self.time.apply,
+            "tally": self.tally.apply,
+            "lock": self.locks.apply,
+            "code-key": self.enrolment.apply,
+            "invitation": self.enrolment.apply,
+            "pending": self.enrolment.apply,
+            "totp": self.stepup.apply,
+            WAITING: self.waiting.apply,
+            WISH: self.wishes.apply,
+            PETITION: self.petitions.apply,
+        }
+        for kind, apply in keepers.items():
+            for fact in memory.facts.get(kind, ()):
+                apply(fact)
+            changes.keep(kind, apply)
+        self.cards = memory.facts.get(CARD, ())
+        calendar = self._calendar = organiser.calendar
+        calendar.restore((*memory.facts.get(SERIES, ()), *memory.facts.get(SLOT, ())))
+        changes.keep(SLOT, partial(self._booked, calendar))
+        changes.keep(SERIES, calendar.apply)
+        organiser.rates.restore(memory.facts.get(RATE, ()))
+        self.keys.restore(self._authoriser.directory.keys(), memory.facts.get("key-end", ()))
+        changes.keep("key-end", self._key_ends)
+        changes.keep("lock", self._locked)
+        changes.keep(GRANT, authority.granted)
+        changes.keep(ROLE, authority.ruled)
+        changes.watch(Enrolled, self._enrolled)
+        changes.watch(KeyIssued, self._issued)
+        changes.watch(KeyRevoked, self._revoked)
+        changes.after(authority.enforce)
+
+    def _set_back(self, board: StopRegistry, behind: bool) -> None:
+        if not behind:
+            board.not_later(self.time.wall_ns())
+        self._authority.moved()
+        self._authority.when_changed()
+
+    def _paused(self, organiser: Organiser, ns: int) -> None:
+        organiser.leases.age(ns)
+        self.waiting.age(ns)
+
+    def _booked(self, calendar: Calendar, fact: Fact) -> None:
+        calendar.apply(fact)
+        self._authority.moved()
+
+    def _locked(self, fact: Fact) -> None:
+        self.locks.apply(fact)
+        self.stepup.end(fact.key)
+        self._authority.renew(fact.key)
+
+    def _key_ends(self, fact: Fact) -> None:
+        self.keys.apply(fact)
+        key = self._authoriser.directory.key(fact.key)
+        if key is not None:
+            self._authoriser.forget(key.principal)
+        self._authority.when_changed()
+
+    def _enrolled(self, record: Enrolled) -> None:
+        self._authoriser.directory.enrol(person_of(record))
+        self._authoriser.forget(record.principal)
+        self._authority.enrolled(record)
+
+    def _issued(self, record: KeyIssued) -> None:
+        self.keys.apply(record)
+        self._authoriser.directory.add_key(record.key)
+        self._authoriser.forget(record.key.principal)
+        self._authority.when_changed()
+
+    def _revoked(self, record: KeyRevoked) -> None:
+        self.keys.apply(record)
+        principal = self._authoriser.revoke(record.key)
+        if principal is not None:
+            self.stepup.end(principal)
+            if not self._authoriser.directory.has_good_key(principal):
+                self._authority.revoked(principal)
+
+    def ahead(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        """Return what takes away what somebody still had to come: times, queues and wishes.
+
+        Whoever has no access any more keeps no robot from the others.
+        """
+        booked = () if self._calendar is None else self._calendar.end_all(principal)
+        return (*booked, *self.waiting.leave_all(principal), *self.wishes.end_all(principal))
+
+    async def leave(self) -> None:
+        """Write down what was counted since the last time; at the end, and as far as it can be."""
+        with suppress(Refusal):
+            async with self.changes.turn() as turn:
+                await turn.write((*self.time.due(), *self.tally.due()))
+
+    def is_only_admin(self, principal: PrincipalId) -> bool:
+        """Whether nobody else with a good key, who is not locked, is admin."""
+        directory, locked = self._authoriser.directory, self.locks.locked
+        admins = [
+            person.id
+            for person in directory.people()
+            if ADMIN in person.roles and directory.has_good_key(person.id) and not locked(person.id)
+        ]
+        return admins == [principal]

@@ -1,0 +1,103 @@
+"""What the operator's desk looks into: the rooms of a running gateway, or the data alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.core.language import clean
+from rosic.core.policy.roles import ASSURANCES, Assurance
+from rosic.errors import OutOfBounds
+from rosic.organiser.calendar_messages import moment
+from rosic.organiser.timezones import UNIVERSAL, Zone, zone_named
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from rosic.app.access import AccessFeature
+    from rosic.app.gateway import Gateway
+    from rosic.app.policy import PolicyService
+    from rosic.authoriser.authoriser import Authoriser
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Principal, PrincipalId
+    from rosic.core.language import Vocabulary
+    from rosic.core.robot.profile import Profile, RobotId
+    from rosic.features.access.notices import AccessNotices
+    from rosic.features.personal_data.context import ContainerContext
+    from rosic.features.personal_data.erasure import ErasureCommands
+    from rosic.organiser.organiser import Organiser
+
+
+class AdminContext(NamedTuple):
+    """Everything that an operator may ask about or change.
+
+    Attributes:
+        zone: Of the place; times are told in it.
+        assurances: What a conversation on each platform is worth.
+        bots: Names of the accounts on Telegram, as far as they are known.
+        notices: Tells people in their chats; None: no gateway runs, so nobody can be told.
+        holdings: What is kept in containers; None: the record cannot look into them.
+        erasing: Erases somebody; None while no gateway runs.
+    """
+
+    access: AccessFeature
+    authority: PolicyService
+    authoriser: Authoriser
+    organiser: Organiser
+    vocabulary: Vocabulary
+    profiles: Mapping[RobotId, Profile]
+    clock: Clock
+    zone: Zone
+    assurances: Mapping[str, Assurance]
+    bots: Sequence[str] = ()
+    notices: AccessNotices | None = None
+    holdings: ContainerContext | None = None
+    erasing: ErasureCommands | None = None
+
+    def name(self, principal: PrincipalId) -> str:
+        """Return how somebody is shown."""
+        return clean(self.authoriser.directory.name(principal))
+
+    def shown(self, robot: RobotId) -> str:
+        """Return how a robot is shown."""
+        profile = self.profiles.get(robot)
+        return robot if profile is None else profile.shown
+
+    def moment(self, at_ns: int) -> str:
+        """Return a time as it is said here today."""
+        return moment(at_ns, self.clock.wall_ns(), self.zone)
+
+    def assurance_of(self, person: Principal) -> Assurance:
+        """Return what a private chat with somebody is worth; what is not known, the least."""
+        platforms = [address.platform for address in person.addresses]
+        known = (self.assurances.get(platform) for platform in platforms)
+        return next((a for a in known if a is not None), Assurance.PROVIDER_READABLE)
+
+
+def books_of(
+    gateway: Gateway,
+    zone: str,
+    messengers: Sequence[Messenger] = (),
+    bots: Sequence[str] = (),
+) -> AdminContext:
+    """Return the books of a gateway that is open."""
+    rooms = gateway.rooms
+    return AdminContext(
+        access=gateway.access, authority=gateway.authority, authoriser=rooms.authoriser,
+        organiser=rooms.organiser, vocabulary=rooms.vocabulary, profiles=rooms.profiles,
+        clock=gateway.access.time, zone=zone_or_universal(zone), bots=bots,
+        notices=gateway.furnishing.notices,
+        holdings=gateway.holding.holdings, erasing=gateway.holding.erasing,
+        assurances={
+            m.platform: ASSURANCES.get(m.assurance, Assurance.PROVIDER_READABLE)
+            for m in messengers
+        },
+    )  # fmt: skip
+
+
+def zone_or_universal(name: str) -> Zone:
+    """Return a zone; UTC where this machine does not know it."""
+    try:
+        return zone_named(name)
+    except OutOfBounds:
+        return zone_named(UNIVERSAL)

@@ -1,0 +1,160 @@
+"""What somebody may with one line, and why: every rule that was asked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.app.admin.naming import the_one
+from rosic.core.identity import OPERATOR, Address, Caller
+from rosic.core.language import (
+    Do,
+    Halt,
+    LineContext,
+    Misunderstood,
+    Resume,
+    Status,
+    bind,
+    clean,
+    hears_stop,
+    show,
+    understand,
+)
+from rosic.core.policy.authority import READ, RESUME
+from rosic.core.policy.explain import PolicyTexts, explain
+from rosic.core.policy.query import STOP, Allow
+from rosic.errors import NotUnderstood, Refusal
+from rosic.organiser.grounds import AuthContext
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from rosic.app.admin.api import AdminContext
+    from rosic.core.identity import Principal
+    from rosic.core.language import Line
+    from rosic.core.policy.query import Decision
+    from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.skill import Argument
+
+NO_RULE = (
+    "That asks nothing of a robot, so no rule is asked. Write what a robot shall do, for example: "
+    "kuka1 home."
+)
+
+
+MAY_NOT = " may not."
+
+
+def says_no(text: str) -> bool:
+    """Whether an explanation of one robot comes to a no: its verdict stands above the rules."""
+    verdict = [line for line in text.splitlines() if not line.startswith(("ok  ", "no  "))]
+    return any(MAY_NOT in line for line in verdict)
+
+
+class Explainer:
+    """Decides as if somebody had written a line in a private chat, and does nothing."""
+
+    def __init__(self, books: AdminContext) -> None:
+        self._books = books
+
+    def explain(self, name: str, line: str) -> tuple[str, ...]:
+        """Return the decision about each robot, with its rules.
+
+        Raises:
+            NotUnderstood: Nobody of that name, or the line asks nothing of a robot.
+        """
+        person = the_one(self._books.authoriser.directory, name)
+        said, hidden = self._understood(person, line)
+        texts: list[str] = []
+        if hidden:
+            texts.append(f"To {clean(person.name)} there is no such robot; they are told so.")
+        name = clean(person.name)
+        for robot, skill, shown, arguments in self._asked(said, person):
+            decision = self._decide(person, robot, skill, arguments)
+            verdict = _verdict(decision, name)
+            if isinstance(said, Do) and arguments is None:  # whatever the rules say
+                verdict = f"{name}{MAY_NOT} The robot's own bounds refuse it, for everybody."
+            texts.append("\n".join((shown, verdict, *explain(decision, self._wording()))))
+        return tuple(texts)
+
+    def _understood(self, person: Principal, line: str) -> tuple[Line, bool]:
+        """Return what a line means to somebody, and whether they may not know of its robot."""
+        books = self._books
+        stopped = hears_stop(line, books.vocabulary.known)
+        if stopped is not None:
+            return Halt(stopped), False
+        visible = books.organiser.visible(person.id)
+        said = self._one(line, visible)
+        if not isinstance(said, Misunderstood):
+            return said, False
+        # What they may not see does not exist for them; whoever looks after the place sees it.
+        seen = self._one(line, frozenset(books.profiles))
+        if isinstance(seen, Misunderstood):
+            raise NotUnderstood(said.sentence)
+        return seen, True
+
+    def _one(self, line: str, visible: frozenset[RobotId]) -> Line:
+        lines = understand(line, self._books.vocabulary, LineContext("", visible))
+        if len(lines) > 1:
+            raise NotUnderstood("Ask about one line at a time.")
+        return lines[0]
+
+    def _asked(
+        self, line: Line, person: Principal
+    ) -> Iterator[tuple[RobotId, str, str, Mapping[str, Argument] | None]]:
+        books = self._books
+        if isinstance(line, Do):
+            for robot, skill in zip(line.robots, line.skills, strict=True):
+                try:
+                    values = bind(books.vocabulary, robot, skill, line.spoken, group=line.group)
+                    shown = show(books.vocabulary, robot, skill, values)
+                    yield robot, skill.id, f"{books.shown(robot)}: {shown}", values
+                except Refusal as refusal:
+                    yield robot, skill.id, f"{books.shown(robot)}: {skill.id}\n{refusal}", None
+            return
+        words = {Halt: STOP, Resume: RESUME, Status: READ}
+        word = words.get(type(line))
+        if word is None:
+            raise NotUnderstood(NO_RULE)
+        named = line.robots if isinstance(line, Resume | Status) else self._stopped(line)
+        visible = books.organiser.visible(person.id)
+        # Without a name it means what they see; who sees nothing is told so of every robot.
+        meant = named or tuple(r for r in books.profiles if r in visible) or tuple(books.profiles)
+        for robot in meant:
+            yield robot, word, f"{books.shown(robot)}: {word}", None
+
+    def _stopped(self, line: Line) -> tuple[RobotId, ...]:
+        """Return the robots that a stop names; none if one is not known: that stops everything."""
+        found: dict[RobotId, None] = {}
+        for name in line.names if isinstance(line, Halt) else ():
+            robot = self._books.vocabulary.robot(name)
+            members = (robot.id,) if robot is not None else self._books.vocabulary.members(name)
+            if not members:
+                return ()
+            found.update(dict.fromkeys(members))
+        return tuple(found)
+
+    def _decide(
+        self,
+        person: Principal,
+        robot: RobotId,
+        skill: str,
+        arguments: Mapping[str, Argument] | None,
+    ) -> Decision:
+        books = self._books
+        key = books.authoriser.directory.key_of(person.id)
+        address = person.addresses[0] if person.addresses else Address(OPERATOR, "")
+        caller = Caller(person.id, person.name, address, "" if key is None else key.id, "")
+        grounds = AuthContext(channel=books.assurance_of(person))
+        return books.organiser.decision(caller, robot, skill, arguments, grounds)
+
+    def _wording(self) -> PolicyTexts:
+        books = self._books
+        return PolicyTexts(person=books.name, robot=books.shown, time=books.moment)
+
+
+def _verdict(decision: Decision, name: str) -> str:
+    if not isinstance(decision, Allow):
+        return f"{name}{MAY_NOT}"
+    if decision.needs:
+        return f"{name} may, once something has come first."
+    return f"{name} may."

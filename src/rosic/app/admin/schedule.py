@@ -1,0 +1,164 @@
+"""What a plan is made from, and booking it: the gateway's half of ``rosic schedule plan``.
+
+Weighing wishes takes seconds of computing, so whoever asks does it, never the gateway.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.identity import OPERATOR, PrincipalId
+from rosic.core.records import Decided, Fact
+from rosic.core.robot.profile import RobotId
+from rosic.errors import NotPermitted, NotUnderstood, RobotTaken, TooManyRequests
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.app.admin.api import AdminContext
+
+PEOPLE_A_LINE = 2_000
+SLOTS_A_LINE = 8_000
+_SECOND_NS = 1_000_000_000
+
+
+class Who(msgspec.Struct, frozen=True, kw_only=True):
+    """Whom and what a list of wishes may name.
+
+    Attributes:
+        people: From a name that one person alone has, or an id, to the id.
+        names: From an id to how somebody is shown.
+        robots: From a robot's or a group's name to its robots.
+        zone: In which times without an offset are meant.
+    """
+
+    people: dict[str, PrincipalId]
+    names: dict[PrincipalId, str]
+    robots: dict[str, tuple[RobotId, ...]] = {}
+    zone: str = ""
+
+
+class ScheduleWindow(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """From when until when; wall clock."""
+
+    from_ns: int
+    to_ns: int
+
+
+class Taken(msgspec.Struct, frozen=True):
+    """Slots that stand: robot, start, end."""
+
+    slots: tuple[tuple[RobotId, int, int], ...]
+
+
+class SlotBooking(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One slot to be booked."""
+
+    principal: PrincipalId
+    robot: RobotId
+    start_ns: int
+    length_s: int
+
+
+class BookAsk(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Slots to be booked together: all of them, or none."""
+
+    slots: tuple[SlotBooking, ...]
+
+
+class ScheduleAdmin:
+    """Knows who may wish for what, what is taken, and books."""
+
+    def __init__(self, books: AdminContext) -> None:
+        self._books = books
+        self._calendar = books.organiser.calendar
+
+    def who(self) -> Iterator[Who]:
+        """Yield who there is, some people at a time."""
+        directory = self._books.authoriser.directory
+        people = [p for p in directory.people() if directory.has_good_key(p.id)]
+        alone = Counter(person.name for person in people)
+        fleet = self._books.authority.rights.fleet
+        robots = {**fleet.groups, **{robot: (robot,) for robot in fleet.skills}}
+        yield Who(people={}, names={}, robots=robots, zone=self._books.zone.name)
+        for at in range(0, len(people), PEOPLE_A_LINE):
+            some = people[at : at + PEOPLE_A_LINE]
+            by_name = {person.name: person.id for person in some if alone[person.name] == 1}
+            yield Who(
+                people={**by_name, **{person.id: person.id for person in some}},
+                names={person.id: self._books.name(person.id) for person in some},
+            )
+
+    def taken(self, window: ScheduleWindow) -> Iterator[Taken]:
+        """Yield every slot that takes some of this time."""
+        slots = [
+            (slot.robot, slot.start_ns, slot.end_ns)
+            for robot in self._books.profiles
+            for slot in self._calendar.on(robot, window.from_ns, window.to_ns)
+        ]
+        for at in range(0, len(slots), SLOTS_A_LINE):
+            yield Taken(tuple(slots[at : at + SLOTS_A_LINE]))
+
+    async def book(self, asked: BookAsk) -> str:
+        """Book slots in one change: all of them, or none.
+
+        Raises:
+            NotUnderstood: Somebody or a robot that is not there.
+            NotPermitted: Somebody would keep a robot from the others that they may not move.
+            RobotTaken, OutOfBounds, TooManyRequests: One of them cannot be. Nothing was booked.
+            RecordUnavailable: Not written; nothing was booked.
+        """
+        if not asked.slots:
+            return "Nothing was booked."
+        async with self._books.access.changes.turn() as turn:
+            await turn.write([record for slot in self._checked(asked) for record in slot])
+        count = len(asked.slots)
+        return f"Booked: {count} {'slot' if count == 1 else 'slots'}."
+
+    def _checked(self, asked: BookAsk) -> list[tuple[Decided | Fact, ...]]:
+        self._check_apart(asked)
+        self._check_shares(asked)
+        return [self._one(slot) for slot in asked.slots]
+
+    def _one(self, slot: SlotBooking) -> tuple[Decided | Fact, ...]:
+        books = self._books
+        if slot.robot not in books.profiles:
+            raise NotUnderstood(f"There is no robot called {slot.robot}. Nothing was booked.")
+        if not books.authoriser.directory.has_good_key(slot.principal):
+            raise NotUnderstood("Somebody of this plan has no access any more. Plan again.")
+        if books.organiser.why_not_move(slot.principal, slot.robot) is not None:
+            who, shown = books.name(slot.principal), books.shown(slot.robot)
+            raise NotPermitted(f"{who} may not move {shown} now. Nothing was booked.")
+        facts = self._calendar.book(
+            slot.principal, slot.robot, slot.start_ns, slot.length_s, OPERATOR
+        )
+        now_ns = books.clock.wall_ns()
+        said = [Decided(act="book", by=OPERATOR, about=f.key, at_ns=now_ns) for f in facts]
+        return (*said, *facts)
+
+    def _check_apart(self, asked: BookAsk) -> None:
+        """See that no two of the slots themselves take the same robot at one time."""
+        spans: defaultdict[RobotId, list[tuple[int, int]]] = defaultdict(list)
+        for slot in asked.slots:
+            end_ns = slot.start_ns + slot.length_s * _SECOND_NS
+            spans[slot.robot].append((slot.start_ns, end_ns))
+        for robot, some in spans.items():
+            if any(later[0] < earlier[1] for earlier, later in pairwise(sorted(some))):
+                shown = self._books.shown(robot)
+                raise RobotTaken(f"{shown} would be given twice at one time. Nothing was booked.")
+
+    def _check_shares(self, asked: BookAsk) -> None:
+        """See that nobody gets more slots to come than one person may have."""
+        now_ns, most = self._books.clock.wall_ns(), self._calendar.limits.most_upcoming
+        for who, more in Counter(slot.principal for slot in asked.slots).items():
+            upcoming = sum(slot.end_ns > now_ns for slot in self._calendar.of(who))
+            if upcoming + more > most:
+                raise TooManyRequests(
+                    f"{self._books.name(who)} would have {upcoming + more} slots to come, and at "
+                    f"most {most} are possible. Nothing was booked.",
+                    retry_after_s=86_400.0,
+                )

@@ -1,0 +1,125 @@
+"""Puts the rules about alarms in their place: read once, with who stands for each."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import TYPE_CHECKING
+
+from rosic.app.people import Seed, named_in_file
+from rosic.config.validation import ValidationFinding
+from rosic.contracts.messenger import watch_reactions
+from rosic.core.alerts.rule import read_run, rules_of
+from rosic.features.alerts.absences import Absences
+from rosic.features.alerts.actions import AlertActions
+from rosic.features.alerts.active_alerts import TOLD
+from rosic.features.alerts.book import ALARM, MUTE, RUN, AlertLog
+from rosic.features.alerts.broken_stops import BrokenStops
+from rosic.features.alerts.circles import Recipients
+from rosic.features.alerts.commands import AlertCommands
+from rosic.features.alerts.evaluator import AlertEvaluator
+from rosic.features.alerts.reacting import AlertReactions
+from rosic.features.benchmarks.evaluation import follow
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rosic.app.access import AccessFeature
+    from rosic.config.gateway_file import ConfigFile
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.alerts.rule import AlertRule
+    from rosic.core.language import Do, Vocabulary
+    from rosic.core.records import Fact, Memory
+    from rosic.core.robot.profile import Profile
+    from rosic.features.alerts.actions import AlertActionServices
+    from rosic.gateway import Pipeline
+    from rosic.gateway.components import Components
+
+
+class AlertFeature:
+    """What follows the rules of one gateway.
+
+    Attributes:
+        alerting: Looks and tells.
+        reacting: Takes reactions to alarms for what they say.
+        running: Gives the orders of rules.
+        absences: Says which robots at work are not there any more.
+        broken_stops: Says which stopped robots move all the same.
+    """
+
+    def __init__(
+        self, rooms: Components, access: AccessFeature, clock: Clock, hands: AlertActionServices
+    ) -> None:
+        self._rooms = rooms
+        self._access = access
+        book = AlertLog()
+        circles = Recipients(rooms.authoriser, rooms.organiser)
+        self.alerting = AlertEvaluator(rooms, access.changes, hands.reach, clock, book, circles)
+        hands.reach.again = self.alerting.again
+        self.reacting = AlertReactions(self.alerting, rooms.authoriser.directory, hands.reach)
+        self.absences = Absences(rooms, hands.reach, clock)
+        self.broken_stops = BrokenStops(rooms, hands.reach, clock, circles)
+        self.running = AlertActions(rooms, hands, access.changes, clock, book)
+
+    def furnish(self, pipeline: Pipeline, memory: Memory, people: Iterable[Seed]) -> None:
+        """Read the rules, take over what earlier runs have raised, and take the errands."""
+        rooms, changes, book = self._rooms, self._access.changes, self.alerting.book
+        for kind in (ALARM, MUTE, RUN):
+            book.restore(memory.facts.get(kind, ()))
+            changes.keep(kind, book.apply)
+        changes.keep(TOLD, _so_already)
+        rules, lines = read_rules(rooms.profiles.values(), rooms.vocabulary)
+        named = named_in_file(people, memory, rooms.authoriser)
+        self.running.author_of = lambda name: named.get(name.casefold())
+        self.alerting.follow(rules, lines, self.running)
+        open_now = {
+            following.rule.key: following.alarm
+            for row in self.alerting.following.values()
+            for following in row
+            if following.alarm is not None
+        }
+        told = memory.facts.get(TOLD, ())
+        self.alerting.write(self.alerting.telling.placed.restore(told, open_now))
+        follow(pipeline.lives, self.absences)
+        AlertCommands(self.alerting, rooms, changes).employ(pipeline.reception.office)
+
+    async def run(self) -> None:
+        """Follow the rules until cancelled."""
+        await asyncio.gather(self.alerting.run(), self.absences.run(), self.broken_stops.run())
+
+    def watch(self, messengers: Iterable[Messenger]) -> None:
+        """Hear of reactions, where people react."""
+        for messenger in messengers:
+            watch_reactions(messenger, partial(self.reacting.reacted, messenger))
+
+    async def close(self) -> None:
+        """Follow them no more, and write down what is open."""
+        await self.reacting.close()
+        await self.alerting.close()
+
+
+def _so_already(_fact: Fact) -> None:
+    """Which message tells of what is known before it is written."""
+
+
+def read_rules(
+    profiles: Iterable[Profile], vocabulary: Vocabulary
+) -> tuple[list[AlertRule], dict[str, Do | None]]:
+    """Return the rules of robots, and what those run that run something, by the rule's key."""
+    rules = [rule for profile in profiles for rule in rules_of(profile, vocabulary.units)]
+    return rules, {rule.key: read_run(rule, vocabulary) for rule in rules if rule.alert.run}
+
+
+def author_findings(file: ConfigFile, robots: Iterable[Profile]) -> Iterator[ValidationFinding]:
+    """Find rules that run something as somebody whom the configuration does not name."""
+    known = {person.name.casefold() for person in file.principal}
+    for index, profile in enumerate(robots):
+        for alert in profile.alerts:
+            if alert.author and alert.author.casefold() not in known:
+                yield ValidationFinding(
+                    ("robot", index, "profile"),
+                    f"The rule {alert.name!r} of {profile.id} runs as {alert.author}, and nobody "
+                    "here is called so.",
+                    "Give 'as' the name of a [[principal]].",
+                )

@@ -1,1 +1,0 @@
-"""Robots on a live ROS 2 graph: found, looked at, and drafted as profiles."""

@@ -1,0 +1,114 @@
+"""What has to be done now and then: rights that end, people who wait in vain, counts to write."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+from rosic.errors import RosicError
+from rosic.gateway.waking import sleep_or_wake
+from rosic.organiser.refusals import CLOCK_SET_BACK
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from rosic.app.access import AccessFeature
+    from rosic.app.data_feature import DataFeature
+    from rosic.app.features import FeatureSetup
+    from rosic.app.policy import PolicyService
+    from rosic.contracts.clock import Clock
+
+EVERY_S = 60.0
+DAY_NS = 86_400_000_000_000
+# A right that ends ends what moves under it within a second.
+SOONEST_S = 0.2
+
+log = logging.getLogger("rosic.minding")
+
+
+class Maintenance:
+    """One task for all of it."""
+
+    def __init__(
+        self,
+        access: AccessFeature,
+        authority: PolicyService,
+        furnishing: FeatureSetup,
+        holding: DataFeature,
+        clock: Clock,
+        daily: Callable[[], Awaitable[None]],
+    ) -> None:
+        self._daily = daily
+        self._holding = holding
+        self._day_ns = clock.monotonic_ns()
+        self._access = access
+        self._authority = authority
+        self._furnishing = furnishing
+        self._clock = clock
+        self._behind = False
+        self._woken = asyncio.Event()
+        authority.when_changed = self._woken.set
+
+    async def run(self) -> None:
+        """Mind until cancelled. What fails is logged and tried again."""
+        self._furnishing.live_cards.run()
+        while True:
+            self._woken.clear()
+            try:
+                await self.look()
+            except RosicError as fault:
+                log.warning("not everything could be minded: %s", fault)
+            except Exception:
+                log.exception("not everything could be minded")
+            # Not past a grant or a key that is given meanwhile: it may end sooner.
+            await sleep_or_wake(self._clock, self._pause_s(), self._woken)
+
+    def _pause_s(self) -> float:
+        now_ns = self._clock.wall_ns()
+        ends = (self._authority.roster.next_end_ns(now_ns), self._access.keys.next_end_ns(now_ns))
+        next_ns = min((end for end in ends if end is not None), default=None)
+        if next_ns is None:
+            return EVERY_S
+        return min(EVERY_S, max(SOONEST_S, (next_ns - now_ns) / 1e9))
+
+    async def look(self) -> None:
+        """Do all that is due.
+
+        Raises:
+            RecordUnavailable: Something could not be written; what has ended has ended.
+        """
+        access, authority = self._access, self._authority
+        self._look_at_clock()
+        authority.enforce()  # a grant ends by the clock, whether or not that can be written
+        async with access.changes.turn() as turn:
+            now_ns = self._clock.wall_ns()
+            over = authority.roster.over(now_ns)
+            await turn.write(
+                (
+                    *authority.roster.ended(now_ns),
+                    *access.enrolment.invitations.stale(),
+                    *access.time.due(),
+                    *access.tally.due(),
+                )
+            )
+        self._furnishing.granting.announce(over)
+        await self._furnishing.admitting.lapse()
+        await self._furnishing.petitioning.lapse()
+        await self._holding.finish()
+        if self._clock.monotonic_ns() >= self._day_ns:
+            await self._daily()
+            self._day_ns = self._clock.monotonic_ns() + DAY_NS
+
+    def _look_at_clock(self) -> None:
+        """Say once that the machine's clock was set back; it does not count until accepted."""
+        behind_s, behind = self._access.time.behind_s(), self._access.time.behind
+        if behind and not self._behind:
+            log.warning(
+                "the clock of this machine is %.0f s behind the latest time that was seen here; "
+                "what has ended stays ended, and nothing new moves. See: rosic clock",
+                behind_s,
+            )
+            furnishing = self._furnishing
+            furnishing.reach.tell(furnishing.admins(), CLOCK_SET_BACK, urgent=True)
+        self._behind = behind

@@ -1,0 +1,206 @@
+"""Who may do what, kept in step: what is written down, what is in force, what still moves."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.config.rulebook import fleet_of
+from rosic.core.policy.authority import Scope
+from rosic.core.policy.limits import unit_converter
+from rosic.core.policy.permissions import Permissions
+from rosic.core.policy.query import PolicyKey
+from rosic.organiser.grants import GRANT, Grants
+from rosic.organiser.roles import ROLE, CustomRoles
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from rosic.authoriser.authoriser import Authoriser
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import KeyId, PrincipalId
+    from rosic.core.language import UnitTable
+    from rosic.core.policy.roles import RoleRules
+    from rosic.core.policy.scope import Fleet
+    from rosic.core.records import Enrolled, Fact, Memory
+    from rosic.core.robot.profile import Profile, RobotId
+    from rosic.gateway.components import Components
+    from rosic.gateway.stop import StopLane
+    from rosic.organiser.grants import OwnLimits
+
+
+class PolicyOutlook(NamedTuple):
+    """What the rights would be with other robots.
+
+    Attributes:
+        epoch: Of the rights from which it was worked out.
+    """
+
+    epoch: int
+    fleet: Fleet
+    rights: Permissions
+
+
+class PolicyService:
+    """The rights in force, drawn up from the roster; replaced whole whenever it changes.
+
+    Attributes:
+        roster: Everybody's roles and grants.
+        rolebook: What the roles are.
+        rights: The present snapshot.
+        when_changed: Called when what ends by the clock has changed: grants, keys, the clock.
+
+    Args:
+        own_limits: Returns what somebody has set for themselves, as the texts of limits.
+    """
+
+    def __init__(
+        self,
+        rulebook: RoleRules,
+        profiles: Iterable[Profile],
+        units: UnitTable,
+        clock: Clock,
+        own_limits: OwnLimits,
+    ) -> None:
+        self.roster = Grants(clock, own_limits)
+        self.when_changed: Callable[[], object] = _nothing
+        self.rolebook = CustomRoles(rulebook)
+        self._fleet = fleet_of(profiles)
+        self._convert = unit_converter(units)
+        self._rooms: Components | None = None
+        self._stop_lane: StopLane | None = None
+        self.rights = self._drawn_up(1)
+
+    def _drawn_up(self, epoch: int) -> Permissions:
+        everybody = self.roster.everybody()
+        rules = self.rolebook.rulebook
+        return Permissions.draw_up(epoch, rules, self._fleet, everybody, self._convert)
+
+    def restore(self, memory: Memory, roles: Mapping[PrincipalId, tuple[str, ...]]) -> None:
+        """Take over what earlier runs wrote; `draw_up` is for afterwards."""
+        for principal, names in roles.items():
+            self.roster.set_roles(principal, names)
+        self.roster.restore(memory.facts.get(GRANT, ()))
+        self.rolebook.restore(memory.facts.get(ROLE, ()))
+
+    def draw_up(self) -> Permissions:
+        """Work everything out anew, after the roster was filled."""
+        self.rights = self._drawn_up(self.rights.epoch + 1)
+        return self.rights
+
+    def attach(self, rooms: Components, stop_lane: StopLane) -> None:
+        """Say whose decisions rest on the snapshot."""
+        self._rooms, self._stop_lane = rooms, stop_lane
+        self._put_in_force()
+
+    # ---- what was written down becomes so ----
+
+    def granted(self, fact: Fact) -> None:
+        """A grant was given or has ended."""
+        principal = self.roster.apply(fact)
+        if principal is not None:
+            self.renew(principal)
+        self.when_changed()
+
+    def ruled(self, fact: Fact) -> None:
+        """A role was made, replaced or taken back: every table is drawn up anew."""
+        self.rolebook.apply(fact)
+        self.draw_up()
+        self._put_in_force()
+
+    async def foresee(self, profiles: Sequence[Profile]) -> PolicyOutlook:
+        """Work out the rights if these were the robots, beside the event loop; changes nothing."""
+        epoch, rules = self.rights.epoch, self.rolebook.rulebook
+        everybody, convert = self.roster.everybody(), self._convert
+
+        def work() -> PolicyOutlook:
+            fleet = fleet_of(profiles)
+            return PolicyOutlook(
+                epoch, fleet, Permissions.draw_up(epoch + 1, rules, fleet, everybody, convert)
+            )
+
+        return await asyncio.to_thread(work)
+
+    def enlist(self, outlook: PolicyOutlook) -> None:
+        """Let it be so: rights by wildcard and by group reach new robots from now on."""
+        self._fleet = outlook.fleet
+        if outlook.epoch == self.rights.epoch:
+            self.rights = outlook.rights
+        else:  # somebody's rights have changed since: that must not be undone
+            self.draw_up()
+        self._put_in_force()
+
+    def enrolled(self, record: Enrolled) -> None:
+        """Somebody has other roles of their own."""
+        self.roster.set_roles(record.principal, record.roles)
+        self.renew(record.principal)
+
+    def revoked(self, principal: PrincipalId) -> None:
+        """Somebody has no key any more: nothing is theirs."""
+        self.roster.forget(principal)
+        self.renew(principal)
+
+    def renew(self, principal: PrincipalId) -> None:
+        """Replace the snapshot by one in which a person's rights are those of the roster."""
+        grants = self.roster.grants_of(principal)
+        self.rights = self.rights.with_grants(self.rights.epoch + 1, principal, grants)
+        self._put_in_force()
+
+    def moved(self) -> None:
+        """Something besides rights has changed: what has not begun yet is admitted once more."""
+        self.rights = self.rights.later()
+        self._put_in_force()
+
+    def _put_in_force(self) -> None:
+        if self._rooms is not None:
+            self._rooms.organiser.rights = self.rights
+            self._rooms.linker.epoch = self.rights.epoch
+
+    def enforce(self) -> tuple[RobotId, ...]:
+        """Bring to rest what somebody has who may not have it any more; return which robots.
+
+        Looks at robots, not at people. What is at rest, with nothing under way, is only taken
+        from them: a stop would have to be undone by somebody who does not know of it.
+        """
+        if self._rooms is None or self._stop_lane is None:
+            return ()
+        organiser, linker = self._rooms.organiser, self._rooms.linker
+        authoriser = self._rooms.authoriser
+        ended: list[RobotId] = []
+        for robot in self._rooms.profiles:
+            holder = organiser.holder(robot)
+            if holder is None:
+                continue
+            order = linker.current(robot)
+            skill = None if order is None else order.skill.id
+            locked = holder in organiser.locked or not authoriser.has_access(holder)
+            gone = robot not in organiser.visible(holder)
+            lost = skill is not None and not organiser.allows(holder, robot, skill)
+            if locked or gone or lost:
+                ended.append(robot)
+        moving = tuple(
+            r for r in ended if organiser.lease(r).active or not linker.presence(r).at_rest
+        )
+        if moving:
+            self._stop_lane.stop_robots(moving, "")
+        for robot in ended:
+            organiser.release(robot)
+        return tuple(ended)
+
+
+def _nothing() -> None:
+    return None
+
+
+def key_of(authoriser: Authoriser, key_id: KeyId) -> PolicyKey | None:
+    """Return a key as deciding sees it: with the end of its grace, if it was replaced."""
+    key = authoriser.directory.key(key_id)
+    if key is None:
+        return None
+    return PolicyKey(
+        id=key.id,
+        principal=key.principal,
+        expires_ns=authoriser.keys.ends_ns(key),
+        revoked=key.revoked_ns is not None,
+        scopes=tuple(map(Scope.parse, key.scopes)),
+    )

@@ -1,0 +1,327 @@
+"""Adds a robot to a gateway that runs: all rooms know it from one turn of the event loop on.
+
+First everything that can fail: the profile is read, the adapter is made and opened. Then the
+decision is written down. Then the robot exists: for stops, for rights, for what people say.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.app.added_robots import KIND, Wanted, check_distinct, check_draft, fact_of
+from rosic.app.alert_feature import read_rules
+from rosic.app.benchmarking import enlist_judged
+from rosic.app.painting import enlist_seen
+from rosic.app.people import Seed, admitted
+from rosic.app.robot_startup import stops_of
+from rosic.app.settings import Completing
+from rosic.config.plugins import demand_good
+from rosic.contracts.among import PeerRobot
+from rosic.core import messages as core_words
+from rosic.core.fleet.task import FleetMembership
+from rosic.core.i18n import capital, joined
+from rosic.core.identity import ROBOT, Address
+from rosic.core.language import Vocabulary
+from rosic.core.order_gate import OrderGate
+from rosic.core.records import Decided
+from rosic.errors import ConfigurationError, NotUnderstood, RosicError
+from rosic.features.fleet import newcomers_messages as words
+from rosic.features.fleet import robot_messages
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from rosic.app.added_robots import Draft
+    from rosic.app.gateway import Gateway, GatewayParts, GatewaySettings
+    from rosic.app.policy import PolicyOutlook
+    from rosic.contracts.robot import Robot
+    from rosic.core.alerts.rule import AlertRule
+    from rosic.core.identity import PrincipalId
+    from rosic.core.language import Do
+    from rosic.core.records import Memory, Record
+    from rosic.core.robot.profile import Profile, RobotId
+
+OPENS_WITHIN_S = 30.0
+CLOSES_WITHIN_S = 0.5
+
+log = logging.getLogger("rosic.fleet")
+
+
+class PendingRobot(NamedTuple):
+    """A robot of which everything is made that can fail, and that nobody knows yet.
+
+    Attributes:
+        vocabulary: Everything that can be said once it is here.
+        lines: What its rules run.
+    """
+
+    profile: Profile
+    robot: Robot
+    vocabulary: Vocabulary
+    rules: Sequence[AlertRule]
+    lines: dict[str, Do | None]
+
+
+class RobotConnections(NamedTuple):
+    """Between an adapter and the gateway.
+
+    Attributes:
+        opened: Takes an adapter that is to be closed with the gateway.
+        says: Brings what a robot says of its own accord to people.
+    """
+
+    opened: Callable[[Robot], object]
+    says: Callable[[Profile, str], None]
+
+
+class RobotRegistry:
+    """Adds robots to one gateway, one after another.
+
+    Args:
+        gateway: Furnished.
+        settings: Its own.
+        parts: Its own.
+        memory: Says how far robots got that an earlier run knew (I13).
+        ways: Between an adapter and the gateway.
+    """
+
+    def __init__(
+        self,
+        gateway: Gateway,
+        settings: GatewaySettings,
+        parts: GatewayParts,
+        memory: Memory,
+        ways: RobotConnections,
+    ) -> None:
+        self._gateway = gateway
+        self._settings = settings
+        self._parts = parts
+        self._numbers = dict(memory.numbers)
+        self._stops = stops_of(parts.latch.read(), memory.generations)
+        self._ways = ways
+        self._one = asyncio.Lock()
+        self._adding: set[asyncio.Task[str]] = set()
+        self._closing = False
+        gateway.access.changes.keep(KIND, lambda _fact: None)  # its effect follows: `_enlist`
+
+    async def add(self, draft: Draft, by: PrincipalId, role: str = "") -> str:
+        """Add a robot. Return what is said of it: that it is here, and what it can do.
+
+        Whoever asked may go away; it goes on.
+
+        Args:
+            draft: Its profile.
+            by: Who adds it.
+            role: In which it speaks with the other robots, under a key of its own; empty: it does
+                not.
+
+        Raises:
+            Refusal: Why not. Nothing was changed, and whatever was opened is closed.
+        """
+        if self._closing:
+            raise NotUnderstood(words.CLOSING)
+        task = asyncio.create_task(self._add(Wanted(draft, role), by))
+        self._adding.add(task)
+        task.add_done_callback(self._adding.discard)
+        return await asyncio.shield(task)
+
+    async def check(self, draft: Draft, role: str = "") -> tuple[Profile, Sequence[str]]:
+        """Return the robot of a profile that nobody would take for another, and advice about it.
+
+        Args:
+            draft: Its profile.
+            role: In which it is to speak with the other robots; empty: it does not.
+
+        Raises:
+            NotUnderstood: Everything that is wrong with it, or whom it would be taken for; or it
+                cannot become somebody in that role.
+        """
+        profile, advice = await asyncio.to_thread(check_draft, draft, self._parts.units)
+        rooms = self._gateway.rooms
+        if (
+            profile.id in rooms.profiles
+            and self._standing(profile.id) is not FleetMembership.ACTIVE
+        ):
+            raise NotUnderstood(words.retired_id(profile.id))
+        check_distinct(profile, rooms.profiles.values())
+        self._check_role(profile, role)
+        return profile, advice
+
+    def _standing(self, robot: str) -> FleetMembership:
+        return self._gateway.furnishing.fleet.dispatching.fleet.standing(robot)
+
+    async def close(self) -> None:
+        """Add nobody any more. What is on the record is added by the next start."""
+        self._closing = True
+        for task in self._adding:
+            task.cancel()
+        if self._adding:
+            await asyncio.wait(tuple(self._adding), timeout=CLOSES_WITHIN_S)
+
+    # ---- what can fail ----
+
+    async def _add(self, wanted: Wanted, by: PrincipalId) -> str:
+        async with self._one:
+            stops, _ = self._gateway.rooms.board.newest()
+            profile, advice = await self.check(wanted.draft, wanted.role)
+            newcomer = await self._make(profile)
+            await self._open(newcomer.robot)
+            stopped = await self._decide(newcomer, wanted, by, stops)
+        log.info("%s was added", profile.id)
+        speaks = (words.speaks(profile.shown, wanted.role),) if wanted.role else ()
+        return self._answer(profile, (*speaks, *advice), stopped=stopped)
+
+    def _check_role(self, profile: Profile, role: str) -> None:
+        """See that a robot can become somebody.
+
+        Raises:
+            NotUnderstood: There is no such role, or it or somebody of its name is known already.
+        """
+        if not role:
+            return
+        known = self._gateway.authority.rolebook.rulebook.roles
+        if role not in known:
+            raise NotUnderstood(words.no_role(role, sorted(known)))
+        directory = self._gateway.rooms.authoriser.directory
+        if directory.at(Address(ROBOT, profile.id)) or directory.named(profile.id):
+            raise NotUnderstood(words.is_somebody(profile.id))
+
+    def _somebody(self, robot: RobotId, role: str, by: PrincipalId) -> list[Record]:
+        """Return what gives a robot a key of its own and a role; nothing without one."""
+        if not role:
+            return []
+        fellow = Seed(robot, (Address(ROBOT, robot),), (role,))
+        return admitted(fellow, self._gateway.access.time, self._parts.entropy, by)[2]
+
+    async def _decide(
+        self, newcomer: PendingRobot, wanted: Wanted, by: PrincipalId, stops: int
+    ) -> bool:
+        """Write it down, then let it be so. Return whether it was stopped at once.
+
+        Raises:
+            RecordUnavailable: Nothing has changed, and the adapter is closed.
+        """
+        gateway, profile, here = self._gateway, newcomer.profile, False
+        decided = Decided(
+            act="robot-added", by=by, about=profile.id, at_ns=gateway.access.time.wall_ns(),
+            digest=wanted.draft.digest,
+        )  # fmt: skip
+        try:
+            async with gateway.access.changes.turn() as turn:
+                outlook = await gateway.authority.foresee((*gateway.profiles.values(), profile))
+                somebody = self._somebody(profile.id, wanted.role, by)
+                await turn.write((decided, fact_of(profile.id, wanted.draft), *somebody))
+                here = True
+                return self._enlist(newcomer, outlook, stops)
+        except BaseException:
+            if not here:
+                await newcomer.robot.close()
+            raise
+
+    async def _make(self, profile: Profile) -> PendingRobot:
+        """Make everything, known to nobody. What takes long in a large fleet is done beside.
+
+        Raises:
+            NotUnderstood: People could not speak to it, or it cannot be reached like that.
+        """
+        parts = self._parts
+        robots = (*self._gateway.profiles.values(), profile)
+        try:
+            vocabulary = await asyncio.to_thread(Vocabulary.build, robots, parts.units)
+        except ValueError as why:
+            sentence = capital(f"{str(why).rstrip('.')}.")
+            raise NotUnderstood(words.unspeakable(sentence)) from why
+        rules, lines = read_rules((profile,), vocabulary)
+        n, fence = self._numbers.get(profile.id, (0, 0))
+        generation, latched = self._stops.get(profile.id, (0, False))
+        gate = OrderGate(profile.id, n=n, fence=fence, generation=generation, latched=latched)
+        try:
+            factory = parts.robot_factory(profile.link.kind)
+            demand_good(profile, factory, parts.clock)
+            robot = factory(profile, gate, parts.clock)
+        except ConfigurationError as why:
+            raise NotUnderstood(words.not_opened(profile.shown, str(why))) from why
+        return PendingRobot(profile, robot, vocabulary, rules, lines)
+
+    async def _open(self, robot: Robot) -> None:
+        """Open an adapter; one that cannot be opened is closed again.
+
+        Raises:
+            NotUnderstood: Why not.
+        """
+        profile, among = robot.profile, self._gateway.among
+        if isinstance(robot, PeerRobot):
+            among.stand_by(profile.id, robot)
+        try:
+            async with asyncio.timeout(OPENS_WITHIN_S):
+                await robot.open(partial(self._ways.says, profile))
+        except BaseException as why:
+            with suppress(Exception):
+                await robot.close()
+            if isinstance(why, RosicError):
+                raise NotUnderstood(words.not_opened(profile.shown, str(why))) from why
+            if not isinstance(why, Exception):
+                raise
+            log.exception("%s could not be opened", profile.id)
+            raise NotUnderstood(words.broken(profile.shown)) from why
+
+    # ---- what cannot ----
+
+    def _enlist(self, newcomer: PendingRobot, outlook: PolicyOutlook, stops: int) -> bool:
+        """Let the robot be here, for every room at once: nothing is waited for in here.
+
+        Args:
+            newcomer: Opened, and on the record.
+            outlook: The rights with it.
+            stops: How many stops there had been when it began. A stop that came since could not
+                name it, and might have meant it: it is stopped, too.
+
+        Returns:
+            Whether it was stopped because of that.
+        """
+        gateway, profile = self._gateway, newcomer.profile
+        meanwhile, by = gateway.rooms.board.newest()
+        self._let_rooms_know(newcomer, outlook)
+        if stopped := meanwhile != stops:
+            gateway.stop_lane.stop_robots((profile.id,), by)
+        gateway.alarms.alerting.enlist(newcomer.rules, newcomer.lines)
+        enlist_judged(gateway.furnishing.judging, gateway.pipeline, profile)
+        enlist_seen(gateway.seeing, gateway.pipeline, profile)
+        if isinstance(newcomer.robot, PeerRobot):
+            gateway.among.join(profile.id, newcomer.robot)
+        for messenger in self._parts.messengers:
+            if isinstance(messenger, Completing):
+                messenger.know(gateway.profiles.values())
+        return stopped
+
+    def _let_rooms_know(self, newcomer: PendingRobot, outlook: PolicyOutlook) -> None:
+        gateway, profile, robot = self._gateway, newcomer.profile, newcomer.robot
+        rooms, name = gateway.rooms, profile.id
+        n, fence = self._numbers.get(name, (0, 0))
+        gateway.profiles[name] = profile
+        rooms.board.enlist(name, self._stops.get(name, (0, False)))
+        rooms.linker.enlist(robot)
+        rooms.organiser.enlist(profile, fence)
+        rooms.container.enlist(name, n)
+        rooms.vocabulary.become(newcomer.vocabulary)
+        gateway.pipeline.enlist(name, profile.shown)
+        gateway.authority.enlist(outlook)
+        gateway.holding.enlist(profile)
+        gateway.robots[name] = robot
+        self._ways.opened(robot)
+        if self._settings.robot_limit is not None:
+            rooms.organiser.rates.enlist(name, self._settings.robot_limit)
+
+    def _answer(self, profile: Profile, advice: Sequence[str], *, stopped: bool) -> str:
+        lines = [words.added(profile)]
+        if stopped:
+            lines.append(words.STOPPED_MEANWHILE)
+        elif self._gateway.rooms.board[profile.id].latched:
+            lines.append(words.LEFT_STOPPED)
+        if standing := robot_messages.standing(self._standing(profile.id)):
+            lines.append(standing)
+        return joined("\n", (*lines, core_words.help_for(profile), *advice))

@@ -1,0 +1,203 @@
+"""A gateway at work: from opening it to the signal that ends it."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import re
+from typing import TYPE_CHECKING
+
+from rosic.app import heap
+from rosic.app.admin.api import books_of
+from rosic.app.admin.control_socket import ControlServer, socket_path
+from rosic.app.admin.dispatch import AdminDispatcher
+from rosic.app.admin.operator_desk import AdminApi
+from rosic.app.builder import ConfigurationCheck, latch_of, parts_of, settings_of
+from rosic.app.closing import CLOSE_WITHIN_S, close_in_time, on_signals
+from rosic.app.console import Console, console_of, mind_console
+from rosic.app.forgetting import ForgettingStore, forget_daily
+from rosic.app.gateway import Gateway, GatewayParts
+from rosic.core.i18n import said
+from rosic.errors import MessengerFault, RosicError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+    from rosic.app.config import Config
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.entropy import Entropy
+    from rosic.contracts.messenger import Messenger
+
+CHECK_WITHIN_S = 5.0
+TELEGRAM, TERMINAL = "telegram", "terminal"
+GREETING = said(
+    "Say help for what can be said here, and stop at any time; Ctrl-C stops every robot. "
+    "[1] before a word is a button: type 1 to tap it."
+)
+CLOSE_AT_LEAST_S = 0.5
+
+log = logging.getLogger("rosic.gateway")
+
+
+class GatewayService:
+    """One gateway, from its configuration to its end.
+
+    Args:
+        config: What the gateway is seeded with, and where its data is.
+        begun_ns: Monotonic clock when this process began; for saying how long the start took.
+        show: Shows a sentence and a picture of a text to whoever started this, at their terminal;
+            None when nobody sits there. What it shows may be secret and is never logged.
+
+    Raises:
+        ConfigurationError: An adapter is not there or does not take its settings, or the data
+            folder's path is too long. Nothing was opened.
+    """
+
+    def __init__(
+        self,
+        config: Config,
+        clock: Clock,
+        entropy: Entropy,
+        *,
+        begun_ns: int,
+        show: Callable[[str, str], None] | None = None,
+    ) -> None:
+        self._config = config
+        self._show = show
+        self._bots: list[str] = []
+        self._clock = clock
+        self._begun_ns = begun_ns
+        self._ended = asyncio.Event()
+        self._ended_ns = 0
+        socket_path(config.data)
+        self._latch = latch_of(config)
+        self._parts: GatewayParts = parts_of(config, self._latch, clock, entropy)
+        self._gateway = Gateway(settings_of(config), self._parts)
+
+    async def run(self) -> None:
+        """Run until SIGTERM, SIGINT or SIGHUP, then bring motion to rest and tell what is untold.
+
+        Raises:
+            RosicError: It could not start, or a messenger failed for good. Whatever was opened is
+                closed again, robots are at rest.
+        """
+        console = console_of(self._parts.messengers)
+        on_signals(self._end, None if console is None else console.interrupt)
+        try:
+            if await self._open():
+                try:
+                    await self._serve()
+                finally:
+                    await close_in_time(self._gateway, self._left_s())
+        finally:
+            await self._latch.close()
+
+    def _end(self) -> None:
+        """Begin to end; a signal that is repeated gives no more time."""
+        if not self._ended.is_set():
+            self._ended_ns = self._clock.monotonic_ns()
+            self._ended.set()
+
+    def _left_s(self) -> float:
+        """Return what is left of the time for closing since the signal, if there was one."""
+        if not self._ended.is_set():
+            return CLOSE_WITHIN_S
+        past_s = (self._clock.monotonic_ns() - self._ended_ns) / 1e9
+        return max(CLOSE_AT_LEAST_S, CLOSE_WITHIN_S - past_s)
+
+    async def _open(self) -> bool:
+        """Open the gateway, unless a signal comes first. Return whether it is open."""
+        opening = asyncio.create_task(self._gateway.open())
+        ending = asyncio.create_task(self._ended.wait())
+        await asyncio.wait((opening, ending), return_when=asyncio.FIRST_COMPLETED)
+        ending.cancel()
+        if not opening.done():
+            opening.cancel()
+            await asyncio.wait((opening,), timeout=CLOSE_WITHIN_S)
+            return False
+        opening.result()
+        return True
+
+    async def _serve(self) -> None:
+        config = self._config
+        books = books_of(self._gateway, config.zone, self._parts.messengers, self._bots)
+        desk = AdminApi(books)
+        control = ControlServer(config.data, AdminDispatcher(self._gateway, desk))
+        await control.open()
+        working = asyncio.create_task(self._work(desk))
+        ending = asyncio.create_task(self._ended.wait())
+        tasks = [working, ending]
+        if (console := console_of(self._parts.messengers)) is not None:
+            others = tuple(m.name for m in self._parts.messengers if not isinstance(m, Console))
+            minding = mind_console(console, self._gateway, self._end, others)
+            tasks.append(asyncio.create_task(minding))
+        if isinstance(store := self._parts.store, ForgettingStore):
+            tasks.append(asyncio.create_task(forget_daily(store, self._clock)))
+        try:
+            await asyncio.wait((working, ending), return_when=asyncio.FIRST_COMPLETED)
+            if working.done():
+                working.result()
+            log.info("closing: motion is brought to rest")
+        finally:
+            await control.close()
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _work(self, desk: AdminApi) -> None:
+        messengers = self._parts.messengers
+        self._bots += await check_accounts(messengers)
+        heap.settle()
+        took_s = (self._clock.monotonic_ns() - self._begun_ns) / 1e9
+        robots = len(self._gateway.robots)
+        log.info(
+            "ready in %.2f s: %d %s, by %s",
+            took_s,
+            robots,
+            "robot" if robots == 1 else "robots",
+            ", ".join(messenger.name for messenger in messengers),
+        )
+        await self._welcome(desk)
+        await self._gateway.run()
+
+    async def _welcome(self, desk: AdminApi) -> None:
+        """Tell whoever sits here how to begin; the first admin's code is shown nowhere else."""
+        if self._show is None:
+            if desk.access.nobody_is_admin():
+                log.warning("nobody is admin here yet: rosic invite --role admin gives a code")
+            return
+        try:
+            shown = await desk.access.first_admin()
+        except RosicError as error:
+            log.warning("there is no code for the first admin: %s", error)
+            return
+        if shown is not None:
+            self._show(*shown)
+        elif any(messenger.platform == TERMINAL for messenger in self._parts.messengers):
+            self._show(GREETING, "")
+
+
+async def check_accounts(messengers: Iterable[Messenger]) -> list[str]:
+    """Find a wrong token before saying that everything is ready. A platform may be away for now.
+
+    Returns:
+        Names of the bots on Telegram that answered.
+
+    Raises:
+        ConfigurationError: An account cannot be used.
+    """
+    bots: list[str] = []
+    for messenger in messengers:
+        if isinstance(messenger, ConfigurationCheck):
+            try:
+                async with asyncio.timeout(CHECK_WITHIN_S):
+                    bots += bot_in(messenger.platform, await messenger.check())
+            except (MessengerFault, TimeoutError):
+                log.warning("%s does not answer; I go on trying", messenger.name)
+    return bots
+
+
+def bot_in(platform: str, answer: str) -> list[str]:
+    """Return the name of the bot that answered; links to it can be made on Telegram alone."""
+    found = re.match(r"@(\w+) ", answer) if platform == TELEGRAM else None
+    return [found[1]] if found else []

@@ -1,0 +1,166 @@
+"""Looking at the live ROS 2 graph, and drafting a profile for every robot that is seen there."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import defaultdict
+from typing import TYPE_CHECKING, TypeAlias
+
+from rosic.app.setup.listening import listened
+from rosic.app.setup.looking_at import TYPES, looked_at
+from rosic.app.setup.neighbours import drives, homes, mixed
+from rosic.app.setup.profile_draft import JOINTS, ODOMETRY, SeenRobot, drafted, robot_id
+from rosic.errors import ConfigurationError, RosicError
+from rosic.robots.ros2.client.graph import GraphSnapshot, snapshot
+from rosic.robots.ros2.client.runtime import RosRuntime
+from rosic.robots.ros2.messages.types import TypeRegistry
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.robots.ros2.client.graph import GraphTopic
+
+NODE = "rosic_discover"
+ANNOUNCED_S = 3.0
+"""Fast DDS, which most robots have, says so often who is there; the first word may be lost."""
+LOOK_S = ANNOUNCED_S + 1.0
+Space: TypeAlias = "tuple[dict[str, str], dict[str, str], dict[str, str], dict[str, str]]"
+SHOWING = frozenset({ODOMETRY, JOINTS})
+RESTING = ("/odom", "/joint_states")
+TELLING = ("/cmd_vel", "/odom", "/joint_states", "/to_robot_topic")
+
+
+async def discover(
+    clock: Clock, *, seconds: float, skip: Callable[[str], None] = lambda _: None
+) -> dict[str, str]:
+    """Look at the graph for a while, longer if nobody is seen. Return a profile for each robot.
+
+    Args:
+        clock: The time.
+        seconds: For how long to look.
+        skip: Told the names below which something is on the graph that is no robot.
+
+    Returns:
+        By the robot's id.
+
+    Raises:
+        RosMissing: There is no ROS 2 here.
+        ConfigurationError: Nobody is on the graph.
+    """
+    runtime = await RosRuntime.open(TypeRegistry(TYPES), node_name=NODE)
+    try:
+        await clock.sleep(seconds)
+        found = await snapshot(runtime)
+        robots = robots_in(found)
+        if not robots:
+            seconds += ANNOUNCED_S
+            await clock.sleep(ANNOUNCED_S)
+            found = await snapshot(runtime)
+            robots = robots_in(found)
+        for name in left_out(found, robots):
+            skip(name)
+        robots = [await looked_at(runtime, robot) for robot in robots]
+        robots = list(await asyncio.gather(*(listened(runtime, clock, robot) for robot in robots)))
+    finally:
+        await runtime.close()
+    if not robots:
+        raise ConfigurationError(
+            f"No robot was seen on the ROS 2 graph within {seconds:g} s.",
+            hint="Check ROS_DOMAIN_ID and ROS_AUTOMATIC_DISCOVERY_RANGE, or look for longer.",
+        )
+    return {robot_id(seen.namespace): drafted(seen, goal_fields) for seen in robots}
+
+
+def robots_in(found: GraphSnapshot) -> list[SeenRobot]:
+    """Sort what is on the graph by its first name; what can neither move nor tell is left out.
+
+    Where several of a kind live below one name, it is sorted by the second, too.
+    """
+    apart = homes(found.topics)
+    topics: defaultdict[str, list[GraphTopic]] = defaultdict(list)
+    spaces: defaultdict[str, Space] = defaultdict(lambda: ({}, {}, {}, {}))
+    for topic in found.topics:
+        name = _space(topic.name, apart)
+        topics[name].append(topic)
+        space = spaces[name]
+        if topic.subscribers:
+            space[0][topic.name] = topic.types[0]
+        if topic.publishers:
+            space[1][topic.name] = topic.types[0]
+    for offers, at in ((found.services, 2), (found.actions, 3)):
+        for offer in offers:
+            spaces[_space(offer.name, apart)][at][offer.name] = offer.types[0]
+    _gather(spaces)
+    seen = [
+        SeenRobot(name, *spaces[name], mixed=mixed(name or "/", topics[name]))
+        for name in sorted(spaces)
+    ]
+    return [
+        robot
+        for robot in seen
+        if robot.actions or _tells(robot.heard) or _tells(robot.said) or drives(robot.heard)
+    ]
+
+
+def left_out(found: GraphSnapshot, robots: Iterable[SeenRobot]) -> list[str]:
+    """Return what is on the graph below a name of its own, and in no robot."""
+    drafted_of = {
+        name
+        for robot in robots
+        for part in (robot.heard, robot.said, robot.services, robot.actions)
+        for name in part
+    }
+    names = {topic.name for topic in found.topics}
+    names |= {offer.name for offer in (*found.services, *found.actions)}
+    spaces = {_space(name, frozenset()) for name in names - drafted_of}
+    within = {_space(name, frozenset()) for name in drafted_of}
+    return sorted(spaces - within - {""})
+
+
+def _gather(spaces: dict[str, Space]) -> None:
+    """Give what cannot show whether it rests to the robot at the root, if there is one that can.
+
+    A robot alone on its graph often has no namespace, but its controllers have names of their own.
+    """
+    root = spaces.get("")
+    if root is None or not _rests(root[1]):
+        return
+    for name in [name for name, parts in spaces.items() if name and not _apart(parts)]:
+        for mine, theirs in zip(root, spaces.pop(name), strict=True):
+            mine.update(theirs)
+
+
+def _apart(parts: Space) -> bool:
+    """Tell whether it shows its own rest; by types alone, only where it is driven as well.
+
+    Filters of odometry have names of their own, and belong to the robot that they are about.
+    """
+    heard, said, *_ = parts
+    return any(name.endswith(RESTING) for name in said) or (drives(heard) and _rests(said))
+
+
+def _rests(said: Mapping[str, str]) -> bool:
+    return not SHOWING.isdisjoint(said.values()) or any(name.endswith(RESTING) for name in said)
+
+
+def goal_fields(kind: str) -> Mapping[str, str] | None:
+    """Return the fields of an action's goal; None when its type is not installed here."""
+    try:
+        action = TypeRegistry((kind,)).action(kind)
+    except RosicError:
+        return None
+    fields: Mapping[str, str] = action.Goal.get_fields_and_field_types()
+    return fields
+
+
+def _space(name: str, apart: frozenset[str]) -> str:
+    parts = name.split("/")
+    below = "/".join(parts[:3])
+    if below in apart and below != name:
+        return below
+    return f"/{parts[1]}" if len(parts) > 2 else ""  # noqa: PLR2004 - "", space, name
+
+
+def _tells(topics: Iterable[str]) -> bool:
+    return any(name.endswith(TELLING) for name in topics)

@@ -1,0 +1,164 @@
+"""Codes that let somebody in: made, read, and kept as a keyed digest only.
+
+A code is 40 unguessable bits in eight characters, shown as ``XXXX-XXXX``. The alphabet is
+Crockford's: digits and capitals without I, L, O and U; whoever types an O or an l is understood.
+"""
+
+from __future__ import annotations
+
+import hmac
+import re
+import unicodedata
+from functools import lru_cache
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Final
+
+from rosic.authoriser.wordlist import WORDS
+from rosic.core.language.stop_detection import hears_stop
+from rosic.core.secret import Secret
+
+if TYPE_CHECKING:
+    from rosic.contracts.entropy import Entropy
+    from rosic.core.identity import Address
+
+ALPHABET: Final = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"
+CODE_BYTES: Final = 5
+PEPPER_BYTES: Final = 32
+DIGEST_BYTES: Final = 16
+HALF: Final = 4
+READ_AT_MOST: Final = 512
+"""So much is read of what hands a code in."""
+SEARCHED_AT_MOST: Final = 5_120
+"""So much is searched for codes that do not belong there: as a message may hold, and its links."""
+
+_LOOKALIKES = str.maketrans("ILO", "110")
+_SYMBOL = r"[0-9A-Za-z]"
+_DASH = r"[-\u2013\u2014\u2212]"  # phones turn a hyphen into a longer line
+_BARE = re.compile(rf"(?<![\w-]){_SYMBOL}{{4}}{_DASH}{_SYMBOL}{{4}}(?![\w-])")
+_SAID = re.compile(
+    rf"(?:\A\s*/?(?:start|join)(?:@\w+)?\s+|[?&](?:start|join)=)"
+    rf"({_SYMBOL}{{4}}{_DASH}?{_SYMBOL}{{4}})(?![\w-])",
+    re.IGNORECASE,
+)
+_IN_LINKS = re.compile("%2d|%20", re.IGNORECASE)
+"""A dash and a blank, as a link writes them."""
+
+
+def new_code(entropy: Entropy) -> Secret:
+    """Return a code as it is shown, once: ``7K3M-Q0ZD``."""
+    number = int.from_bytes(entropy.token(CODE_BYTES), "big")
+    symbols = "".join(ALPHABET[number >> shift & 31] for shift in range(35, -1, -5))
+    return Secret(f"{symbols[:HALF]}-{symbols[HALF:]}")
+
+
+def reads_as_stop(code: Secret) -> bool:
+    """Whether handing a code in would be heard as a stop: robots would stop, nobody would be in.
+
+    One in a hundred thousand is: ``4GS5-PARA``. A stop is heard before anything else.
+    """
+    shown = code.reveal()
+    typed = shown.replace("-", " ")
+    ways = (shown, typed, join_text(code), f"/start {shown}", f"/start {typed}")
+    return any(hears_stop(said) is not None for said in ways)
+
+
+def normal(code: str) -> str | None:
+    """Return the eight characters of a code however it was typed, or None if it cannot be one."""
+    if len(code) > READ_AT_MOST:
+        return None
+    symbols = re.sub(rf"{_DASH}|\s", "", code).upper().translate(_LOOKALIKES)
+    if len(symbols) != 2 * HALF or any(symbol not in ALPHABET for symbol in symbols):
+        return None
+    return symbols
+
+
+def digest(pepper: bytes, symbols: str) -> bytes:
+    """Return what is kept of a code.
+
+    Keyed: without the pepper, which is sealed, a copy of the record does not tell which codes
+    are good, although there are only 2**40 of them.
+    """
+    return hmac.digest(pepper, symbols.encode(), "sha256")[:DIGEST_BYTES]
+
+
+def code_said(text: str) -> str | None:
+    """Return the code that a message hands in: ``/start CODE``, ``join CODE``, a link, or alone."""
+    text = text[:READ_AT_MOST]
+    said = _SAID.search(text)
+    if said is not None:
+        return said.group(1)
+    alone = text.strip()
+    return alone if _BARE.fullmatch(alone) else None
+
+
+def codes_in(text: str) -> tuple[str, ...]:
+    """Return whatever can be read as a code anywhere in a text, as `normal` returns it.
+
+    Each eight symbols that follow one another where dashes, blanks, marks and markup are left out:
+    much of that is ordinary words, so whoever asks has to look up whether it is a code.
+    """
+    read = "".join(_signs(text[:SEARCHED_AT_MOST]))
+    length = 2 * HALF
+    runs = (read[at : at + length] for at in range(len(read) - length + 1))
+    return tuple(dict.fromkeys(run for run in runs if " " not in run))
+
+
+def without_these(text: str, codes: tuple[str, ...], instead: str) -> str:
+    """Return a text without some codes of those that `codes_in` returns for it.
+
+    Args:
+        text: As it was written.
+        codes: What to take out, wherever and however it is written.
+        instead: What is put there.
+    """
+    if not codes:
+        return text
+    signs = _signs(text)
+    read = "".join(signs)
+    places = [at for at, sign in enumerate(signs) if sign]
+    taken: set[int] = set()
+    for code in codes:
+        at = read.find(code)
+        while at >= 0:
+            taken.update(range(places[at], places[at + 2 * HALF - 1] + 1))
+            at = read.find(code, at + 1)
+    return "".join(
+        (instead if at - 1 not in taken else "") if at in taken else character
+        for at, character in enumerate(text)
+    )
+
+
+def _signs(text: str) -> list[str]:
+    """Return what each character of a text is in a code."""
+    return [_sign(character) for character in _IN_LINKS.sub("---", text)]
+
+
+@lru_cache(maxsize=4_096)
+def _sign(character: str) -> str:
+    """Return a character's symbol; a blank for another letter, nothing for what is no letter."""
+    plain = unicodedata.normalize("NFKC", character).upper().translate(_LOOKALIKES)
+    if len(plain) == 1 and plain in ALPHABET:
+        return plain
+    return " " if plain.isalnum() else ""
+
+
+def telegram_link(bot: str, code: Secret) -> str:
+    """Return the link that opens a private chat with the bot and hands the code in.
+
+    Args:
+        bot: The bot's name, with or without the @.
+        code: Within Telegram's alphabet and its 64 characters.
+    """
+    return f"https://t.me/{bot.lstrip('@')}?start={code.reveal()}"
+
+
+def join_text(code: Secret) -> str:
+    """Return what to type where no link can carry a code: on every messenger."""
+    return f"join {code.reveal()}"
+
+
+def shared_words(pending: str, invitation: str, address: Address) -> str:
+    """Return the two words that the person and the admin both see: 16 bits of this redemption."""
+    seen = ascii((pending, invitation, address.platform, address.account)).encode()
+    first, second = blake2b(seen, digest_size=2).digest()
+    return f"{WORDS[first]} {WORDS[second]}"

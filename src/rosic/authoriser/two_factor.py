@@ -1,0 +1,258 @@
+"""A second step before dangerous things: the code that a person's phone shows now.
+
+A step-up is good for one person in one chat until an hour has passed without use, and is never
+written down. What is written down is the last half minute whose code was used: no code of that
+half minute or an earlier one is ever good again.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import OrderedDict, deque
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.authoriser import keys_messages as words
+from rosic.authoriser import totp
+from rosic.authoriser.phone import TotpDevice, TotpProof, TotpSetup
+from rosic.authoriser.proven import SecondFactorSessions
+from rosic.contracts.clock import ClockReading, passed_ns, reading
+from rosic.core.identity import OPERATOR
+from rosic.core.language.sanitise import fold_word
+from rosic.core.message import ChatKind
+from rosic.core.records import Decided, Fact, Letter
+from rosic.errors import (
+    Expired,
+    NotPermitted,
+    NotUnderstood,
+    RecordUnavailable,
+    TooManyRequests,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.authoriser.counters import Counters
+    from rosic.authoriser.monotonic_clock import MonotonicWallClock
+    from rosic.contracts.entropy import Entropy
+    from rosic.core.identity import PrincipalId
+    from rosic.core.message import Chat
+    from rosic.core.records import Record
+
+KIND: Final = "totp"
+TRIES: Final = 5
+TRIES_WITHIN_NS: Final = 900_000_000_000
+SETUP_NS: Final = 600_000_000_000
+SETUPS_AT_MOST: Final = 1_000
+
+_log = logging.getLogger(__name__)
+
+
+_encode = msgspec.msgpack.Encoder().encode
+_decode = msgspec.msgpack.Decoder(TotpDevice).decode
+
+
+class TwoFactor:
+    """Whose phone is set up, which codes are used, and who has proven it lately."""
+
+    def __init__(
+        self, time: MonotonicWallClock, entropy: Entropy, tally: Counters, *, place: str
+    ) -> None:
+        self._time = time
+        self._entropy = entropy
+        self._tally = tally
+        self._place = place
+        self._phones: dict[PrincipalId, tuple[TotpDevice, bytes]] = {}
+        self._broken: set[PrincipalId] = set()
+        # Grows at once when a code is right, so that it is good once even before it is written.
+        self._spent: dict[PrincipalId, int] = {}
+        self._wrong: dict[PrincipalId, deque[int]] = {}
+        self._setups: OrderedDict[PrincipalId, tuple[bytes, ClockReading]] = OrderedDict()
+        self._proven = SecondFactorSessions(time)
+
+    # ---- setting up ----
+
+    def is_set_up(self, principal: PrincipalId) -> bool:
+        """Whether somebody can be asked for a code."""
+        return principal in self._phones
+
+    def begin(self, principal: PrincipalId, name: str, chat: Chat) -> TotpSetup:
+        """Return what the phone needs; a new request replaces the one before.
+
+        Raises:
+            NotPermitted: Others could read along, or a phone is set up and its code was not given
+                here lately: a thief must not put their own phone in its place. Nothing changed.
+        """
+        if chat.kind is not ChatKind.PRIVATE:
+            raise self._tally.refuse("totp-in-group", NotPermitted(words.PRIVATE_ONLY))
+        if principal in self._broken:
+            raise NotPermitted(words.PHONE_BROKEN)
+        if principal in self._phones and not self.fresh(principal, chat):
+            raise NotPermitted(words.PROVE_FIRST)
+        secret = totp.new_secret(self._entropy)
+        self._setups[principal] = (secret, reading(self._time))
+        self._setups.move_to_end(principal)
+        if len(self._setups) > SETUPS_AT_MOST:
+            self._setups.popitem(last=False)
+        uri = totp.otpauth_uri(secret, place=self._place, account=name)
+        return TotpSetup(uri, totp.key_to_type(secret))
+
+    def finish(self, principal: PrincipalId, chat: Chat, code: str) -> TotpProof:
+        """Return what sets a phone up, if it shows the right code.
+
+        Raises:
+            Expired: Nothing was begun, or too long ago.
+            Refusal: As `prove`.
+        """
+        if chat.kind is not ChatKind.PRIVATE:
+            raise NotPermitted(words.PRIVATE_ONLY)
+        begun = self._setups.get(principal)
+        if begun is None or passed_ns(self._time, begun[1]) > SETUP_NS:
+            raise Expired(words.SET_UP_FIRST)
+        step = self._checked(principal, begun[0], code)
+        del self._setups[principal]
+        phone = TotpDevice(step, self._time.wall_ns())
+        return self._proof(principal, chat, phone, begun[0], act="set-up-phone")
+
+    def is_setting_up(self, principal: PrincipalId) -> bool:
+        """Whether six digits from somebody would finish a set-up."""
+        begun = self._setups.get(principal)
+        return begun is not None and passed_ns(self._time, begun[1]) <= SETUP_NS
+
+    def reset(self, principal: PrincipalId, by: PrincipalId) -> tuple[Record, ...]:
+        """Return what forgets somebody's phone: it was lost, or cannot be read.
+
+        Raises:
+            NotPermitted: Nobody resets their own. Nothing changed.
+            NotUnderstood: There is none. Nothing changed.
+        """
+        if by == principal and by != OPERATOR:
+            raise NotPermitted(words.OWN_RESET)
+        if principal not in self._phones and principal not in self._broken:
+            raise NotUnderstood(words.NOTHING_TO_RESET)
+        now_ns = self._time.wall_ns()
+        decided = Decided(act="reset-phone", by=by, about=principal, at_ns=now_ns)
+        return (decided, Fact(kind=KIND, key=principal, body=b""))
+
+    # ---- proving ----
+
+    def prove(self, principal: PrincipalId, chat: Chat, code: str) -> TotpProof:
+        """Return what a right code is worth. The code is used up from now on, whatever follows.
+
+        Raises:
+            NotPermitted: No phone is set up, or the code is wrong or was used.
+            NotUnderstood: Not six digits; this is no try.
+            TooManyRequests: Five wrong codes within 15 minutes. Not even a right one helps.
+        """
+        found = self._phones.get(principal)
+        if found is None:
+            raise NotPermitted(
+                words.PHONE_BROKEN if principal in self._broken else words.NOT_SET_UP
+            )
+        phone, secret = found
+        step = self._checked(principal, secret, code)
+        used = msgspec.structs.replace(phone, last_step=step)
+        return self._proof(principal, chat, used, secret, act="step-up")
+
+    def admit(self, proof: TotpProof) -> None:
+        """Let a proof count, after its records were written and applied.
+
+        Raises:
+            RecordUnavailable: They were not. The code is used up all the same.
+        """
+        found = self._phones.get(proof.principal)
+        if found is None or found[0].last_step < proof.step:
+            raise RecordUnavailable(words.CODE_NOT_WRITTEN)
+        self._wrong.pop(proof.principal, None)
+        self._proven.refresh(proof.principal, proof.chat)
+
+    def _checked(self, principal: PrincipalId, secret: bytes, code: str) -> int:
+        """Return the step whose code this is; count what is not right."""
+        digits = "".join(fold_word(word) for word in code[:32].split())
+        if not (len(digits) == totp.DIGITS and digits.isascii() and digits.isdigit()):
+            raise NotUnderstood(words.NOT_A_CODE)
+        wait_s = self._pause_s(principal)
+        if wait_s > 0:
+            sentence = words.too_many_codes(wait_s)
+            refusal = TooManyRequests(sentence, retry_after_s=wait_s)
+            raise self._tally.refuse("totp-paused", refusal)
+        steps = totp.matching_steps(secret, digits, totp.step_at(self._time.wall_ns()))
+        unused = [step for step in steps if step > self._last_step(principal)]
+        if unused:
+            self._spent[principal] = unused[-1]
+            return unused[-1]
+        self._wrong.setdefault(principal, deque(maxlen=TRIES)).append(self._time.monotonic_ns())
+        if steps:
+            raise self._tally.refuse("totp-replayed", NotPermitted(words.USED_CODE))
+        raise self._tally.refuse("totp-wrong", NotPermitted(words.WRONG_CODE))
+
+    def _last_step(self, principal: PrincipalId) -> int:
+        found = self._phones.get(principal)
+        written = -1 if found is None else found[0].last_step
+        return max(written, self._spent.get(principal, -1))
+
+    def _pause_s(self, principal: PrincipalId) -> float:
+        wrong = self._wrong.get(principal)
+        if wrong is None or len(wrong) < TRIES:
+            return 0.0
+        return max(0, wrong[0] + TRIES_WITHIN_NS - self._time.monotonic_ns()) / 1e9
+
+    def _proof(
+        self, principal: PrincipalId, chat: Chat, phone: TotpDevice, secret: bytes, *, act: str
+    ) -> TotpProof:
+        fact = Fact(kind=KIND, key=principal, body=_encode(phone), letter=Letter(principal, secret))
+        now_ns = self._time.wall_ns()
+        decided = Decided(act=act, by=principal, about=principal, at_ns=now_ns)
+        sentence = words.CODE_TAKEN if act == "step-up" else words.PHONE_READY
+        return TotpProof(principal, chat, phone.last_step, (decided, fact), sentence)
+
+    # ---- asking ----
+
+    def fresh(self, principal: PrincipalId, chat: Chat) -> bool:
+        """Whether somebody has proven it in this chat, and an hour without use has not passed."""
+        return self._proven.fresh(principal, chat)
+
+    def use(self, principal: PrincipalId, chat: Chat) -> None:
+        """Let a dangerous thing pass; its use keeps the step-up good for another hour.
+
+        Raises:
+            NotPermitted: A code has to be given first, or a phone set up.
+        """
+        if not self._proven.fresh(principal, chat):
+            raise NotPermitted(words.ASK_CODE if principal in self._phones else words.NOT_SET_UP)
+        self._proven.refresh(principal, chat)
+
+    def end(self, principal: PrincipalId) -> None:
+        """End every step-up of somebody: locked, revoked, another key."""
+        self._proven.end(principal)
+        self._setups.pop(principal, None)
+
+    # ---- state ----
+
+    def restore(self, facts: Iterable[Fact]) -> None:
+        """Take over what earlier runs wrote."""
+        for fact in facts:
+            self.apply(fact)
+
+    def apply(self, fact: Fact) -> None:
+        """Let a fact be so. A phone that cannot be read blocks, until an admin resets it."""
+        principal = fact.key
+        self._phones.pop(principal, None)
+        self._broken.discard(principal)
+        if not fact.body:
+            self.end(principal)
+            self._spent.pop(principal, None)
+            self._wrong.pop(principal, None)
+            return
+        try:
+            phone = _decode(fact.body)
+        except msgspec.MsgspecError:
+            _log.warning("a phone's entry cannot be read; an admin has to reset it")
+            self._broken.add(principal)
+            return
+        if fact.letter is None:
+            _log.warning("a phone's secret cannot be read; an admin has to reset it")
+            self._broken.add(principal)
+            return
+        self._phones[principal] = (phone, fact.letter.content)

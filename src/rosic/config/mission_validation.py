@@ -1,0 +1,164 @@
+"""What is wrong with the parts of a mission, looked at with the robots that are to do them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+from rosic.config.source_map import Place, nearest
+from rosic.config.validation import ValidationFinding
+from rosic.core.alerts.condition import seconds
+from rosic.core.fleet.mission import Late, MissionPart
+from rosic.core.fleet.task import STEPS_AT_MOST
+from rosic.core.fleet.template import filled, names_in, shown
+from rosic.core.language import Do, LineContext, Vocabulary, bind, understand
+from rosic.errors import Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from rosic.core.fleet.template import Quantity
+    from rosic.core.language import UnitTable
+    from rosic.core.robot.profile import RobotId
+
+ANY: Final = "any"
+LONGEST_S: Final = 86_400.0
+
+
+class MissionCheck:
+    """Looks at parts.
+
+    Args:
+        vocabulary: What the robots understand.
+        units: In which lengths of time are written.
+        quantities: What the mission leaves open.
+    """
+
+    def __init__(
+        self, vocabulary: Vocabulary, units: UnitTable, quantities: Mapping[str, Quantity]
+    ) -> None:
+        self._vocabulary = vocabulary
+        self._units = units
+        self._quantities = quantities
+        self._tries = _tries(quantities)
+
+    def part(self, part: MissionPart, place: Place) -> Iterator[ValidationFinding]:
+        """Find what is wrong with a part and those in it."""
+        said = [key for key in ("steps", "sequence", "together", "mission") if getattr(part, key)]
+        if len(said) != 1:
+            yield ValidationFinding(
+                place,
+                "A part has exactly one of steps, sequence, together and mission.",
+                "Put others beside it, in a list.",
+            )
+            return
+        for key in ("sequence", "together"):
+            for index, other in enumerate(getattr(part, key)):
+                yield from self.part(other, (*place, key, index))
+        if part.values:
+            yield from self._handed_on(part, place)
+        if part.steps:
+            yield from self._task(part, place)
+        elif part.deadline:
+            yield ValidationFinding(
+                (*place, "deadline"), "Only a part with steps has a deadline of its own.",
+                "Give one to each of its parts, or one to the mission.",
+            )  # fmt: skip
+
+    def deadline(self, said: str, late: Late, place: Place) -> Iterator[ValidationFinding]:
+        """Find what is wrong with a deadline, and with what happens then."""
+        if said and not self._is_length(said):
+            yield ValidationFinding((*place, "deadline"), f"{said!r} is no length of time.",
+                          "Write for example 20 min.")  # fmt: skip
+        if not said and late is Late.CANCEL:
+            yield ValidationFinding((*place, "late"), "Without a deadline nothing is late.",
+                          "Write for example deadline: 20 min.")  # fmt: skip
+
+    def _handed_on(self, part: MissionPart, place: Place) -> Iterator[ValidationFinding]:
+        if not part.mission:
+            yield ValidationFinding((*place, "with"), "Only another mission is given values.",
+                          "Write them into the steps.")  # fmt: skip
+        for name, text in part.values.items():
+            yield from self._unknown(text, (*place, "with", name))
+
+    def _unknown(self, text: str, place: Place) -> Iterator[ValidationFinding]:
+        for name in names_in(text):
+            if name not in self._quantities:
+                hint = nearest(name, self._quantities) or "Write it under parameters."
+                yield ValidationFinding(place, f"There is no parameter {name!r}.", hint)
+
+    def _task(self, part: MissionPart, place: Place) -> Iterator[ValidationFinding]:
+        robots = self._robots(part.on)
+        if not robots:
+            names = (*self._vocabulary.names, ANY)
+            hint = nearest(part.on, names) if part.on else "Name a robot, a group, or any."
+            what = f"No robot and no group is called {part.on!r}." if part.on else "Who does this?"
+            yield ValidationFinding((*place, "on") if part.on else place, what, hint)
+            return
+        if len(part.steps) > STEPS_AT_MOST:
+            yield ValidationFinding((*place, "steps"), f"A task has at most {STEPS_AT_MOST} steps.")
+        for index, step in enumerate(part.steps):
+            yield from self._step(part.on, robots, step, (*place, "steps", index))
+        if part.within and not self._is_length(part.within):
+            yield ValidationFinding((*place, "within"), f"{part.within!r} is no length of time.",
+                          "Write for example 5 min.")  # fmt: skip
+        yield from self.deadline(part.deadline, part.late, place)
+
+    def _step(
+        self, on: str, robots: Sequence[RobotId], step: str, place: Place
+    ) -> Iterator[ValidationFinding]:
+        """Find a step that nobody can do, with the least, the most or the usual of each value."""
+        unknown = list(self._unknown(step, place))
+        if unknown:
+            yield from unknown
+            return
+        used = set(names_in(step))
+        for texts in self._tries:
+            why = self._why_nobody(robots, filled(step, texts))
+            if why:
+                said = ", ".join(f"{name}={texts[name]}" for name in texts if name in used)
+                given = f" with {said}" if said else ""
+                yield ValidationFinding(place, f"Nobody of {on} can do this{given}: {why}")
+                return
+
+    def _robots(self, name: str) -> tuple[RobotId, ...]:
+        profile = self._vocabulary.robot(name)
+        if name == ANY:
+            return tuple(self._vocabulary.profiles)
+        return (profile.id,) if profile is not None else self._vocabulary.members(name)
+
+    def _why_nobody(self, robots: Sequence[RobotId], step: str) -> str:
+        """Return why no robot can do a step; empty if one can."""
+        why = ""
+        for robot in robots:
+            try:
+                lines = understand(
+                    f"{robot} {step}", self._vocabulary, LineContext(robot, frozenset({robot}))
+                )
+                if len(lines) != 1 or not isinstance(lines[0], Do):
+                    why = why or f"{step!r} is not one thing that {robot} can do."
+                    continue
+                bind(self._vocabulary, robot, lines[0].skills[0], lines[0].spoken)
+            except Refusal as refusal:
+                why = why or str(refusal)
+            else:
+                return ""
+        return why
+
+    def _is_length(self, said: str) -> bool:
+        try:
+            return 0 < seconds(said, self._units) <= LONGEST_S
+        except ValueError:
+            return False
+
+
+def _tries(quantities: Mapping[str, Quantity]) -> list[dict[str, str]]:
+    """Return what to try a step with: all at their least, at their most, and as usual."""
+    if not quantities:
+        return [{}]
+    usual = {n: q.min if q.default is None else q.default for n, q in quantities.items()}
+    values = (
+        usual,
+        {name: quantity.min for name, quantity in quantities.items()},
+        {name: quantity.max for name, quantity in quantities.items()},
+    )
+    return [{name: shown(quantities[name], value) for name, value in v.items()} for v in values]

@@ -1,0 +1,142 @@
+"""Adapters by name, from entry points: one of a stranger's is found like one of ours."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import TYPE_CHECKING, NamedTuple, cast
+
+from rosic.contracts.adapter import stops_itself
+from rosic.core.order_gate import OrderGate
+from rosic.errors import ConfigurationError, how_to_install
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rosic.contracts.adapter import MessengerFactory, RobotFactory
+    from rosic.contracts.clock import Clock
+    from rosic.core.robot.profile import Profile
+
+# Making one of these asks for ROS itself, which need not be on the machine where a file is
+# checked; whatever its adapter would refuse is among the rules of profiles.
+CHECKED_BY_FILE = frozenset({"ros2"})
+MESSENGERS = "rosic.messengers"
+ROBOTS = "rosic.robots"
+
+
+class PluginFault(NamedTuple):
+    """What is wrong with a robot, and where in its profile."""
+
+    place: tuple[str, ...]
+    sentence: str
+    hint: str
+
+
+def messenger_factory(kind: str) -> MessengerFactory:
+    """Return the factory of a kind of messenger.
+
+    Raises:
+        ConfigurationError: There is no such kind, or what it needs is not installed.
+    """
+    return cast("MessengerFactory", _load(MESSENGERS, kind, "messenger"))
+
+
+def robot_factory(kind: str) -> RobotFactory:
+    """Return the factory of a kind of robot link.
+
+    Raises:
+        ConfigurationError: There is no such kind, or what it needs is not installed.
+    """
+    return cast("RobotFactory", _load(ROBOTS, kind, "robot link"))
+
+
+def check_robot_kind(kind: str) -> None:
+    """Look whether a kind of robot link exists; what it needs may be missing on this machine.
+
+    Raises:
+        ConfigurationError: There is no such kind.
+    """
+    _find(ROBOTS, kind, "robot link")
+
+
+def check_robot(profile: Profile, factory: RobotFactory, clock: Clock) -> Iterator[PluginFault]:
+    """Say what would keep a robot from being made, or from being moved with a clear conscience.
+
+    One law for every kind of link: what moves can be stopped and is measured at rest, or its
+    profile says plainly that it is neither.
+
+    Args:
+        profile: Of the robot.
+        factory: Of its kind.
+        clock: For making it, which opens and begins nothing.
+    """
+    lacking = profile.stop is None or profile.at_rest is None
+    if profile.moves and lacking and not profile.unstoppable and not stops_itself(factory):
+        yield PluginFault(
+            ("link", "kind"),
+            f"{profile.shown} moves, and nothing here would stop it or measure that it rests: the "
+            f"link {profile.link.kind!r} does not do it by itself.",
+            "Give 'stop' and 'at_rest', or write unstoppable: true, and people are told.",
+        )
+    if profile.link.kind in CHECKED_BY_FILE:
+        return
+    try:
+        factory(profile, OrderGate(profile.id, n=0, fence=0, generation=0, latched=True), clock)
+    except ConfigurationError as wrong:
+        yield PluginFault(("link",), str(wrong), "")
+
+
+def demand_good(profile: Profile, factory: RobotFactory, clock: Clock, where: str = "") -> None:
+    """See that nothing keeps a robot from being made; see `check_robot`.
+
+    Raises:
+        ConfigurationError: The first thing that does.
+    """
+    for fault in check_robot(profile, factory, clock):
+        raise ConfigurationError(fault.sentence, where=where, hint=fault.hint)
+
+
+def shared_spaces(profiles: Iterable[Profile]) -> Iterator[str]:
+    """Say which robots are reached in one namespace: what one is told, the other hears as well."""
+    found: dict[str, list[str]] = {}
+    for profile in profiles:
+        if profile.link.namespace:
+            found.setdefault(profile.link.namespace, []).append(profile.id)
+    for space, robots in found.items():
+        if len(robots) > 1:
+            yield (
+                f"{' and '.join(robots)} have one namespace, {space}: what one of them is told, "
+                "the others hear as well."
+            )
+
+
+def _find(group: str, kind: str, what: str) -> EntryPoint:
+    found = _installed(group)
+    if kind not in found:
+        near = get_close_matches(kind, found, n=1)
+        hint = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(sorted(found))}."
+        raise ConfigurationError(f"There is no {what} of the kind {kind!r}.", hint=hint)
+    return found[kind]
+
+
+def _load(group: str, kind: str, what: str) -> object:
+    entry = _find(group, kind, what)
+    try:
+        return entry.load()
+    except AttributeError as broken:
+        raise ConfigurationError(
+            f"The {what} {kind!r} is not what its package says it is.",
+            hint="Install that package again.",
+        ) from broken
+    except ModuleNotFoundError as missing:
+        raise ConfigurationError(
+            f"The {what} {kind!r} needs {missing.name}, which is not installed.",
+            hint=f"Install it with: {how_to_install(kind)}",
+        ) from missing
+
+
+@cache
+def _installed(group: str) -> dict[str, EntryPoint]:
+    """Look once: reading what every installed package offers takes some 20 ms each time."""
+    return {entry.name: entry for entry in entry_points(group=group)}

@@ -1,0 +1,3 @@
+"""Conditions, rules and states of alerts."""
+
+from __future__ import annotations

@@ -1,0 +1,140 @@
+"""What one line of a message can mean."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import msgspec
+
+from rosic.core.order import Spoken
+from rosic.core.robot.profile import RobotId
+from rosic.core.robot.skill import Skill
+from rosic.errors import NotUnderstood
+
+
+class LineContext(msgspec.Struct, frozen=True):
+    """What understanding depends on besides the text.
+
+    Attributes:
+        selected: The robot or group that this person chose in this chat; empty for none.
+        visible: The robots this person may see. Any other robot is as unknown as one that does
+            not exist.
+    """
+
+    selected: str
+    visible: frozenset[RobotId]
+
+
+class Do(msgspec.Struct, frozen=True, kw_only=True):
+    """Let one robot, or the members of a group, do something.
+
+    Attributes:
+        robots: At least one; for a group, its visible members that have the skill.
+        skills: The skill of each robot, in the same order.
+        spoken: Values as said; `bind` makes arguments of them, robot by robot.
+        text: The line as typed, without characters that cannot be seen.
+        group: The group's name; empty for one robot.
+    """
+
+    robots: tuple[RobotId, ...]
+    skills: tuple[Skill, ...]
+    spoken: tuple[Spoken, ...]
+    text: str
+    group: str = ""
+
+
+class Status(msgspec.Struct, frozen=True):
+    """How are they? No robots means: all the person may see."""
+
+    robots: tuple[RobotId, ...] = ()
+
+
+class Help(msgspec.Struct, frozen=True):
+    """What can be said? A robot's or a group's name alone asks this of it.
+
+    Attributes:
+        topic: A robot's id, a group's name, one of `words.HELP_PAGES`, or empty.
+    """
+
+    topic: str = ""
+
+
+class Robots(msgspec.Struct, frozen=True):
+    """Which robots are there?"""
+
+
+class Use(msgspec.Struct, frozen=True):
+    """From now on this robot or group is meant when none is named.
+
+    Attributes:
+        name: A robot's id or a group's name; empty undoes the choice.
+    """
+
+    name: str = ""
+
+
+class Resume(msgspec.Struct, frozen=True):
+    """Undo a stop.
+
+    Attributes:
+        robots: Empty when none was named and none is selected: the one that is stopped, if it is
+            only one; else the person has to say which.
+    """
+
+    robots: tuple[RobotId, ...] = ()
+
+
+class Start(msgspec.Struct, frozen=True):
+    """The first word to a bot, perhaps with the payload of an invitation."""
+
+    payload: str = ""
+
+
+class CommandLine(msgspec.Struct, frozen=True):
+    """Something asked of ROSIC itself: who am I, book a robot, invite somebody.
+
+    Attributes:
+        verb: One of ``words.ERRANDS``.
+        rest: The line after it, as typed.
+    """
+
+    verb: str
+    rest: str
+
+
+class Halt(msgspec.Struct, frozen=True):
+    """A stop among other lines. `hears_stop` found it in the whole text before: it is obeyed.
+
+    Attributes:
+        names: As `hears_stop` returns them.
+    """
+
+    names: tuple[str, ...] = ()
+
+
+class Cancel(msgspec.Struct, frozen=True):
+    """Somebody ends what they have under way themselves; nothing is latched.
+
+    Attributes:
+        names: As `hears_cancel` returns them.
+    """
+
+    names: tuple[str, ...] = ()
+
+
+class Misunderstood(msgspec.Struct, frozen=True):
+    """The line says nothing that can be done.
+
+    Attributes:
+        sentence: What to tell.
+        offers: Commands that would be understood instead.
+    """
+
+    sentence: str
+    offers: tuple[str, ...] = ()
+    code: str = NotUnderstood.code
+
+
+Line: TypeAlias = (
+    Do | Halt | Status | Help | Robots | Use | Resume | Start | CommandLine | Misunderstood
+)

@@ -1,0 +1,393 @@
+"""One line, read with a vocabulary, for one person."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.language.ast import (
+    CommandLine,
+    Do,
+    Halt,
+    Help,
+    Line,
+    LineContext,
+    Misunderstood,
+    Resume,
+    Robots,
+    Start,
+    Status,
+    Use,
+)
+from rosic.core.language.compiled import CompiledRobot, CompiledSkill, merge
+from rosic.core.language.help_words import EXPLAINED, HELP_WORDS, help_named
+from rosic.core.language.keywords import (
+    ALIASES,
+    ALIASES_OF_TWO,
+    ALONG_ELSEWHERE,
+    ERRANDS,
+    EVERYTHING,
+    EVERYTHING_ELSEWHERE,
+    NOTHING,
+)
+from rosic.core.language.placing import fits
+from rosic.core.language.stop_detection import hears_stop
+from rosic.core.language.syntax_errors import Misunderstanding
+from rosic.core.language.values import Doubt, ValueReader
+from rosic.core.language.vocabulary import Callee, Vocabulary
+from rosic.core.language.wording import past_fillers
+from rosic.core.order import Spoken
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.core.robot.profile import RobotId
+
+MOST_WORDS = 32
+LONGEST_PAYLOAD = 64
+CONTINUE = "continue"
+
+
+class LineReader:
+    """Reads one line; used once.
+
+    Args:
+        line: The line.
+        words: Its words as typed, and in small letters.
+        vocabulary: What can be said.
+        context: Whom this person may see, and chose.
+        mends: Whether to look for what may have been meant. Not in a line that is only tried
+            because it may have been.
+    """
+
+    __slots__ = (
+        "_context",
+        "_line",
+        "_low",
+        "_mends",
+        "_raw",
+        "_selected",
+        "_visible",
+        "_vocabulary",
+    )
+
+    def __init__(
+        self,
+        line: str,
+        words: tuple[list[str], list[str]],
+        vocabulary: Vocabulary,
+        context: LineContext,
+        *,
+        mends: bool,
+    ) -> None:
+        self._line = line
+        self._raw, self._low = words
+        self._vocabulary = vocabulary
+        self._context = context
+        self._mends = mends
+        self._visible = context.visible
+        self._selected = context.selected
+
+    def read(self, *, slash: bool = False) -> Line:
+        """Return what the line means.
+
+        Args:
+            slash: It began with a slash; never a text to speak to a robot.
+        """
+        line = self._meaning(slash=slash)
+        if isinstance(line, Misunderstood):
+            return self._halt() or line
+        return line
+
+    def _halt(self) -> Halt | None:
+        names = hears_stop(self._line, self._vocabulary.known)
+        return None if names is None else Halt(names)
+
+    def _meaning(self, *, slash: bool) -> Line:
+        at = self._past_fillers(0)
+        if at == len(self._low):
+            return self._trouble().nothing_said()
+        callee, after = self._callee(at)
+        if callee is not None:
+            return self._addressed(callee, after)
+        word = self._low[at]
+        ours = slash or word not in self._vocabulary.longest_skill
+        if ours:
+            word = ALIASES.get(word, word)
+        verb = _VERBS.get(word)
+        if verb is not None:
+            return verb(self, None, at + 1)
+        two = ALIASES_OF_TWO.get(tuple(self._low[at:])) if len(self._low) == at + 2 else None
+        if two is not None:
+            return CommandLine(two, "")
+        if word in ERRANDS and ours:
+            alone = word in EXPLAINED and self._asks_how(at + 1)
+            return CommandLine(word, "" if alone else self._rest(at + 1))
+        return self._unaddressed(at, slash=slash)
+
+    # ---- whom ----
+
+    def _past_fillers(self, at: int) -> int:
+        return past_fillers(self._low, at)
+
+    def _callee(self, at: int) -> tuple[Callee | None, int]:
+        """Return the visible robot or group named here, and where its name ends."""
+        low = self._low
+        if at < len(low):
+            for count in range(self._vocabulary.longest_callee.get(low[at], 0), 0, -1):
+                name = low[at] if count == 1 else " ".join(low[at : at + count])
+                callee = self._vocabulary.callees.get(name)
+                if callee is not None and (seen := self._seen(callee)) is not None:
+                    return seen, at + count
+        return None, at
+
+    def _seen(self, callee: Callee) -> Callee | None:
+        """Return what the person may see of a robot or group; None for nothing."""
+        visible = self._visible
+        if not callee.group:
+            return callee if callee.robots[0].id in visible else None
+        robots = tuple([robot for robot in callee.robots if robot.id in visible])
+        return Callee(callee.name, robots, group=True) if robots else None
+
+    def _chosen(self) -> Callee | None:
+        callee = self._vocabulary.callees.get(self._selected)
+        return self._seen(callee) if callee is not None else None
+
+    def _everybody(self) -> tuple[RobotId, ...]:
+        return tuple([r for r in self._vocabulary.profiles if r in self._visible])
+
+    def _asks_how(self, at: int) -> bool:
+        """Whether the rest of a command is the one word that asks how it is said."""
+        last = len(self._low) == at + 1 and self._low[at] in HELP_WORDS
+        return last and self._callee(at)[0] is None
+
+    # ---- skills ----
+
+    def _addressed(self, callee: Callee, at: int) -> Line:
+        """Read what is asked of a robot or group that was named."""
+        at = self._past_fillers(at)
+        if at == len(self._low):
+            return Help(callee.name)
+        found = self._skill(callee, at)
+        if found is not None:
+            return self._do(callee, *found)
+        word = ALIASES.get(self._low[at], self._low[at])
+        verb = _VERBS.get(word)
+        if verb is not None:
+            return verb(self, callee, at + 1)
+        if word == CONTINUE:
+            return CommandLine(CONTINUE, " ".join((callee.name, self._rest(at + 1))).rstrip())
+        if (said := self._said(callee, at)) is not None:
+            return said
+        return self._trouble().no_such_skill(callee, at)
+
+    def _skill(
+        self, callee: Callee, at: int
+    ) -> tuple[tuple[CompiledRobot, ...], tuple[CompiledSkill, ...], int] | None:
+        """Return who of a callee has the skill named here, their skills, and where it ends."""
+        low = self._low
+        robots = callee.robots
+        word = low[at]
+        if len(robots) == 1 and robots[0].longest.get(word) == 1:
+            return robots, (robots[0].phrases[word],), at + 1
+        for count in range(max([robot.longest.get(word, 0) for robot in robots]), 0, -1):
+            phrase = word if count == 1 else " ".join(low[at : at + count])
+            able = tuple([robot for robot in robots if phrase in robot.phrases])
+            if able:
+                return able, tuple([robot.phrases[phrase] for robot in able]), at + count
+        return None
+
+    def _do(
+        self,
+        callee: Callee,
+        robots: tuple[CompiledRobot, ...],
+        skills: tuple[CompiledSkill, ...],
+        at: int,
+    ) -> Line:
+        alone = len(skills) == 1
+        skill = skills[0] if alone else merge(skills)
+        if skill.text is not None:
+            rest = self._rest(at)
+            spoken: tuple[Spoken, ...] = (Spoken(skill.text.name, None, rest),) if rest else ()
+        elif len(self._low) > MOST_WORDS:
+            return self._trouble().too_many_words(MOST_WORDS)
+        else:
+            reader = ValueReader(self._raw, self._low, at, skill, self._vocabulary.units)
+            try:
+                spoken = reader.read()
+            except Doubt as doubt:
+                return self._trouble().two_readings(callee, doubt.at, doubt.readings)
+        return Do(
+            robots=(robots[0].id,) if alone else tuple([robot.id for robot in robots]),
+            skills=(skill.skill,) if alone else tuple([s.skill for s in skills]),
+            spoken=spoken,
+            text=self._line,
+            group=callee.name if callee.group else "",
+        )
+
+    def _rest(self, at: int) -> str:
+        """Return the line after its first ``at`` words, as it was typed."""
+        parts = self._line.split(None, at)
+        return parts[at] if at < len(parts) else ""
+
+    def _said(self, callee: Callee, at: int) -> Line | None:
+        """Return the line as words to a robot, if it is one that can be spoken to."""
+        robot = callee.robots[0]
+        if callee.group or not robot.profile.link.dialogue:
+            return None
+        skill = robot.skills["say"]
+        if skill.text is None:
+            return None
+        halt = self._halt()
+        if halt is not None:
+            return halt
+        return Do(
+            robots=(robot.id,),
+            skills=(skill.skill,),
+            spoken=(Spoken(skill.text.name, None, self._rest(at)),),
+            text=self._line,
+        )
+
+    def _unaddressed(self, at: int, *, slash: bool) -> Line:
+        """Read a line that begins with no name: the skill first, or the name left out."""
+        longest = self._vocabulary.longest_skill.get(self._low[at], 0)
+        phrases = [
+            (" ".join(self._low[at : at + count]), at + count) for count in range(longest, 0, -1)
+        ]
+        for phrase, after in phrases:
+            callee, end = self._callee(self._past_fillers(after))
+            if callee is not None:
+                line = self._skill_first(callee, phrase, end)
+                if line is not None:
+                    return line
+        chosen = self._chosen()
+        line = self._to_chosen(chosen, at, slash=slash) if chosen is not None else None
+        if line is not None:
+            return line
+        for phrase, after in phrases:
+            line = self._unnamed(chosen, phrase, at, after)
+            if line is not None:
+                return line
+        trouble = self._trouble()
+        if chosen is not None:
+            return trouble.no_such_skill(chosen, at, chosen=True)
+        return trouble.nothing_known(at)
+
+    def _skill_first(self, callee: Callee, phrase: str, end: int) -> Line | None:
+        able = tuple([robot for robot in callee.robots if phrase in robot.phrases])
+        if not able:
+            return None
+        return self._do(callee, able, tuple([robot.phrases[phrase] for robot in able]), end)
+
+    def _to_chosen(self, chosen: Callee, at: int, *, slash: bool) -> Line | None:
+        found = self._skill(chosen, at)
+        if found is not None:
+            return self._do(chosen, *found)
+        return None if slash else self._said(chosen, at)
+
+    def _unnamed(self, chosen: Callee | None, phrase: str, at: int, after: int) -> Line | None:
+        """Read a line without a name, for the only visible robot that can do it.
+
+        If another robot is chosen, this one is offered only: it is not the one the person has in
+        mind.
+        """
+        few, many = self._visible, self._vocabulary.having.get(phrase, frozenset())
+        if len(few) > len(many):
+            few, many = many, few
+        able = [robot for robot in few if robot in many]
+        if not able:
+            return None
+        if len(able) > 1 or chosen is not None:
+            return self._trouble().which_robot(chosen, phrase, at, sorted(able))
+        robot = self._vocabulary.robots[able[0]]
+        return self._do(Callee(robot.id, (robot,)), (robot,), (robot.phrases[phrase],), after)
+
+    # ---- verbs ----
+
+    def status(self, callee: Callee | None, at: int) -> Line:
+        """Read ``status`` and the names after it."""
+        return self._several(callee, at, Status)
+
+    def resume(self, callee: Callee | None, at: int) -> Line:
+        """Read ``resume`` and the names after it."""
+        return self._several(callee, at, Resume)
+
+    def _several(
+        self, callee: Callee | None, at: int, make: Callable[[tuple[RobotId, ...]], Line]
+    ) -> Line:
+        if len(self._low) > MOST_WORDS:
+            return self._trouble().too_many_words(MOST_WORDS)
+        meant = dict.fromkeys(robot.id for robot in callee.robots) if callee is not None else {}
+        while (at := self._past_fillers(at)) < len(self._low):
+            if self._low[at] in EVERYTHING:
+                return make(self._everybody())
+            named, after = self._callee(at)
+            if named is None and self._low[at] in EVERYTHING_ELSEWHERE:
+                return make(self._everybody())
+            if named is None and self._low[at] in ALONG_ELSEWHERE:
+                at += 1
+                continue
+            if named is None:
+                return self._trouble().no_such_robot(at)
+            meant.update(dict.fromkeys([robot.id for robot in named.robots]))
+            at = after
+        if not meant and (chosen := self._chosen()) is not None:
+            meant = dict.fromkeys(robot.id for robot in chosen.robots)
+        return make(tuple(meant))
+
+    def help(self, callee: Callee | None, at: int) -> Line:
+        """Read ``help`` and the name after it."""
+        at = self._past_fillers(at)
+        if callee is not None or at == len(self._low):
+            return Help(callee.name if callee is not None else "")
+        named, _ = self._callee(at)
+        if named is not None:
+            return Help(named.name)
+        return help_named(self._low[at]) or self._trouble().no_such_robot(at)
+
+    def robots(self, _: Callee | None, __: int) -> Line:
+        """Read ``robots``."""
+        return Robots()
+
+    def use(self, callee: Callee | None, at: int) -> Line:
+        """Read ``use`` and the name after it."""
+        at = self._past_fillers(at)
+        if callee is not None:
+            return Use(callee.name)
+        if at == len(self._low) or self._low[at] in NOTHING:
+            return Use()
+        named, _ = self._callee(at)
+        return Use(named.name) if named is not None else self._trouble().no_such_robot(at)
+
+    def start(self, _: Callee | None, at: int) -> Line:
+        """Read ``start`` and the payload of an invitation."""
+        return Start(self._raw[at][:LONGEST_PAYLOAD] if at < len(self._raw) else "")
+
+    def _trouble(self) -> Misunderstanding:
+        words = (self._raw, self._low)
+        return Misunderstanding(words, self._vocabulary, self._visible, self._reads)
+
+    def _reads(self, other: str) -> bool:
+        """Whether another line, offered instead, would be read to its end."""
+        if not self._mends:
+            return False
+        raw = other.replace("=", " = ").split()
+        low = [word.casefold() for word in raw]
+        line = LineReader(other, (raw, low), self._vocabulary, self._context, mends=False).read()
+        if not isinstance(line, Do):
+            return not isinstance(line, Misunderstood)
+        units = self._vocabulary.units
+        for robot, skill in zip(line.robots, line.skills, strict=True):
+            compiled = self._vocabulary.compiled_skill(robot, skill.id)
+            if compiled is None or not fits(compiled, line.spoken, units):
+                return False
+        return True
+
+
+_VERBS: dict[str, Callable[[LineReader, Callee | None, int], Line]] = {
+    "help": LineReader.help,
+    "resume": LineReader.resume,
+    "robots": LineReader.robots,
+    "start": LineReader.start,
+    "status": LineReader.status,
+    "use": LineReader.use,
+}

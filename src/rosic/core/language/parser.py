@@ -1,0 +1,102 @@
+"""What does a message ask? One line, one meaning; look-ups only, each word looked at once.
+
+    line    = [name] verb [names] | [name] skill values | skill [name] values | name
+    values  = { [parameter ["="]] number [unit] | [parameter ["="]] word }
+
+A leading slash changes nothing. Total: any ``str`` gives lines, and nothing is raised.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.i18n import said
+from rosic.core.language.ast import Line, LineContext, Misunderstood
+from rosic.core.language.line_parser import LineReader
+from rosic.core.language.sanitise import REORDERING, clean, is_plain
+from rosic.core.language.wording import words_of
+
+if TYPE_CHECKING:
+    from rosic.core.language.vocabulary import Vocabulary
+
+LONGEST_TEXT = 4096
+MOST_LINES = 20
+
+
+def understand(text: str, vocabulary: Vocabulary, context: LineContext) -> tuple[Line, ...]:
+    """Return what each line of a message means, in order; at least one.
+
+    Takes time linear in the text, whatever the number of robots, skills and people: only for what
+    is not understood, and for what is asked of several robots, more is looked at.
+
+    Args:
+        text: As received; any ``str``. A stop was looked for before, by `hears_stop`.
+        vocabulary: What can be said.
+        context: Whom this person may see, and chose.
+    """
+    if len(text) > LONGEST_TEXT:
+        return (Misunderstood(_too_long(len(text))),)
+    if is_plain(text):
+        return (_line(text.strip(), vocabulary, context),)
+    lines = _with_words(text)
+    if len(lines) > MOST_LINES:
+        return (
+            Misunderstood(
+                said(
+                    "That message has {lines} lines; I read at most {most}. Nothing was done.",
+                    lines=len(lines),
+                    most=MOST_LINES,
+                )
+            ),
+        )
+    return tuple([_cleaned(line, vocabulary, context) for line in lines]) or (_EMPTY,)
+
+
+def places(text: str, written: str) -> tuple[int, ...]:
+    """Return which lines of what was written the lines of a text are, without empty ones.
+
+    Args:
+        text: As it is understood: of some lines the beginning was taken out, or all.
+        written: The same before that.
+    """
+    found: list[int] = []
+    before = 0
+    for left, line in zip(text.split("\n"), written.split("\n"), strict=True):
+        whole = len(_with_words(line))
+        found += range(before + whole - len(_with_words(left)), before + whole)
+        before += whole
+    return tuple(found)
+
+
+def _with_words(text: str) -> list[str]:
+    return [line for line in text.splitlines() if clean(line).strip()]
+
+
+_EMPTY = Misunderstood(said("There was nothing to read. Say help for what can be said."), ("help",))
+_REORDERED = Misunderstood(
+    said(
+        "That line has invisible marks that show its words in another order. Please "
+        "type it anew. Nothing was done."
+    )
+)
+
+
+def _too_long(length: int) -> str:
+    return said(
+        "That message has {length:,} characters; I read at most {most:,}. Nothing was done.",
+        length=length,
+        most=LONGEST_TEXT,
+    )
+
+
+def _cleaned(line: str, vocabulary: Vocabulary, context: LineContext) -> Line:
+    if not REORDERING.isdisjoint(line):
+        return _REORDERED
+    return _line(clean(line).strip(), vocabulary, context)
+
+
+def _line(line: str, vocabulary: Vocabulary, context: LineContext) -> Line:
+    if not line:
+        return _EMPTY
+    raw, low, slash = words_of(line)
+    return LineReader(line, (raw, low), vocabulary, context, mends=True).read(slash=slash)

@@ -1,0 +1,129 @@
+"""Days and wall clocks as numbers: the Gregorian calendar without zones, without a clock.
+
+The arithmetic is that of Howard Hinnant's "chrono-compatible low-level date algorithms": exact,
+and without a loop.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from rosic.core.i18n import said
+
+FIRST_YEAR = 1970
+LAST_YEAR = 2199
+MINUTES_A_DAY = 24 * 60
+MINUTE_NS = 60_000_000_000
+DAY_NS = MINUTES_A_DAY * MINUTE_NS
+
+WEEKDAYS = (
+    said("Mon"), said("Tue"), said("Wed"), said("Thu"), said("Fri"), said("Sat"), said("Sun"),
+)  # fmt: skip
+MONTHS = (
+    said("Jan"), said("Feb"), said("Mar"), said("Apr"), said("May"), said("Jun"),
+    said("Jul"), said("Aug"), said("Sep"), said("Oct"), said("Nov"), said("Dec"),
+)  # fmt: skip
+
+_LENGTHS = (31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)
+_THURSDAY = 3  # 1 January 1970
+_FEBRUARY = 2
+
+
+def is_leap(year: int) -> bool:
+    """Whether February has 29 days."""
+    return year % 4 == 0 and (year % 100 != 0 or year % 400 == 0)
+
+
+def month_length(year: int, month: int) -> int:
+    """Return how many days a month (1 to 12) has."""
+    return 29 if month == _FEBRUARY and is_leap(year) else _LENGTHS[month - 1]
+
+
+def is_date(year: int, month: int, day: int) -> bool:
+    """Whether there is such a day, in the years that are kept here."""
+    return (
+        FIRST_YEAR <= year <= LAST_YEAR
+        and 1 <= month <= len(_LENGTHS)
+        and 1 <= day <= month_length(year, month)
+    )
+
+
+def day_number(year: int, month: int, day: int) -> int:
+    """Return how many days after 1 January 1970 a date is."""
+    shifted = year - (month <= _FEBRUARY)
+    era, year_of_era = divmod(shifted, 400)
+    day_of_year = (153 * ((month + 9) % 12) + 2) // 5 + day - 1
+    return (
+        era * 146_097 + year_of_era * 365 + year_of_era // 4 - year_of_era // 100 + day_of_year
+    ) - 719_468
+
+
+def date_of(number: int) -> tuple[int, int, int]:
+    """Return year, month and day of a day number: the inverse of `day_number`."""
+    era, day_of_era = divmod(number + 719_468, 146_097)
+    year_of_era = (
+        day_of_era - day_of_era // 1460 + day_of_era // 36_524 - day_of_era // 146_096
+    ) // 365
+    day_of_year = day_of_era - (365 * year_of_era + year_of_era // 4 - year_of_era // 100)
+    shifted_month = (5 * day_of_year + 2) // 153
+    month = shifted_month + 3 if shifted_month < 10 else shifted_month - 9  # noqa: PLR2004
+    day = day_of_year - (153 * shifted_month + 2) // 5 + 1
+    return year_of_era + era * 400 + (month <= _FEBRUARY), month, day
+
+
+def weekday_of(number: int) -> int:
+    """Return the weekday of a day number, Monday being 0."""
+    return (number + _THURSDAY) % 7
+
+
+class LocalTime(msgspec.Struct, frozen=True, gc=False, order=True):
+    """What a clock and a calendar on some wall show, to the minute. It does not say which wall."""
+
+    year: int
+    month: int
+    day: int
+    hour: int = 0
+    minute: int = 0
+
+    def __post_init__(self) -> None:
+        if not is_date(self.year, self.month, self.day):
+            raise ValueError("there is no such day")
+        if not (0 <= self.hour < 24 and 0 <= self.minute < 60):  # noqa: PLR2004
+            raise ValueError("there is no such time of day")
+
+    @classmethod
+    def at(cls, day: int, minute: int = 0) -> LocalTime:
+        """Return the wall clock at a minute of a numbered day; minutes may run over midnight.
+
+        Raises:
+            ValueError: Before 1970 or after 2199.
+        """
+        over, minute = divmod(minute, MINUTES_A_DAY)
+        return cls(*date_of(day + over), *divmod(minute, 60))
+
+    @property
+    def day_number(self) -> int:
+        """Days since 1 January 1970."""
+        return day_number(self.year, self.month, self.day)
+
+    @property
+    def minute_of_day(self) -> int:
+        """Minutes since midnight, as the wall clock counts them."""
+        return self.hour * 60 + self.minute
+
+    def minutes_since(self, other: LocalTime) -> int:
+        """Return how far the hands have moved since another reading of the same clock."""
+        days = self.day_number - other.day_number
+        return days * MINUTES_A_DAY + self.minute_of_day - other.minute_of_day
+
+    def later(self, minutes: int) -> LocalTime:
+        """Return what the hands show after moving on."""
+        return LocalTime.at(self.day_number, self.minute_of_day + minutes)
+
+    def date_text(self) -> str:
+        """Return ``2026-11-24``: as it is typed, and as no country misreads it."""
+        return f"{self.year}-{self.month:02}-{self.day:02}"
+
+    def time_text(self) -> str:
+        """Return ``14:00``."""
+        return f"{self.hour:02}:{self.minute:02}"

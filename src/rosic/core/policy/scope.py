@@ -1,0 +1,102 @@
+"""What a scope reaches: robots by name, pattern or group, and the words that may follow them."""
+
+from __future__ import annotations
+
+import re
+from fnmatch import fnmatchcase, translate
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.core.policy.authority import AMONG, FILES, READ, RESUME, Scope
+from rosic.core.robot.profile import RobotId
+from rosic.core.robot.skill import Skill, SkillClass
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+GRANT = "grant"
+"""The right to give rights on a robot. No wildcard stands for it; ``fleet:grant`` is all of it."""
+FLEET = "fleet"
+"""Stands where a robot would: rights about the place itself. No wildcard stands for it."""
+FLEET_VERBS = (GRANT, "archive", "assign", "invite", "lock", "people", "policy", "slots")
+
+
+class Fleet(msgspec.Struct, frozen=True):
+    """The robots there are, as rights see them.
+
+    Attributes:
+        skills: Robot to its skills by id.
+        groups: Plain name to robots.
+        verbs: What may be said after ``fleet:``.
+    """
+
+    skills: dict[RobotId, dict[str, Skill]]
+    groups: dict[str, tuple[RobotId, ...]] = {}
+    verbs: tuple[str, ...] = FLEET_VERBS
+
+    def words(self, robot: RobotId) -> tuple[str, ...]:
+        """Return every word that can stand after a robot in a scope; nothing if unknown."""
+        if robot == FLEET:
+            return self.verbs
+        skills = self.skills.get(robot)
+        return () if skills is None else (*skills, READ, RESUME, FILES, *AMONG, GRANT)
+
+    def means(self, said: str, robot: RobotId) -> bool:
+        """Whether ``robots`` would return this one; asked of one, it looks at no other."""
+        if FLEET in (said, robot):
+            return said == robot
+        if said in self.skills:
+            return said == robot
+        if said in self.groups:
+            return robot in self.groups[said] and robot in self.skills
+        return robot in self.skills and fnmatchcase(robot, said)
+
+    def robots(self, said: str) -> tuple[RobotId, ...]:
+        """Return whom a pattern, a robot's name or a group's plain name means."""
+        if said == FLEET:
+            return (FLEET,)
+        if said in self.skills:
+            return (said,)
+        if said in self.groups:
+            return tuple(robot for robot in self.groups[said] if robot in self.skills)
+        matches = re.compile(translate(said)).match
+        return tuple(robot for robot in self.skills if matches(robot))
+
+
+def words_given(scope: Scope, robot: RobotId, fleet: Fleet) -> frozenset[str]:
+    """Return which words of a robot a scope gives.
+
+    ``read`` gives everything that only observes. Whoever has any right on a robot may read it: a
+    person who moves a robot has to see it.
+    """
+    if scope.robot == FLEET:
+        verbs = _matching(scope.skill, fleet.verbs)
+        if robot == FLEET:
+            return frozenset({READ, *verbs} if verbs else ())
+        # Whoever may give rights on the whole may give them on each robot.
+        return frozenset({READ, GRANT} if GRANT in verbs else ())
+    if robot == FLEET or not fleet.means(scope.robot, robot):
+        return frozenset()
+    found = _matching(scope.skill, fleet.words(robot))
+    if scope.skill != GRANT:
+        found.discard(GRANT)
+    if READ in found:
+        skills = fleet.skills[robot]
+        found |= {name for name, skill in skills.items() if skill.kind is SkillClass.OBSERVE}
+    return frozenset({READ, *found} if found else ())
+
+
+def words_meant(scope: Scope, robot: RobotId, fleet: Fleet) -> frozenset[str]:
+    """Return which words of a robot a scope of care means: a wildcard, only its own skills."""
+    if not fleet.means(scope.robot, robot):
+        return frozenset()
+    if scope.skill in fleet.words(robot):
+        return frozenset({scope.skill})
+    own = fleet.verbs if robot == FLEET else fleet.skills[robot]
+    return frozenset(_matching(scope.skill, own))
+
+
+def _matching(pattern: str, words: Iterable[str]) -> set[str]:
+    matches = re.compile(translate(pattern)).match
+    return {word for word in words if matches(word)}

@@ -1,0 +1,295 @@
+"""Skills: a robot's predefined movement functions, with typed and bounded parameters."""
+
+from __future__ import annotations
+
+import enum
+import re
+import unicodedata
+from functools import cached_property
+from math import isfinite
+from typing import TYPE_CHECKING, TypeAlias
+
+import msgspec
+
+from rosic.core.i18n import titled
+from rosic.core.robot.benchmark import Benchmark
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+Argument: TypeAlias = float | int | str
+Meaning: TypeAlias = bool | float | str | tuple[float, ...]
+
+
+class SkillClass(enum.Enum):
+    """Decides lifetime, lease and limits."""
+
+    __hash__ = object.__hash__  # Enum hashes the name, in Python, every time
+
+    OBSERVE = "observe"
+    TASK = "task"
+    MOTION = "motion"
+    CONFIG = "config"
+    ADMIN = "admin"
+    STOP = "stop"
+
+
+# To look a member up in its class costs as much as three calls, and orders ask several times each.
+MOTION = SkillClass.MOTION
+STOP_SIGNS = frozenset("🛑✋⛔⏹🤚🖐🚫")
+JOINER = "\u200d"
+ICON_MOST = 8
+LANGUAGE_CODE = re.compile(r"[a-z]{2,3}")
+TITLE_MOST = 64
+ACTUATING = frozenset((MOTION, SkillClass.TASK, SkillClass.CONFIG))
+
+# How long an order of a class may wait between being sent by the person and reaching the robot.
+# docs/safety.md gives the reasons; a skill may set its own.
+MOTION_LIFETIME_S = 5.0
+LIFETIME_S = 30.0
+LIFETIME_MAX_S = 3600.0
+COST_MAX = 1_000.0
+MOTION_LIFETIME_NS = int(MOTION_LIFETIME_S * 1e9)
+LIFETIME_NS = int(LIFETIME_S * 1e9)
+
+
+class Parameter(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One parameter of a skill: a bounded number, a choice, or (dialogue only) a text.
+
+    Attributes:
+        unit: How people give it when they name no unit, and how it is shown; any unit the units
+            table knows. The value itself travels in SI. Empty for a plain number.
+        min, max: Bounds in ``unit``, inclusive.
+        integer: Only whole numbers.
+        choices: Word to its other spellings. A parameter with choices is not a number.
+        means: Choice to what it stands for, by name: numbers in SI (a place on the map, a pose of
+            an arm), yes or no, a word of the robot's. A binding takes one as ``$place.x``.
+        text: Takes the rest of the line as it is.
+        default: In ``unit``, or one of the choices; None means it must be given.
+    """
+
+    title: str = ""
+    unit: str = ""
+    min: float | None = None
+    max: float | None = None
+    integer: bool = False
+    choices: dict[str, tuple[str, ...]] | None = None
+    means: dict[str, dict[str, Meaning]] = {}
+    text: bool = False
+    default: float | str | None = None
+
+    def __post_init__(self) -> None:
+        if self.means:
+            _check_meanings(self.means, self.choices or {})
+        if self.choices is not None or self.text:
+            if self.min is not None or self.max is not None or self.unit:
+                raise ValueError("a choice or a text has no unit and no bounds")
+            if self.choices is not None and self.default not in (None, *self.choices):
+                raise ValueError("the default is not one of the choices")
+            return
+        if self.min is None or self.max is None:
+            raise ValueError("a number needs min and max")
+        if not (isfinite(self.min) and isfinite(self.max) and self.min <= self.max):
+            raise ValueError("min and max must be finite, and min not above max")
+        if self.default is not None and (
+            isinstance(self.default, str) or not self.min <= self.default <= self.max
+        ):
+            raise ValueError("the default is not a number between min and max")
+
+
+def _check_meanings(
+    means: dict[str, dict[str, Meaning]], choices: dict[str, tuple[str, ...]]
+) -> None:
+    """See that every choice stands for the same: finite numbers, words, yes or no.
+
+    Raises:
+        ValueError: One does not.
+    """
+    if set(means) != set(choices):
+        raise ValueError("means and choices must have the same words")
+    names = [set(meaning) for meaning in means.values()]
+    if any(other != names[0] for other in names):
+        raise ValueError("means must give the same numbers for every choice")
+    for name in names[0] if names else ():
+        if len({type(meaning[name]) for meaning in means.values()}) > 1:
+            raise ValueError(f"means must give the same kind of {name!r} for every choice")
+    for meaning in means.values():
+        for value in meaning.values():
+            numbers = value if isinstance(value, tuple) else (value,)
+            if not all(isinstance(one, str) or isfinite(one) for one in numbers):
+                raise ValueError("means must be finite numbers")
+
+
+class TopicBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Publish a message. Nothing acknowledges a topic.
+
+    Attributes:
+        message: Dotted field to a value; ``$name`` takes a parameter (SI), ``$name.x`` a number
+            that a choice stands for; else it is literal.
+        stream_hz: Greater than 0 sends a bounded stream for ``$duration`` seconds that ends in
+            zero; allowed only when the profile states the robot's own ``watchdog_s``.
+    """
+
+    name: str
+    type: str
+    message: dict[str, float | int | str | bool] = {}
+    stream_hz: float = 0.0
+
+
+class ServiceBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Call a service; its answer is the robot's receipt."""
+
+    name: str
+    type: str
+    request: dict[str, float | int | str | bool] = {}
+    timeout_s: float = 5.0
+
+
+class Trajectory(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A move of an arm, made of where its joints are and of where they are to go.
+
+    Attributes:
+        to: ``$pose.joints``, a pose by the meaning of a choice; or ``$angle``, for one joint.
+        joint: ``$joint``: the one that moves while the others stay; empty: all of them.
+        speed: Share of every joint's own speed, in (0, 1]; or ``$speed``.
+    """
+
+    to: str
+    joint: str = ""
+    speed: float | str = 0.3
+
+    def __post_init__(self) -> None:
+        if isinstance(self.speed, str):
+            if self.speed[:1] != "$":
+                raise ValueError("speed is a share of the joints' own, or a parameter: $speed")
+        elif not 0 < self.speed <= 1:
+            raise ValueError("speed is a share of the joints' own: above 0, at most 1")
+
+
+class ActionBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Send an action goal. Acceptance is the receipt, feedback the progress, the result the end.
+
+    Attributes:
+        timeout_s: Longest time between acceptance and result; then the goal is cancelled.
+        start: Goal field of type ``builtin_interfaces/Time`` that takes a common start, or empty.
+        remaining: Feedback field that shrinks to zero on the way, instead of ``fraction``.
+        success, message: Result fields that say whether, and what.
+        trajectory: Makes the goal of a trajectory controller; the profile then has ``joints``.
+    """
+
+    name: str
+    type: str
+    goal: dict[str, float | int | str | bool] = {}
+    trajectory: Trajectory | None = None
+    timeout_s: float = 120.0
+    start: str = ""
+    fraction: str = "fraction"
+    stage: str = "stage"
+    remaining: str = ""
+    success: str = "success"
+    message: str = "message"
+
+
+class ParametersBinding(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Set ROS parameters of a node; the node's answer is the receipt, and they are read back."""
+
+    node: str
+    values: dict[str, float | int | str | bool]
+    timeout_s: float = 5.0
+
+
+class Skill(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, dict=True):
+    """One thing a robot can do, as its profile says. At most one binding.
+
+    Attributes:
+        id: Filled from the key in the profile.
+        titles: Its title in other languages, by their code: ``{ de: Abheben }``.
+        icon: One sign before its name on a button.
+        kind: The class, ``class`` in the file.
+        words: Other names people use for it.
+        lifetime_s: Instead of the class's.
+        to_safety: It brings the robot to safety, as landing does: accepted while the robot is busy,
+            in place of what runs and of what waits.
+        cost: How much of a rate limit it takes: of the person's, the robot's, the role's.
+        benchmark: How long it should take, with how much of the battery, how exactly.
+    """
+
+    id: str = ""
+    title: str = ""
+    titles: dict[str, str] = {}
+    icon: str = ""
+    kind: SkillClass = msgspec.field(name="class", default=SkillClass.MOTION)
+    words: tuple[str, ...] = ()
+    parameters: dict[str, Parameter] = {}
+    lifetime_s: float | None = None
+    to_safety: bool = False
+    cost: float = 1.0
+    topic: TopicBinding | None = None
+    service: ServiceBinding | None = None
+    action: ActionBinding | None = None
+    set_parameters: ParametersBinding | None = None
+    benchmark: Benchmark | None = None
+
+    def __post_init__(self) -> None:
+        bindings = (self.topic, self.service, self.action, self.set_parameters)
+        if sum(binding is not None for binding in bindings) > 1:
+            raise ValueError("a skill has at most one of topic, service, action, set_parameters")
+        if self.lifetime_s is not None and not 0 < self.lifetime_s <= LIFETIME_MAX_S:
+            raise ValueError(f"lifetime_s must be above 0 and at most {LIFETIME_MAX_S:.0f}")
+        if not 1 <= self.cost <= COST_MAX:
+            raise ValueError(f"cost must be between 1 and {COST_MAX:g}")
+        if self.icon and not is_icon(self.icon):
+            raise ValueError("icon must be one sign, no letter or digit, and none that means stop")
+        if self.kind is SkillClass.STOP:
+            raise ValueError("stop is not a skill: every robot has one")
+        for code, title in self.titles.items():
+            if not LANGUAGE_CODE.fullmatch(code) or not 1 <= len(title.strip()) <= TITLE_MOST:
+                raise ValueError("titles has a language's code, as de, and a short title for each")
+
+    @property
+    def shown(self) -> str:
+        """What people read: its title, in their language where it has one."""
+        return titled(self.title or self.id.replace("_", " "), self.titles)
+
+    @property
+    def doing(self) -> str:
+        """What a robot at work is said to do."""
+        return titled((self.title or self.id.replace("_", " ")).lower(), self.titles)
+
+    def filled(
+        self, value: Argument | bool, arguments: Mapping[str, Argument]
+    ) -> Argument | Meaning | bool:
+        """Return what a value of the binding stands for, whatever carries it out.
+
+        Args:
+            value: ``$name`` is the argument, ``$name.x`` what a choice means; else it is literal.
+            arguments: Of an order, SI.
+        """
+        if not isinstance(value, str) or value[:1] != "$":
+            return value
+        name, dot, part = value[1:].partition(".")
+        argument = arguments[name]
+        return self.parameters[name].means[str(argument)][part] if dot else argument
+
+    @cached_property
+    def order_lifetime_ns(self) -> int:
+        """Nanoseconds from the person's sending to the robot's receiving."""
+        if self.lifetime_s is not None:
+            return int(self.lifetime_s * 1e9)
+        return MOTION_LIFETIME_NS if self.kind is MOTION else LIFETIME_NS
+
+    @cached_property
+    def actuates(self) -> bool:
+        """Whether it can change the world, so that it needs the robot for oneself."""
+        return self.kind in ACTUATING
+
+
+def is_icon(text: str) -> bool:
+    """Whether a text is one sign that stands well on a button, and stops nothing."""
+    signs = text.split(JOINER)
+    return (
+        len(text) <= ICON_MOST
+        and STOP_SIGNS.isdisjoint(text)
+        and all(unicodedata.category(sign[:1] or " ") == "So" for sign in signs)
+        and all(unicodedata.category(rest) in {"Mn", "Sk"} for sign in signs for rest in sign[1:])
+    )

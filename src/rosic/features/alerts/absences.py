@@ -1,0 +1,147 @@
+"""Says that a robot at work is not there any more, when it is back, and when it rests at last."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rosic.core import messages
+from rosic.core.i18n import said
+from rosic.errors import StillMoves
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import PrincipalId
+    from rosic.core.order import Order, Outcome
+    from rosic.core.robot.profile import Presence, RobotId
+    from rosic.gateway.components import Components
+    from rosic.gateway.delivery.notifier import Notifier
+
+EVERY_S: Final = 0.5
+AT_ONCE: Final = 500
+"""So many robots are looked at in one step of the event loop."""
+CONCERNED_NS: Final = 15_000_000_000
+"""Whoever's order has ended so long ago is not concerned any more: its link's deadline, and more,
+is over."""
+LOOKED_AFTER_NS: Final = 600_000_000_000
+"""A robot that was said to move is followed for so long, or until it is measured at rest."""
+
+
+class _Worked(NamedTuple):
+    """For whom a robot works, or worked last, and when it was seen to."""
+
+    principal: PrincipalId
+    seen_ns: int
+
+
+class _Moving(NamedTuple):
+    """Who was told that a robot moves, and until when it is followed."""
+
+    principal: PrincipalId
+    until_ns: int
+
+
+class Absences:
+    """Follows robots that carry something out, and tells whoever asked for it.
+
+    Whoever was told that a robot moves is told once that it is at rest, when that is measured, or
+    that it still moves after `LOOKED_AFTER_NS`. A new order, or a stop, has an answer of its own.
+    """
+
+    def __init__(self, rooms: Components, reach: Notifier, clock: Clock) -> None:
+        self._rooms = rooms
+        self._reach = reach
+        self._clock = clock
+        self._worked: dict[RobotId, _Worked] = {}
+        self._away: dict[RobotId, PrincipalId] = {}
+        self._moving: dict[RobotId, _Moving] = {}
+
+    async def run(self) -> None:
+        """Look until cancelled."""
+        while True:
+            await self.look()
+            await self._clock.sleep(EVERY_S)
+
+    def began(self, order: Order) -> None:
+        """A robot moves anew, as it was told to."""
+        if order.skill.actuates:
+            self._moving.pop(order.robot, None)
+
+    def ended(self, order: Order, outcome: Outcome) -> None:
+        """Follow a robot that its order's end says to move."""
+        if outcome.code == StillMoves.code:
+            self._said_to_move(order.robot, order.permit.principal)
+
+    async def look(self) -> None:
+        """Look once."""
+        linker, now_ns = self._rooms.linker, self._clock.monotonic_ns()
+        for number, robot in enumerate(tuple(self._rooms.profiles)):
+            if number % AT_ONCE == AT_ONCE - 1:
+                await asyncio.sleep(0)
+            order = linker.current(robot)
+            if robot in self._moving:
+                self._see_rest(robot, linker.presence(robot))
+            if order is not None or robot in self._worked or robot in self._away:
+                works = order is not None and order.skill.actuates
+                who = order.permit.principal if order is not None and works else ""
+                self._see(robot, linker.presence(robot), _Worked(who, now_ns) if who else None)
+
+    def _see(self, robot: RobotId, presence: Presence, works: _Worked | None) -> None:
+        if robot in self._away:
+            if presence.online:
+                who = self._away.pop(robot)
+                self._reach.tell((who,), back(self._shown(robot), presence))
+                if presence.moves:
+                    self._said_to_move(robot, who)
+            return
+        if presence.online is not False:
+            self._note(robot, works)
+            return
+        worked = self._worked.pop(robot, None)
+        if worked is not None:
+            self._away[robot] = worked.principal
+            self._reach.tell((worked.principal,), away(self._shown(robot), presence), urgent=True)
+
+    def _said_to_move(self, robot: RobotId, who: PrincipalId) -> None:
+        self._moving[robot] = _Moving(who, self._clock.monotonic_ns() + LOOKED_AFTER_NS)
+
+    def _see_rest(self, robot: RobotId, presence: Presence) -> None:
+        if presence.at_rest:
+            who = self._moving.pop(robot).principal
+            if not self._rooms.board[robot].latched:
+                self._reach.tell((who,), messages.at_rest_now(self._shown(robot)))
+        elif self._clock.monotonic_ns() >= self._moving[robot].until_ns:
+            who = self._moving.pop(robot).principal
+            if presence.moves:
+                text = said("{shown} still moves. Please look.", shown=self._shown(robot))
+                self._reach.tell((who,), text, urgent=True)
+
+    def _note(self, robot: RobotId, works: _Worked | None) -> None:
+        known = self._worked.get(robot)
+        if works is not None:
+            self._worked[robot] = works
+        elif known is not None and self._clock.monotonic_ns() - known.seen_ns > CONCERNED_NS:
+            del self._worked[robot]
+
+    def _shown(self, robot: RobotId) -> str:
+        return self._rooms.profiles[robot].shown
+
+
+def away(shown: str, presence: Presence) -> str:
+    """Return that a robot is not there any more."""
+    if presence.age_s is None:
+        return said("{shown} is not there any more. Please look.", shown=shown)
+    return said(
+        "{shown} is not there any more, last heard {age_s:.0f} s ago. Please look.",
+        shown=shown,
+        age_s=presence.age_s,
+    )
+
+
+def back(shown: str, presence: Presence) -> str:
+    """Return that it is back, and what was measured of it."""
+    if presence.at_rest:
+        return said("{shown} is there again, at rest. Nothing goes on by itself.", shown=shown)
+    if presence.moves:
+        return said("{shown} is there again, and moves. Please look.", shown=shown)
+    return said("{shown} is there again; whether it rests is not measured yet.", shown=shown)

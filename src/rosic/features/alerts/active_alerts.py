@@ -1,0 +1,153 @@
+"""Which messages tell of which alarms: whoever reacts to one means those occurrences."""
+
+from __future__ import annotations
+
+import logging
+from collections import OrderedDict
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import msgspec
+
+from rosic.core.records import Fact
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.message import Chat
+    from rosic.features.alerts.book import Alarm
+
+TOLD: Final = "alarm-told"
+REMEMBERED: Final = 4_096
+
+log = logging.getLogger("rosic.alerts")
+
+
+class ActiveAlert(NamedTuple):
+    """One alarm: its rule, and when it was raised. A later one of the same rule is another."""
+
+    rule: str
+    at_ns: int
+
+
+_encode = msgspec.msgpack.Encoder().encode
+_decode = msgspec.msgpack.Decoder(tuple[tuple[str, int], ...]).decode
+
+
+def packed(told: Iterable[ActiveAlert]) -> bytes:
+    """Return occurrences as the record keeps them: ids and numbers."""
+    return _encode(tuple(map(tuple, told)))
+
+
+def unpacked(content: bytes) -> tuple[ActiveAlert, ...]:
+    """Return what was packed.
+
+    Raises:
+        msgspec.MsgspecError: It was not.
+    """
+    return tuple(ActiveAlert(*of) for of in _decode(content))
+
+
+class AlertMessages:
+    """Bounded. What changes is so at once, and returned to be written behind it.
+
+    A message stands there as a digest of where it is: a chat's id is an account's.
+    """
+
+    def __init__(self, remembered: int = REMEMBERED) -> None:
+        self._remembered = remembered
+        self._known: OrderedDict[str, tuple[ActiveAlert, ...]] = OrderedDict()
+        self._count = 0
+        self._of_rule: dict[str, dict[str, None]] = {}
+
+    def restore(self, facts: Iterable[Fact], alarms: Mapping[str, Alarm]) -> tuple[Fact, ...]:
+        """Take over what earlier runs said of alarms that are open still; return what ends."""
+        ended: list[Fact] = []
+        for fact in facts:
+            if not fact.body:
+                continue
+            try:
+                told = unpacked(fact.body)
+            except msgspec.MsgspecError:
+                log.warning("of which alarms a message tells cannot be read; it is forgotten")
+                ended.append(_no_fact(fact.key))
+                continue
+            if still := tuple(of for of in told if _is_open(of, alarms)):
+                ended += self._put(fact.key, still)
+            else:
+                ended.append(_no_fact(fact.key))
+        return tuple(ended)
+
+    def note(
+        self, told: tuple[ActiveAlert, ...], messenger: Messenger, chat: Chat, message: str
+    ) -> tuple[Fact, ...]:
+        """A message tells of one alarm, or of many."""
+        key = _key(messenger, chat, message)
+        fact = Fact(kind=TOLD, key=key, body=packed(told))
+        return (fact, *self._put(key, told))
+
+    def _put(self, key: str, told: tuple[ActiveAlert, ...]) -> list[Fact]:
+        """Keep one more; return what ends because there are too many: the oldest."""
+        self._forget(key)
+        self._known[key] = told
+        self._count += len(told)
+        for occurrence in told:
+            self._of_rule.setdefault(occurrence.rule, {})[key] = None
+        ended: list[Fact] = []
+        while self._count > self._remembered and len(self._known) > 1:
+            oldest = next(iter(self._known))
+            self._forget(oldest)
+            ended.append(_no_fact(oldest))
+        return ended
+
+    def _forget(self, key: str) -> bool:
+        told = self._known.pop(key, None)
+        if told is None:
+            return False
+        self._count -= len(told)
+        for occurrence in told:
+            keys = self._of_rule.get(occurrence.rule, {})
+            keys.pop(key, None)
+            if not keys:
+                self._of_rule.pop(occurrence.rule, None)
+        return True
+
+    def of(self, messenger: Messenger, chat: Chat, message: str) -> tuple[ActiveAlert, ...]:
+        """Return of which alarms a message tells."""
+        return self._known.get(_key(messenger, chat, message), ())
+
+    def answered(self, messenger: Messenger, chat: Chat, message: str) -> tuple[Fact, ...]:
+        """What is put beside this message from now on says nothing new."""
+        key = _key(messenger, chat, message)
+        return (_no_fact(key),) if self._forget(key) else ()
+
+    def over(self, rule: str) -> tuple[Fact, ...]:
+        """The alarm of a rule is over: nobody can mean it any more."""
+        ended: list[Fact] = []
+        for key in tuple(self._of_rule.get(rule, ())):
+            told = self._known[key]
+            left = tuple(of for of in told if of.rule != rule)
+            if not left:
+                self._forget(key)
+                ended.append(_no_fact(key))
+                continue
+            # What the record keeps of it is sifted when it is read again.
+            self._known[key] = left
+            self._count -= len(told) - len(left)
+        self._of_rule.pop(rule, None)
+        return tuple(ended)
+
+
+def _is_open(of: ActiveAlert, alarms: Mapping[str, Alarm]) -> bool:
+    alarm = alarms.get(of.rule)
+    return alarm is not None and alarm.at_ns == of.at_ns
+
+
+def _key(messenger: Messenger, chat: Chat, message: str) -> str:
+    said = "\0".join((messenger.name, chat.platform, chat.id, message))
+    return blake2b(said.encode(), digest_size=16).hexdigest()
+
+
+def _no_fact(key: str) -> Fact:
+    return Fact(kind=TOLD, key=key, body=b"")

@@ -1,0 +1,57 @@
+"""``/benchmark``: how a robot does against what is expected of it, and how it is set."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.i18n import joined
+from rosic.features.benchmarks import commands as words
+from rosic.gateway.builtin_commands import Reply
+
+if TYPE_CHECKING:
+    from rosic.core.order_status import Face
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.benchmarks.evaluation import BenchmarkEvaluation
+    from rosic.features.booking.robot_argument import RobotArgument
+    from rosic.gateway.components import Components
+    from rosic.gateway.office import CommandContext
+
+
+class BenchmarkCommands:
+    """Answers for robots that the asker may see."""
+
+    def __init__(
+        self, judging: BenchmarkEvaluation, rooms: Components, naming: RobotArgument, face: Face
+    ) -> None:
+        self._judging = judging
+        self._rooms = rooms
+        self._naming = naming
+        self._face = face
+
+    async def benchmark(self, asked: CommandContext) -> Reply:
+        """Say how a robot does.
+
+        Raises:
+            Refusal: There is no such robot, as far as this person may know.
+        """
+        robot, _ = self._naming.robot(asked, "/benchmark", asked.rest)
+        profile = self._rooms.profiles[robot]
+        verdicts = self._judging.verdicts.get(robot, {})
+        lines: list[str] = []
+        for skill in profile.skills.values():
+            if skill.benchmark is not None:
+                done = verdicts.get(skill.id)
+                title = skill.shown
+                lines.append(words.not_yet(title) if done is None else words.verdict(done))
+        text = joined("\n", [words.head(profile.shown), *lines]) if lines else ""
+        parts = [text or words.none(profile.shown), self._settings(robot)]
+        return Reply(joined("\n", [part for part in parts if part]))
+
+    def _settings(self, robot: RobotId) -> str:
+        organiser = self._rooms.organiser
+        kept = self._judging.settings.of.get(robot, {})
+        lines = [
+            words.setting(name, one.value, organiser.name_of(one.by), self._face(one.at_ns))
+            for name, one in kept.items()
+        ]
+        return words.settings(lines) if lines else ""

@@ -1,0 +1,214 @@
+"""``/plan``: what everybody wishes for, weighed together, and booked by one tap."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from hashlib import blake2b
+from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
+
+from rosic.core.i18n import joined, said
+from rosic.core.message import Button
+from rosic.errors import NotPermitted, Refusal, TooManyRequests
+from rosic.features.booking import scheduler_messages as words
+from rosic.features.booking.deciding import decided
+from rosic.gateway.builtin_commands import Reply
+from rosic.organiser.planning.figures import figures_of
+from rosic.organiser.planning.greedy import first_come_first_served
+from rosic.organiser.planning.problem import Booked, PlanCaveat, PlanningProblem
+from rosic.organiser.planning.solver import propose
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.records import Fact, Record
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.booking.context import BookingContext
+    from rosic.gateway.office import CommandContext
+    from rosic.organiser.planning.problem import Allocation, Proposal
+    from rosic.organiser.planning.wishes import Wished
+
+LIMIT_S = 5.0
+MOST_LINES = 40
+# Said by buttons, the first with the proposal's id after it.
+BOOK, LEAVE = "book", "leave"
+_ID_BYTES = 8
+
+
+class WeighedProposal(NamedTuple):
+    """A proposal, and how much robots are used by it and by the order of arrival."""
+
+    proposal: Proposal
+    use: float
+    by_arrival: float
+
+
+class PlanCommand:
+    """The clerk who makes plans. What is proposed lives in memory: after a restart, anew."""
+
+    def __init__(self, times: BookingContext) -> None:
+        self._times = times
+        self._proposed: dict[PrincipalId, tuple[str, tuple[Allocation, ...]]] = {}
+        self._busy = False
+
+    async def plan(self, asked: CommandContext) -> Reply:
+        """Propose, book what was proposed, or leave it.
+
+        Raises:
+            Refusal: Why not; nothing was booked.
+        """
+        by = asked.caller.principal
+        self._robots(by)
+        verb, _, rest = asked.rest.strip().partition(" ")
+        if verb == LEAVE:
+            self._proposed.pop(by, None)
+            return Reply(words.left_as_it_is())
+        if verb == BOOK:
+            return await self._book(by, rest.strip())
+        return await self._propose(by)
+
+    def _robots(self, by: PrincipalId) -> frozenset[RobotId]:
+        """Return the robots whose times somebody decides on, whoever has them."""
+        sides, profiles = self._times.sides, self._times.vocabulary.profiles
+        found = frozenset(robot for robot in profiles if sides.may_cancel_any(by, robot))
+        if not found:
+            raise NotPermitted(words.not_you())
+        return found & sides.visible(by)
+
+    # ---- proposing ----
+
+    async def _propose(self, by: PrincipalId) -> Reply:
+        wishes, full = self._shared(self._times.wishes.everybodys())
+        if not wishes and not full:
+            return Reply(words.nobody())
+        problem = self._problem(by, wishes)
+        if self._busy:
+            raise TooManyRequests(words.busy(), retry_after_s=LIMIT_S)
+        self._busy = True
+        try:
+            weighed = await asyncio.to_thread(_weigh, problem)
+        finally:
+            self._busy = False
+        given = weighed.proposal.allocations
+        text = self._text(by, weighed, full)
+        if not given:
+            return Reply(text)
+        key = _id(given)
+        self._proposed[by] = key, given
+        yes = Button(said("Book all of it"), f"/plan {BOOK} {key}")
+        return Reply(text, ((yes, Button(said("Leave it"), f"/plan {LEAVE}")),))
+
+    def _shared(self, wishes: tuple[Wished, ...]) -> tuple[list[Wished], list[Wished]]:
+        """Split off what is beyond the times that one person may have to come."""
+        most = self._times.calendar.limits.most_upcoming
+        count: Counter[PrincipalId] = Counter()
+        kept: list[Wished] = []
+        full: list[Wished] = []
+        for wished in wishes:
+            who = wished.principal
+            if who not in count:
+                count[who] = len(self._times.upcoming(who))
+            (kept if count[who] < most else full).append(wished)
+            count[who] += 1
+        return kept, full
+
+    def _problem(self, by: PrincipalId, wishes: list[Wished]) -> PlanningProblem:
+        times, robots = self._times, self._robots(by)
+        now_ns, may_book = times.clock.wall_ns(), times.sides.may_book
+        last_ns = max((wished.latest_ns for wished in wishes), default=now_ns)
+        used = sorted(robots & {robot for wished in wishes for robot in wished.robots})
+        booked = (s for robot in used for s in times.calendar.on(robot, now_ns, last_ns))
+        return PlanningProblem(
+            wishes=tuple(
+                wished.wish(
+                    tuple(
+                        robot
+                        for robot in wished.robots
+                        if robot in robots and may_book(wished.principal, robot) is None
+                    ),
+                    now_ns,
+                )
+                for wished in wishes
+            ),
+            robots=tuple(used),
+            booked=tuple(Booked(slot.robot, slot.start_ns, slot.end_ns) for slot in booked),
+        )
+
+    def _text(self, by: PrincipalId, weighed: WeighedProposal, full: list[Wished]) -> str:
+        times, proposal = self._times, weighed.proposal
+        count = len(proposal.allocations) + len(proposal.left) + len(full)
+        lines = [words.slot(times, place, by) for place in proposal.allocations]
+        for left in proposal.left:
+            wished = times.wishes.get(left.wish.id)
+            if wished is not None:
+                lines.append(words.left(times, wished, left.why, by))
+        lines += [words.left(times, wished, None, by) for wished in full]
+        if len(lines) > MOST_LINES:
+            lines = [*lines[:MOST_LINES], words.more(len(lines) - MOST_LINES)]
+        last = words.use(weighed.use, weighed.by_arrival)
+        if proposal.note is PlanCaveat.NO_SOLVER:
+            last = words.no_solver()
+        return joined("\n", (words.head(len(proposal.allocations), count), *lines, last))
+
+    # ---- booking ----
+
+    async def _book(self, by: PrincipalId, key: str) -> Reply:
+        known, given = self._proposed.pop(by, ("", ()))
+        if not given or known != key:
+            return await self._anew(by)
+        times = self._times
+        async with times.changes.turn() as turn:
+            records = self._records(by, given)
+            if records:
+                await turn.write(records)
+        if not records:
+            return await self._anew(by)
+        for place in given:
+            times.reach.tell((place.wish.principal,), words.yours(times, place))
+        return Reply(words.booked(len(given)))
+
+    async def _anew(self, by: PrincipalId) -> Reply:
+        reply = await self._propose(by)
+        return msgspec.structs.replace(reply, text=joined("\n", (words.changed(), reply.text)))
+
+    def _records(self, by: PrincipalId, given: tuple[Allocation, ...]) -> tuple[Record, ...]:
+        """Return what books all of it; nothing if any part is not possible any more."""
+        times, robots = self._times, self._robots(by)
+        slots: list[Fact] = []
+        wishes: list[Fact] = []
+        for place in given:
+            who, wished = place.wish.principal, times.wishes.get(place.wish.id)
+            gone = wished is None or place.robot not in robots
+            if wished is None or gone or times.sides.may_book(who, place.robot) is not None:
+                return ()
+            try:
+                slots += times.calendar.book(
+                    who, place.robot, place.start_ns, place.wish.length_s, by
+                )
+            except Refusal:
+                return ()
+            wishes.append(wished.no_more())
+        if self._too_many(given):
+            return ()
+        return decided("book", by, times.clock.wall_ns(), (*slots, *wishes))
+
+    def _too_many(self, given: tuple[Allocation, ...]) -> bool:
+        most = self._times.calendar.limits.most_upcoming
+        shares = Counter(place.wish.principal for place in given)
+        return any(len(self._times.upcoming(who)) + more > most for who, more in shares.items())
+
+
+def _weigh(problem: PlanningProblem) -> WeighedProposal:
+    """Work a proposal out: seconds of computing, in a thread of its own."""
+    proposal = propose(problem, limit_s=LIMIT_S)
+    by_arrival = first_come_first_served(problem, grid_s=proposal.grid_s)
+    uses = (figures_of(problem, plan).use for plan in (proposal, by_arrival))
+    return WeighedProposal(proposal, *uses)
+
+
+def _id(given: tuple[Allocation, ...]) -> str:
+    digest = blake2b(digest_size=_ID_BYTES)
+    for place in given:
+        digest.update(ascii((place.wish.id, place.robot, place.start_ns)).encode())
+    return digest.hexdigest()

@@ -1,0 +1,137 @@
+"""``/slots``: my times, a robot's day, and the file for the calendar on somebody's phone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.i18n import joined, said
+from rosic.core.language.compiled import fold
+from rosic.core.language.time_parser import When, read_when
+from rosic.core.local_time import MINUTES_A_DAY, LocalTime
+from rosic.core.message import Attachment, Button
+from rosic.core.robot.profile import Slots
+from rosic.errors import NotUnderstood
+from rosic.features.booking import messages as words
+from rosic.features.booking.robot_argument import RobotArgument
+from rosic.gateway.builtin_commands import Reply
+from rosic.organiser.calendar_messages import bookable
+from rosic.organiser.ical import icalendar
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.booking.context import BookingContext
+    from rosic.gateway.office import CommandContext
+    from rosic.organiser.timezones import Zone
+
+MOST_LINES = 20
+FILE = "ics"
+FILE_NAME = "my-times.ics"
+MEDIA = "text/calendar"
+HOUR_S = 3600
+_ENDS = ".,;:!?"
+
+
+class SlotListing:
+    """The clerk who shows times."""
+
+    def __init__(self, times: BookingContext) -> None:
+        self._times = times
+        self._naming = RobotArgument(times)
+
+    async def show(self, asked: CommandContext) -> Reply:
+        """Show one's own times, a robot's day, or the calendar file.
+
+        Raises:
+            Refusal: No such robot or day.
+        """
+        text = asked.rest.strip().rstrip(_ENDS)
+        if not text:
+            return self._mine(asked)
+        if fold(text) == FILE and not self._naming.calls(asked, text):
+            return self._file(asked)
+        robot, rest = self._naming.robot(asked, "slots", text, nameless=self._is_day(asked, text))
+        return self._day(asked, robot, self._which_day(asked, robot, rest))
+
+    # ---- mine ----
+
+    def _mine(self, asked: CommandContext) -> Reply:
+        times, principal = self._times, asked.caller.principal
+        zone, now_ns = times.sides.zone_of(principal), times.clock.wall_ns()
+        slots = times.upcoming(principal)
+        lines = [words.my_times(zone)] if slots else [words.NO_TIMES]
+        lines += [words.mine(times.shown(s.robot), s, now_ns, zone) for s in slots[:MOST_LINES]]
+        if len(slots) > MOST_LINES:
+            lines.append(words.and_more(len(slots) - MOST_LINES))
+        waiting = times.waiting
+        for robot in sorted(waiting.waits_for(principal)):
+            lines.append(words.in_queue(times.shown(robot), waiting.place(principal, robot)))
+        buttons = ((Button(said("Cancel one"), words.CANCEL),),) if slots else ()
+        return Reply(joined("\n", lines), buttons)
+
+    def _file(self, asked: CommandContext) -> Reply:
+        """Return the calendar as a file; where none can be sent, as its text, to be copied."""
+        times, principal = self._times, asked.caller.principal
+        name = times.calendar.name_of(principal)
+        slots = times.upcoming(principal)
+        content = icalendar(slots, name, lambda slot: times.shown(slot.robot))
+        if len(content) > asked.messenger.file_bytes:
+            return Reply(content.decode())
+        return Reply(words.CALENDAR_FILE, attachment=Attachment(FILE_NAME, MEDIA, content))
+
+    # ---- a robot's day ----
+
+    def _is_day(self, asked: CommandContext, text: str) -> bool:
+        return self._read_day(asked, text) is not None
+
+    def _which_day(self, asked: CommandContext, robot: RobotId, text: str) -> LocalTime:
+        day = self._read_day(asked, text or "today")
+        if day is None:
+            raise NotUnderstood(words.WHICH_DAY, offers=(f"slots {robot} tomorrow",))
+        return day
+
+    def _read_day(self, asked: CommandContext, text: str) -> LocalTime | None:
+        """Read a day alone: with the last minute of it said, it is a time like any other."""
+        zone = self._times.sides.zone_of(asked.caller.principal)
+        when = read_when(f"{text} 23:59 1 min", self._times.clock.wall_ns(), zone.local)
+        if not isinstance(when, When) or when.rrule or when.start_ns is not None:
+            return None
+        day = LocalTime.at(when.start.day_number)
+        try:
+            day.later(MINUTES_A_DAY)
+        except ValueError:  # the last one there is
+            return None
+        return day
+
+    def _day(self, asked: CommandContext, robot: RobotId, day: LocalTime) -> Reply:
+        times, principal = self._times, asked.caller.principal
+        shown, zone = times.shown(robot), times.sides.zone_of(principal)
+        if times.vocabulary.profiles[robot].slots is Slots.NONE:
+            return Reply(words.whoever_first(shown))
+        from_ns = zone.instant(day).start_ns
+        to_ns = zone.instant(day.later(MINUTES_A_DAY)).start_ns
+        slots = times.calendar.on(robot, from_ns, to_ns)
+        lines = [words.day_of(shown, day, zone) if slots else words.day_free(shown, day, zone)]
+        for slot in slots[:MOST_LINES]:
+            mine = slot.principal == principal
+            who = said("you") if mine else times.calendar.name_of(slot.principal)
+            lines.append(words.day_line(slot, who, day, zone))
+        if len(slots) > MOST_LINES:
+            lines.append(words.and_more(len(slots) - MOST_LINES))
+        elif slots:
+            lines.append(words.otherwise_free())
+        return Reply(joined("\n", lines), self._buttons(principal, robot, day, zone))
+
+    def _buttons(
+        self, principal: PrincipalId, robot: RobotId, day: LocalTime, zone: Zone
+    ) -> tuple[tuple[Button, ...], ...]:
+        """Return the first free hour of the day, if there is one, and the day after."""
+        times, after = self._times, day.later(MINUTES_A_DAY)
+        from_ns = max(zone.instant(day).start_ns, times.clock.wall_ns())
+        free_ns = times.calendar.next_free(robot, from_ns, HOUR_S)
+        row = [Button(said("Next day"), f"/slots {robot} {after.date_text()}")]
+        may = times.sides.may_book(principal, robot) is None
+        if may and free_ns < zone.instant(after).start_ns:
+            line = bookable(robot, free_ns, HOUR_S, zone)
+            row.insert(0, Button(said("Book {at} for 1 h", at=line.split()[3]), f"/{line}"))
+        return (tuple(row),)

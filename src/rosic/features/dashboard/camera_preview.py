@@ -1,0 +1,182 @@
+"""The last picture on a card: asked for by a tap, shown in place, as old as the card says.
+
+No platform says whether somebody looks, so for a while after a tap they are taken to: so long the
+picture is renewed by itself, with edits of the card that may be made anyway.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final, Protocol, TypeAlias
+
+import msgspec
+
+from rosic.contracts.messenger import pictures_of
+from rosic.core.message import Attachment, Button, ChatKind, Outbound
+from rosic.core.robot.profile import RobotId
+from rosic.errors import NothingToSee, Refusal
+from rosic.features.dashboard import messages as words
+
+if TYPE_CHECKING:
+    from rosic.core.identity import PrincipalId
+    from rosic.features.dashboard.dashboard import Dashboard
+    from rosic.features.dashboard.dashboards import Dashboards
+    from rosic.gateway.office import CommandContext
+
+Deliver: TypeAlias = Callable[[int, Outbound], Awaitable[None]]
+Issue: TypeAlias = "Callable[[Button, PrincipalId, str], Button]"
+
+BUTTONS_AT_MOST: Final = 3
+"""So many robots of a card can be looked at by a tap; more buttons than robots help nobody."""
+RENEWED_NS: Final = 20_000_000_000
+"""A button lives for a minute; a card that is edited after so long shows new ones."""
+
+
+LOOKING_S: Final = 180.0
+"""For so long after a tap somebody is taken to look."""
+RENEWED_S: Final[dict[ChatKind, float]] = {ChatKind.PRIVATE: 10.0, ChatKind.GROUP: 30.0}
+"""From one picture to the next at the least: half of those that somebody may have at all."""
+SECOND_NS: Final = 1_000_000_000
+
+
+class PreviewedCamera(msgspec.Struct, frozen=True):
+    """A picture for a card.
+
+    Attributes:
+        robot: Whose it is.
+        at_ns: When it was taken, wall clock.
+        content: None once it was shown: what is shown is not kept.
+    """
+
+    robot: RobotId
+    at_ns: int
+    content: Attachment | None = None
+
+
+class PreviewViewer:
+    """Somebody looks at a robot on a card.
+
+    Attributes:
+        asked: The tap.
+        until_ns: So long, monotonic clock.
+        next_ns: No picture is taken by itself before, monotonic clock.
+    """
+
+    __slots__ = ("asked", "next_ns", "robot", "until_ns")
+
+    def __init__(self, asked: CommandContext, robot: RobotId, now_ns: int) -> None:
+        self.asked = asked
+        self.robot = robot
+        self.until_ns = now_ns + int(LOOKING_S * SECOND_NS)
+        self.next_ns = 0
+        self.wait(now_ns)
+
+    def wait(self, now_ns: int) -> None:
+        """A picture has just been asked for."""
+        every_s = RENEWED_S.get(self.asked.inbound.chat.kind, RENEWED_S[ChatKind.GROUP])
+        self.next_ns = now_ns + int(every_s * SECOND_NS)
+
+
+class CameraPreview(Protocol):
+    """Looks at robots that may be looked at."""
+
+    def offers(self, robot: RobotId) -> bool:
+        """Whether its profile opens its camera to people, and pictures can be drawn here."""
+        ...
+
+    def look(
+        self, asked: CommandContext, robot: RobotId, deliver: Deliver, *, unasked: bool = False
+    ) -> None:
+        """Begin to make a picture, and hand over when it was taken (wall clock), and how it looks.
+
+        Only if whoever asked may still look then.
+
+        Args:
+            asked: By whom, where.
+            robot: At which robot.
+            deliver: Takes it.
+            unasked: Nobody has asked for just this one: where there is none, nothing is said, and
+                it keeps nobody's from being made.
+
+        Raises:
+            Refusal: Not now; nothing was begun.
+        """
+        ...
+
+
+class CameraPreviews:
+    """Puts the buttons under cards, and pictures on them.
+
+    Attributes:
+        camera: Looks; None until there is one: then no card offers a picture.
+    """
+
+    def __init__(self, issue: Issue, now_ns: Callable[[], int]) -> None:
+        self.camera: CameraPreview | None = None
+        self._issue = issue
+        self._now_ns = now_ns
+
+    def row(self, card: Dashboard, robots: tuple[RobotId, ...]) -> tuple[Button, ...]:
+        """Return the buttons that ask for a picture, bound to whose card it is."""
+        offered = self._offered(card, robots)
+        now_ns = self._now_ns()
+        if card.offered != offered or now_ns > card.offered_ns + RENEWED_NS:
+            card.offered, card.offered_ns = offered, now_ns
+            card.buttons = tuple(
+                self._issue(
+                    Button(words.picture_button(robot if len(offered) > 1 else ""),
+                           f"/card picture {robot}"),
+                    card.owner, card.chat.id,
+                )
+                for robot in offered
+            )  # fmt: skip
+        return card.buttons
+
+    def _offered(self, card: Dashboard, robots: tuple[RobotId, ...]) -> tuple[RobotId, ...]:
+        camera, shows = self.camera, pictures_of(card.messenger)
+        if camera is None or shows is None or card.chat.kind is ChatKind.CHANNEL:
+            return ()
+        return tuple(robot for robot in robots if camera.offers(robot))[:BUTTONS_AT_MOST]
+
+    def ask(self, asked: CommandContext, live: Dashboards, robot: RobotId) -> None:
+        """Look at a robot for the card of this chat, which then shows it.
+
+        Raises:
+            Refusal: There is no such card, or nothing to see.
+        """
+        card = live.of(asked.messenger, asked.inbound.chat)
+        if card is None:
+            raise NothingToSee(words.NO_SUCH_CARD)
+        if self.camera is None or robot not in self._offered(card, (robot,)):
+            raise NothingToSee(words.NO_PICTURE)
+        card.offered = ()  # the one that was tapped is used up
+
+        async def deliver(at_ns: int, outbound: Outbound) -> None:
+            live.show_picture(card, PreviewedCamera(robot, at_ns, outbound.attachment))
+
+        self.camera.look(asked, robot, deliver)
+        card.watched = PreviewViewer(asked, robot, self._now_ns())
+
+    def renew(self, card: Dashboard) -> None:
+        """Look once more for whoever looks at a card, if it is time. Returns at once."""
+        watched, now_ns = card.watched, self._now_ns()
+        if watched is None or self.camera is None:
+            return
+        if now_ns >= watched.until_ns:
+            card.watched = None
+        elif now_ns >= watched.next_ns and card.picture is not None and not card.pictured_anew:
+            watched.wait(now_ns)
+            self._look_again(card, watched, self.camera)
+
+    def _look_again(self, card: Dashboard, watched: PreviewViewer, camera: CameraPreview) -> None:
+        async def deliver(at_ns: int, outbound: Outbound) -> None:
+            if card.watched is watched and not card.last:
+                card.picture = PreviewedCamera(watched.robot, at_ns, outbound.attachment)
+
+        with suppress(Refusal):  # the next time, then
+            camera.look(watched.asked, watched.robot, deliver, unasked=True)
+
+    def renewed_for_ns(self, card: Dashboard) -> int:
+        """Return for how long a card's picture is renewed by itself."""
+        return 0 if card.watched is None else max(0, card.watched.until_ns - self._now_ns())

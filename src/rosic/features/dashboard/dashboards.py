@@ -1,0 +1,398 @@
+"""Every chat's live card: shown, kept up to date at a bearable pace, and over when it has to be.
+
+Nothing here is called for each order. While there are cards, robots are looked at once a second;
+what changed is said by an edit when the chat may have one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+from msgspec.structs import replace
+
+from rosic.contracts.messenger import pictures_of, retract_of, turn_of
+from rosic.core.i18n import in_language
+from rosic.core.message import ChatKind, Weight
+from rosic.errors import MessageGone, MessengerFault, RecordUnavailable, TooManyRequests
+from rosic.features.dashboard import messages as words
+from rosic.features.dashboard.camera_preview import PreviewedCamera
+from rosic.features.dashboard.dashboard import KIND, Dashboard, chat_of, key_of, read_fact
+from rosic.features.dashboard.rendering import ROBOTS_AT_MOST, DashboardRendering, in_order, pace_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import PrincipalId
+    from rosic.core.message import Chat, Outbound
+    from rosic.core.records import Fact
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.dashboard.glimpses import RobotSnapshots
+    from rosic.features.dashboard.rendering import DashboardQueries
+    from rosic.gateway.transactions import Transactions
+
+LOOK_S: Final = 1.0
+CARDS_AT_MOST: Final = 1_000
+TRIES_TO_LEAVE: Final = 8
+LONGEST_WAIT_S: Final = 300.0
+SECOND_NS: Final = 1_000_000_000
+
+log = logging.getLogger("rosic.livecards")
+
+
+class Dashboards:
+    """All of them; at most one a chat.
+
+    Args:
+        glimpses: Looks at robots.
+        changes: Through which cards are written down.
+        messengers: Through which chats are reached.
+        clock: Of the gateway.
+        sides: What the rooms know.
+
+    Attributes:
+        kind: Of the facts of these cards.
+        others: Cards of another sort, which end, run and close with these.
+    """
+
+    kind = KIND
+    others: Dashboards | None = None
+
+    def __init__(
+        self,
+        glimpses: RobotSnapshots,
+        changes: Transactions,
+        messengers: Iterable[Messenger],
+        clock: Clock,
+        sides: DashboardQueries,
+    ) -> None:
+        self.drawing = DashboardRendering(glimpses, sides, clock)
+        self._glimpses = glimpses
+        self._changes = changes
+        self._messengers = {messenger.name: messenger for messenger in messengers}
+        self._clock = clock
+        self._sides = sides
+        self._cards: dict[str, Dashboard] = {}
+        self._leaving: dict[Dashboard, None] = {}
+        self._watching: asyncio.Task[None] | None = None
+        self._running = False
+        changes.keep(self.kind, self.apply)
+        changes.after(self.look)
+
+    def __len__(self) -> int:
+        return len(self._cards)
+
+    # ---- what is written down ----
+
+    def restore(self, facts: Iterable[Fact]) -> None:
+        """Take over what earlier runs wrote; they go on in the same messages once this runs."""
+        for fact in facts:
+            self.apply(fact)
+
+    def apply(self, fact: Fact) -> None:
+        """Let a fact be so. One that cannot be read is no card."""
+        known = self._cards.get(fact.key)
+        try:
+            found = read_fact(fact)
+            chat = None if found is None else chat_of(found[1])
+        except (msgspec.MsgspecError, ValueError):
+            log.warning("a card cannot be read; it is over")
+            found = chat = None
+        if found is None or chat is None:
+            if known is not None:
+                self._leave(known, words.ENDED)
+            return
+        body, place = found
+        messenger = self._messengers.get(place.messenger)
+        if known is None and messenger is not None:
+            card = self._cards[fact.key] = Dashboard(
+                messenger, chat, body.owner, body.robots, self.kind
+            )
+            card.message, card.pinned = place.message, body.pinned
+            card.wanted_pinned = body.pinned
+            if body.picture_of:
+                card.picture = PreviewedCamera(body.picture_of, body.picture_ns)
+
+    def end_all(self, principal: PrincipalId) -> tuple[Fact, ...]:
+        """Return what ends every card of somebody."""
+        others = () if self.others is None else self.others.end_all(principal)
+        own = (card.no_fact() for card in self._cards.values() if card.owner == principal)
+        return (*own, *others)
+
+    # ---- what people do ----
+
+    def of(self, messenger: Messenger, chat: Chat) -> Dashboard | None:
+        """Return a chat's card."""
+        return self._cards.get(key_of(messenger, chat))
+
+    def in_channels(self) -> tuple[Dashboard, ...]:
+        """Return the cards that anybody may read."""
+        return tuple(c for c in self._cards.values() if c.chat.kind is ChatKind.CHANNEL)
+
+    def begin(
+        self, messenger: Messenger, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...],
+        *, pinned: bool,
+    ) -> None:  # fmt: skip
+        """Begin a card in a new message; an older one of this chat ends.
+
+        Args:
+            messenger: Through which the chat is reached; it can edit.
+            chat: Where.
+            owner: Whose rights say what it shows.
+            robots: Which; none: every robot that the owner may see.
+            pinned: Keep it in sight; what an older one was, it is too.
+
+        Raises:
+            TooManyRequests: There are too many cards; nothing has changed.
+        """
+        old = self.of(messenger, chat)
+        if old is None and len(self._cards) >= CARDS_AT_MOST:
+            raise TooManyRequests(words.TOO_MANY, retry_after_s=60.0)
+        card = Dashboard(messenger, chat, owner, robots, self.kind)
+        card.wanted_pinned = pinned or (old is not None and old.wanted_pinned)
+        if old is not None:
+            self._leave(old, words.SUPERSEDED)
+        self._cards[card.key] = card
+        self.run()
+
+    async def end(self, card: Dashboard) -> None:
+        """End a card because somebody said so.
+
+        Raises:
+            RecordUnavailable: It is not over.
+        """
+        async with self._changes.turn() as turn:
+            await turn.write((card.no_fact(),))
+
+    def keep_in_sight(self, card: Dashboard, *, pinned: bool) -> None:
+        """Pin a card, or unpin it, with its next edit, which is made at once."""
+        card.wanted_pinned, card.stamped_ns, card.settled_ns = pinned, 0, 0
+        self.run()
+
+    def show_picture(self, card: Dashboard, picture: PreviewedCamera) -> None:
+        """Show a picture with the next edit of a card, which is made at once."""
+        if self._cards.get(card.key) is card:
+            card.picture, card.stamped_ns, card.settled_ns = picture, 0, 0
+            self.run()
+
+    # ---- looking ----
+
+    def run(self) -> None:
+        """Look from now on, as long as there are cards."""
+        self._running = True
+        if self.others is not None:
+            self.others.run()
+        if self._watching is None and self._all():
+            self._glimpses.begin()
+            self._watching = asyncio.create_task(self._watch())
+        self.look()
+
+    async def _watch(self) -> None:
+        while self._all():
+            await self._clock.sleep(LOOK_S)
+            self.look()
+        self._glimpses.end()
+        self._watching = None
+
+    async def close(self) -> None:
+        """Look no more. Cards stay as they are, and say by when they should have changed."""
+        self._running = False
+        if self.others is not None:
+            await self.others.close()
+        tasks = [card.task for card in self._all() if card.task is not None]
+        tasks += [] if self._watching is None else [self._watching]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        self._watching = None
+
+    def _all(self) -> tuple[Dashboard, ...]:
+        return (*self._cards.values(), *self._leaving)
+
+    def look(self) -> None:
+        """Look at every robot on a card, and begin the edits that are due."""
+        if not self._running or not self._all():
+            return
+        shown = {card: self._robots(card) for card in self._cards.values()}
+        self._glimpses.look({r for robots in shown.values() for r in robots[:ROBOTS_AT_MOST]})
+        now_ns = self._clock.monotonic_ns()
+        for card, robots in shown.items():
+            if not robots:
+                self._leave(card, words.SEES_NOTHING)
+            elif card.picture is not None and card.picture.robot not in robots:
+                self._without_picture(card)
+            else:
+                self.drawing.picturing.renew(card)
+                self._look_at(card, robots, now_ns)
+        for card in self._leaving:
+            if card.task is None and now_ns >= card.again_ns:
+                card.task = asyncio.create_task(self._bring(card, Weight.QUESTION))
+
+    def _robots(self, card: Dashboard) -> tuple[RobotId, ...]:
+        """Return what a card shows now: never what its owner may not see (I11)."""
+        sees = self._sides.sees(card.owner)
+        return tuple(r for r in card.robots if r in sees) if card.robots else in_order(sees)
+
+    def _without_picture(self, card: Dashboard) -> None:
+        """Go on in a new message: what shows a picture shows one for good."""
+        self._leave(card, words.SEES_NOTHING)
+        fresh = Dashboard(card.messenger, card.chat, card.owner, card.robots, self.kind)
+        fresh.wanted_pinned = card.wanted_pinned
+        self._cards[fresh.key] = fresh
+
+    def _look_at(self, card: Dashboard, robots: tuple[RobotId, ...], now_ns: int) -> None:
+        forbidden = not card.shows.keys() <= set(robots)
+        if card.task is not None:
+            # Words that wait for their turn may hold what has just become none of their reader's.
+            if not (forbidden and card.message):
+                return
+            card.task.cancel()
+            card.task = None
+        if forbidden or self._is_due(card, robots, now_ns):
+            idle = bool(card.message) and not forbidden
+            weight = Weight.IDLE if idle else Weight.QUESTION
+            card.task = asyncio.create_task(self._bring(card, weight))
+
+    def _is_due(self, card: Dashboard, robots: tuple[RobotId, ...], now_ns: int) -> bool:
+        pace = pace_of(card.chat)
+        if now_ns < card.again_ns:
+            return False
+        if not card.stamped_ns or now_ns >= card.stamped_ns + int(pace.refresh_s * SECOND_NS):
+            return True
+        rested = now_ns >= card.settled_ns + int(pace.between_s * SECOND_NS)
+        return rested and (card.pictured_anew or card.shows != self.drawing.shows(robots))
+
+    # ---- showing ----
+
+    async def _bring(self, card: Dashboard, weight: Weight) -> None:
+        """Bring a chat up to date with its card, or the card to its end."""
+        mine = asyncio.current_task()
+        try:
+            if card.last:
+                await self._say_last(card)
+            else:
+                await self._show(card, weight)
+        except MessageGone:
+            await self._gone(card)
+        except MessengerFault as fault:
+            self._failed(card, fault)
+        except Exception:
+            log.exception("a card could not be shown")
+            self._failed(card, MessengerFault("a fault of the messenger"))
+        finally:
+            if card.task is mine:
+                card.task = None
+
+    async def _show(self, card: Dashboard, weight: Weight) -> None:
+        first, turn = not card.message, turn_of(card.messenger)
+        if turn is not None and not first:
+            await turn(card.chat, weight)  # what it says is chosen last
+        robots = self._robots(card)
+        if not robots:
+            return  # it is about to end
+        self._glimpses.look(robots[:ROBOTS_AT_MOST])
+        began_ns = self._clock.monotonic_ns()
+        outbound = self.drawing.outbound(card, robots, weight)
+        # Until it is known to be there, what the chat shows may be either.
+        shows = self.drawing.shows(robots)
+        card.shows = card.shows | shows
+        if first:
+            card.message = await card.messenger.send(replace(outbound, attachment=None))
+        else:
+            await self._change(card, outbound)
+        card.shows, card.stamped_ns, card.failures = shows, began_ns, 0
+        card.settled_ns = self._clock.monotonic_ns()
+        card.lag_s = (card.settled_ns - began_ns) / SECOND_NS
+        if card.last:
+            return  # it has ended meanwhile, and is about to say so
+        if first:
+            await self._write(card)
+        if card.wanted_pinned != card.pinned:
+            await self._pin(card)
+
+    async def _change(self, card: Dashboard, outbound: Outbound) -> None:
+        """Edit a card; once a picture is there, it is not kept here any longer."""
+        put = pictures_of(card.messenger)
+        if outbound.attachment is None or put is None:
+            await card.messenger.edit(card.message, replace(outbound, attachment=None))
+            return
+        await put(card.message, outbound)
+        if card.picture is not None and card.picture.content is outbound.attachment:
+            card.picture = replace(card.picture, content=None)
+        await self._write(card)
+
+    async def _pin(self, card: Dashboard) -> None:
+        pinned = card.wanted_pinned
+        try:
+            await card.messenger.pin(card.chat, card.message, pinned=pinned)
+        except MessageGone:
+            raise
+        except MessengerFault as fault:
+            card.wanted_pinned = card.pinned
+            text = in_language(fault.sentence, self._sides.catalogue(card.owner))
+            self._sides.tell(card.messenger, card.chat, text)
+        else:
+            card.pinned = pinned
+            await self._write(card)
+
+    async def _write(self, card: Dashboard) -> None:
+        """Write down where a card is, unless it has ended meanwhile."""
+        try:
+            async with self._changes.turn() as turn:
+                if self._cards.get(card.key) is card:
+                    await turn.write((card.fact(),))
+        except RecordUnavailable:
+            log.warning("a card could not be written down; it will not outlive this process")
+
+    def _failed(self, card: Dashboard, fault: MessengerFault) -> None:
+        """Try again later, and ever more seldom."""
+        card.failures += 1
+        card.stamped_ns = 0
+        wait_s = min(LONGEST_WAIT_S, pace_of(card.chat).between_s * 2 ** min(card.failures, 10))
+        card.again_ns = self._clock.monotonic_ns() + int(wait_s * SECOND_NS)
+        log.info("a card is not up to date: %s", fault)
+        if card.last and card.failures >= TRIES_TO_LEAVE:
+            self._leaving.pop(card, None)
+
+    # ---- ending ----
+
+    def _leave(self, card: Dashboard, last: str) -> None:
+        """A card is over; its message is to say so."""
+        if self._cards.get(card.key) is card:
+            del self._cards[card.key]
+        card.last, card.again_ns, card.failures = last, 0, 0
+        if card.task is not None and card.message:
+            card.task.cancel()
+            card.task = None
+        if card.message or card.task is not None:
+            self._leaving[card] = None
+
+    async def _say_last(self, card: Dashboard) -> None:
+        retract = retract_of(card.messenger)
+        if card.picture is not None and card.last == words.SEES_NOTHING and retract is not None:
+            with suppress(MessageGone):  # too old: then only its words go
+                await retract(card.chat, card.message)
+                await self._gone(card)
+                return
+        if card.message:
+            await card.messenger.edit(card.message, self.drawing.last(card))
+        if card.message and card.pinned:
+            try:
+                await card.messenger.pin(card.chat, card.message, pinned=False)
+            except MessengerFault as fault:
+                log.info("a card that is over stays pinned: %s", fault)
+        await self._gone(card)
+
+    async def _gone(self, card: Dashboard) -> None:
+        """Nothing is left of a card: its message says so, or was deleted."""
+        self._leaving.pop(card, None)
+        if self._cards.setdefault(card.key, card) is not card:
+            return  # a newer one has taken its place
+        del self._cards[card.key]
+        async with self._changes.turn() as turn:
+            await turn.act((card.no_fact(),))

@@ -1,0 +1,183 @@
+"""What a card looks like now."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from math import ceil
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import msgspec
+
+from rosic.contracts.messenger import Messenger
+from rosic.core.i18n import Catalogue, joined
+from rosic.core.identity import PrincipalId
+from rosic.core.message import Button, Chat, ChatKind, Outbound, Weight
+from rosic.core.order_status import Face
+from rosic.core.robot.profile import RobotId
+from rosic.features.dashboard import messages as words
+from rosic.features.dashboard.camera_preview import CameraPreviews
+from rosic.gateway.delivery.translation import translated
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.contracts.clock import Clock
+    from rosic.features.dashboard.dashboard import Dashboard
+    from rosic.features.dashboard.glimpses import RobotSnapshots
+
+ROBOTS_AT_MOST: Final = 12
+"""More do not fit into one message of every messenger."""
+LATE_S: Final = 5.0
+CAPTION_UNITS: Final = 1_000
+"""UTF-16 units that every messenger takes beneath a picture."""
+BUTTON_BYTES: Final = 64
+"""What a button carries on every messenger; a longer list of robots stops everything."""
+
+
+class RefreshPace(NamedTuple):
+    """How often a card may change, and how old it may become.
+
+    Attributes:
+        between_s: From one edit to the next, at the least.
+        refresh_s: After so long it is said anew how it is, though nothing has changed.
+        promise_s: What it says about that, with room for a slow network.
+    """
+
+    between_s: float
+    refresh_s: float
+    promise_s: float
+
+
+PRIVATE: Final = RefreshPace(3.0, 45.0, 60.0)
+GROUP: Final = RefreshPace(15.0, 90.0, 120.0)
+"""Four of the twenty messages and edits that Telegram lets a group have in a minute."""
+
+
+class DashboardQueries(msgspec.Struct, frozen=True, kw_only=True):
+    """What the rooms know that cards depend on.
+
+    Attributes:
+        sees: Returns the robots that somebody may see now; none for who is locked or has no key.
+        name_of: Returns how somebody is called.
+        shown: Returns how people read a robot.
+        face: Returns what a clock on the wall shows.
+        tell: Says something in a chat.
+        catalogue: Returns the texts in which somebody reads; None for English.
+        issue: Binds a button to a person and a chat.
+    """
+
+    sees: Callable[[PrincipalId], frozenset[RobotId]]
+    name_of: Callable[[PrincipalId], str]
+    shown: Callable[[RobotId], str]
+    face: Face
+    tell: Callable[[Messenger, Chat, str], object]
+    catalogue: Callable[[PrincipalId], Catalogue | None]
+    issue: Callable[[Button, PrincipalId, str], Button]
+
+
+class DashboardRendering:
+    """Makes the newest look at robots into a message."""
+
+    def __init__(self, glimpses: RobotSnapshots, sides: DashboardQueries, clock: Clock) -> None:
+        self._glimpses = glimpses
+        self._sides = sides
+        self._clock = clock
+        self.picturing = CameraPreviews(sides.issue, clock.monotonic_ns)
+
+    def shows(self, robots: Sequence[RobotId]) -> dict[RobotId, int]:
+        """Return which look at which robots a card would show now."""
+        return {robot: self._glimpses.number(robot) for robot in robots[:ROBOTS_AT_MOST]}
+
+    def text(
+        self, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...],
+        most: int = ROBOTS_AT_MOST,
+    ) -> str:  # fmt: skip
+        """Return how these robots are, at most so many of them."""
+        lines: list[str] = []
+        if chat.kind is ChatKind.CHANNEL:
+            lines.append(words.for_reading())
+        elif chat.kind is ChatKind.GROUP:
+            lines.append(words.as_they_see(self._sides.name_of(owner)))
+        named = chat.kind is not ChatKind.CHANNEL
+        lines += [self._glimpses.text(robot, named=named) for robot in robots[:most]]
+        if len(robots) > most:
+            lines.append(words.and_more(len(robots) - most))
+        return joined("\n", lines)
+
+    def now(self, chat: Chat, owner: PrincipalId, robots: tuple[RobotId, ...]) -> str:
+        """Return how these robots are at this moment, for a message that stays as it is."""
+        stamp = words.as_of(self._sides.face(self._clock.wall_ns()))
+        return joined("\n", (self.text(chat, owner, robots), stamp))
+
+    def outbound(self, card: Dashboard, robots: tuple[RobotId, ...], weight: Weight) -> Outbound:
+        """Return the message, stamped with the time at which it is so.
+
+        Beneath a picture there is less room: then it is of fewer robots.
+        """
+        for most in range(ROBOTS_AT_MOST, 1, -1):
+            outbound = self._outbound(card, robots, weight, most)
+            if card.picture is None or _units(outbound.text) <= CAPTION_UNITS:
+                return outbound
+        return self._outbound(card, robots, weight, 1)
+
+    def _outbound(
+        self, card: Dashboard, robots: tuple[RobotId, ...], weight: Weight, most: int
+    ) -> Outbound:
+        now_ns, pace = self._clock.wall_ns(), pace_of(card.chat)
+        lag_s = ceil(card.lag_s) if card.lag_s >= LATE_S else 0
+        next_ns = now_ns + int((pace.promise_s + lag_s) * 1e9)
+        stamp = words.updated(self._sides.face(now_ns), self._sides.face(next_ns), lag_s)
+        lines = [self.text(card.chat, card.owner, robots, most)]
+        if (picture := card.picture) is not None:
+            left_ns = self.picturing.renewed_for_ns(card)
+            until = self._sides.face(now_ns + left_ns) if left_ns else ""
+            lines.append(words.pictured(self._sides.shown(picture.robot),
+                                        self._sides.face(picture.at_ns), until))  # fmt: skip
+        sights = self.picturing.row(card, robots)
+        stop = (_stop_button(robots if card.robots else ()),)
+        outbound = Outbound(
+            chat=card.chat,
+            text=joined("\n", (*lines, stamp)),
+            buttons=_rows(card.chat, sights, stop),
+            weight=weight,
+            attachment=None if picture is None else picture.content,
+        )
+        return translated(outbound, self._sides.catalogue(card.owner))
+
+    def last(self, card: Dashboard) -> Outbound:
+        """Return the message of a card that is over."""
+        outbound = Outbound(chat=card.chat, text=card.last)
+        return translated(outbound, self._sides.catalogue(card.owner))
+
+
+@lru_cache(maxsize=32)
+def in_order(robots: frozenset[RobotId]) -> tuple[RobotId, ...]:
+    """Return robots sorted; those that somebody sees are the same set at each look."""
+    return tuple(sorted(robots))
+
+
+def pace_of(chat: Chat) -> RefreshPace:
+    """Return how often a card in this chat may change."""
+    return PRIVATE if chat.kind is ChatKind.PRIVATE else GROUP
+
+
+def _rows(
+    chat: Chat, sights: tuple[Button, ...], stop: tuple[Button, ...]
+) -> tuple[tuple[Button, ...], ...]:
+    """Return the rows under a card; what is for reading has none."""
+    if chat.kind is ChatKind.CHANNEL:
+        return ()
+    return (sights, stop) if sights else (stop,)
+
+
+def _units(text: str) -> int:
+    return len(text.encode("utf-16-le", "replace")) // 2
+
+
+def _stop_button(named: tuple[RobotId, ...]) -> Button:
+    """Return what stops all that is shown: it is never bound to anybody, nor used up."""
+    command = " ".join(("stop", *named))
+    if len(command.encode()) > BUTTON_BYTES:
+        command = "stop"
+    return Button("STOP", command, command)

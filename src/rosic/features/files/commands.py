@@ -1,0 +1,113 @@
+"""``/files``: what I keep of my own; getting it back, deleting it."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from rosic.container import file_messages as words
+from rosic.container.messages import age
+from rosic.core.message import Button
+from rosic.errors import NotUnderstood, OutOfBounds
+from rosic.features.files.background import send_file
+from rosic.features.files.content import attachment_of
+from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.button_rows import rows
+from rosic.gateway.office import check_private
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from rosic.container.files import StoredFile
+    from rosic.core.message import Inbound
+    from rosic.features.files.background import BackgroundTransfer
+    from rosic.features.files.transfer import FileTransfer
+    from rosic.features.files.upload import Plain
+    from rosic.features.personal_data.context import ContainerContext
+    from rosic.gateway.office import CommandContext
+
+Part: TypeAlias = "Callable[[CommandContext, str], Awaitable[Reply]]"
+
+MOST_BUTTONS: Final = 8
+
+
+class FileCommands:
+    """The clerk of everybody's own files; in private alone.
+
+    Attributes:
+        further: Who does what else may be said after ``/files``, by its first word.
+    """
+
+    def __init__(self, holdings: ContainerContext) -> None:
+        self._holdings = holdings
+        self._aside: BackgroundTransfer | None = None
+        self._plain: Plain = _as_it_is
+        self.further: dict[str, Part] = {
+            "get": self._get, "holen": self._get,
+            "delete": self._delete, "löschen": self._delete,
+        }  # fmt: skip
+
+    def take_time(self, aside: BackgroundTransfer, plain: Plain) -> None:
+        """Let large files go beside the chat."""
+        self._aside, self._plain = aside, plain
+
+    def hand_over(self, handing: FileTransfer) -> None:
+        """Let files go to robots, and come from them."""
+        self.further |= {"send": handing.send, "put": handing.put, "from": handing.fetch}
+        self.further |= {"senden": handing.send, "von": handing.fetch}
+
+    async def files(self, asked: CommandContext) -> Reply:
+        """List, hand over, delete.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        check_private(asked)
+        verb, _, rest = asked.rest.strip().partition(" ")
+        if not verb:
+            return self._list(asked)
+        part = self.further.get(verb.casefold())
+        if part is None or not rest.strip():
+            raise NotUnderstood(words.HOW, offers=("/files",))
+        return await part(asked, rest.strip())
+
+    def _list(self, asked: CommandContext) -> Reply:
+        files, owner = self._holdings.files, asked.caller.principal
+        found = files.of(owner)
+        limits = words.limits(asked.messenger.fetch_bytes, asked.messenger.file_bytes)
+        if not found:
+            return Reply(words.none_kept(limits))
+        buttons = [Button(one.name, f"/files get {one.name}") for one in found[:MOST_BUTTONS]]
+        used, most = files.used(owner)[1], files.room.person_bytes
+        text = words.listing(map(self._line, found), used, most, limits)
+        return Reply(text, rows(buttons))
+
+    def _line(self, one: StoredFile) -> str:
+        ago = age((self._holdings.clock.wall_ns() - one.at_ns) / 1e9)
+        return words.line(one.name, one.sort, one.size, ago, one.digest)
+
+    async def _get(self, asked: CommandContext, name: str) -> Reply:
+        filed = self._holdings.files.find(asked.caller.principal, name)
+        most = asked.messenger.file_bytes
+        if filed.size > most:
+            raise OutOfBounds(words.too_large_to_send(filed.name, filed.size, most))
+        attachment = await attachment_of(self._holdings.vault, filed)
+        text = words.handed(filed.name, filed.size, filed.digest)
+        if attachment.pieces is None or self._aside is None:
+            return Reply(text, attachment=attachment)
+        return self._aside.begin(
+            asked,
+            partial(send_file, asked, self._plain, attachment, text),
+            partial(words.sending, filed.name, filed.size),
+        )
+
+    async def _delete(self, asked: CommandContext, name: str) -> Reply:
+        holdings = self._holdings
+        async with holdings.changes.turn() as turn:
+            filed = holdings.files.find(asked.caller.principal, name)
+            await turn.write(holdings.files.drop(filed.id))
+        return Reply(words.deleted(filed.name))
+
+
+def _as_it_is(_inbound: Inbound, text: str) -> str:
+    return text

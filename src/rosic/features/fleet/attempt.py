@@ -1,0 +1,281 @@
+"""One attempt at a step of a task: an order like any other, as the task's author.
+
+The rights are those of that moment. Nobody is asked to confirm anything, and nobody is made to
+give a robot up: what would want that is refused, and said.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.container.records import ReplyTo
+from rosic.core.deadman import INTERRUPTED, STOOD_STILL
+from rosic.core.fleet.events import End
+from rosic.core.i18n import in_language, joined
+from rosic.core.identity import command_id
+from rosic.core.order import Ending, Outcome, Request
+from rosic.core.order_status import ENGLISH, OrderStatus, wording_in
+from rosic.errors import (
+    FirstNeeded,
+    NotPermitted,
+    NotUnderstood,
+    OrderVoid,
+    OutOfBounds,
+    Refusal,
+    Repeated,
+    RobotStopped,
+    Unrecognised,
+)
+from rosic.features.alerts.actions import RuleRequester
+from rosic.features.fleet import messages as words
+from rosic.features.fleet.reading import step_for
+from rosic.gateway.limit_clamping import LimitClamping
+from rosic.gateway.order_status import OrderMessage, stop_button
+from rosic.gateway.requesting import RequestFactory
+from rosic.organiser.grounds import NOTHING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.fleet.events import Begin
+    from rosic.core.fleet.task import Task
+    from rosic.core.identity import Caller, CommandId, PrincipalId
+    from rosic.core.language import Do
+    from rosic.core.message import Chat
+    from rosic.core.order import Order, Permit
+    from rosic.core.order_status import Face, StatusTexts
+    from rosic.features.alerts.actions import AlertActionServices
+    from rosic.features.fleet.dispatch_state import TaskText
+    from rosic.gateway.components import Components
+
+NEVER = (NotPermitted, OutOfBounds, NotUnderstood, FirstNeeded)
+"""What a robot will refuse the next time as well."""
+
+
+class AwaitedLife(OrderStatus):
+    """A life whose end somebody waits for: told once it is on disk, with what the robot did."""
+
+    __slots__ = ("_outcome", "over")
+
+    def __init__(
+        self, where: str, title: str, face: Face, at_ns: int, words: StatusTexts = ENGLISH
+    ) -> None:
+        super().__init__(where, title, face, at_ns, words)
+        self.over: Callable[[Outcome], None] = _unheard
+        self._outcome: Outcome | None = None
+
+    def wording(self, outcome: Outcome, at_ns: int) -> str:
+        """Return how an outcome reads, and remember it."""
+        self._outcome = outcome
+        return super().wording(outcome, at_ns)
+
+    def end(self, words: str) -> None:
+        """The life is over, and that is on disk."""
+        super().end(words)
+        if self._outcome is not None:
+            self.over(self._outcome)
+
+
+class TaskAttempt(NamedTuple):
+    """One attempt that was begun.
+
+    Attributes:
+        skill: Of the step.
+        began_ns: Monotonic clock.
+        took: It has the robot because of this, and not because its author had it before.
+    """
+
+    number: int
+    skill: str
+    began_ns: int
+    took: bool
+
+
+class TaskRequester(NamedTuple):
+    """Who waits for an attempt.
+
+    Attributes:
+        over: Called once the order has ended and that is on disk.
+        wanted: Whether the attempt still counts.
+    """
+
+    over: Callable[[Order, Outcome], None]
+    wanted: Callable[[], bool]
+
+
+class TaskAttempts:
+    """Gives the orders of tasks."""
+
+    def __init__(self, rooms: Components, hands: AlertActionServices, clock: Clock) -> None:
+        self._rooms = rooms
+        self._hands = hands
+        self._clock = clock
+        self._lowering = LimitClamping(rooms, RequestFactory(rooms, clock), clock)
+
+    def check_author(self, author: PrincipalId) -> Caller:
+        """Return whoever a task acts for.
+
+        Raises:
+            Refusal: They have no access any more, or are locked.
+        """
+        caller = self._rooms.authoriser.stand_for(author)
+        self._rooms.organiser.check_unlocked(caller)
+        return caller
+
+    async def attempt(
+        self, task: Task, doing: Begin, said: TaskText, asker: TaskRequester
+    ) -> TaskAttempt | None:
+        """Ask a robot for one step. On return its order is on disk and under way.
+
+        Args:
+            task: Which; its author asks.
+            doing: Which step, of whom.
+            said: What was said for the task.
+            asker: Who waits for it.
+
+        Returns:
+            None if it was not wanted any more once it was on disk: no robot has heard of it.
+
+        Raises:
+            Refusal: Why not. No robot has moved because of it.
+        """
+        rooms = self._rooms
+        caller = self.check_author(task.author)
+        # What nobody said stays within their limits, as in an order of their own.
+        step = step_for(rooms, doing.robot, said.lines[doing.step])
+        line, note = self._lowering.of(caller, step)
+        request = self._request(doing, line, said, attempt_id(task, doing.attempt))
+        complete = rooms.container.complete
+        permits = rooms.organiser.admit(
+            caller, [request], lambda one: complete(one).arguments, lambda: NOTHING
+        )
+        try:
+            messenger, chat = self._where(task, said)
+            shown = rooms.profiles[doing.robot].shown
+            title = str(words.order_title(f"{shown}: {request.text}", task))
+            origin = ReplyTo(messenger.name, chat, "", title)
+            [order] = await rooms.container.prepare(permits, [request], origin)
+        except BaseException:
+            rooms.organiser.abandon(permits)
+            raise
+        card = self._card(caller, (messenger, chat), request)
+        asked = joined(", ", filter(None, (order.words, note)))
+        if not self._begin(order, asked, caller, card, task, asker):
+            return None
+        return TaskAttempt(
+            doing.attempt, line.skills[0].id, self._clock.monotonic_ns(), _took(permits)
+        )
+
+    def _request(self, doing: Begin, line: Do, said: TaskText, cid: CommandId) -> Request:
+        [skill] = line.skills
+        now_ns, wall_ns = self._clock.monotonic_ns(), self._clock.wall_ns()
+        lives_ns = skill.order_lifetime_ns
+        return Request(
+            cid, doing.robot, skill, line.spoken, said.lines[doing.step], wall_ns, 0,
+            now_ns + lives_ns, wall_ns + lives_ns,
+        )  # fmt: skip
+
+    def _where(self, task: Task, said: TaskText) -> tuple[Messenger, Chat]:
+        """Return where the order is shown: where the task was given, or else in private."""
+        places = self._hands.reach.chats(task.author)
+        for messenger in self._hands.reach.messengers:
+            if messenger.name == said.messenger:
+                return messenger, said.chat
+        if not places:
+            raise NotPermitted(words.no_chat(self._rooms.organiser.name_of(task.author)))
+        return places[0]
+
+    def _card(
+        self, caller: Caller, where: tuple[Messenger, Chat], request: Request
+    ) -> OrderMessage:
+        hands, robot = self._hands, request.robot
+        catalogue = hands.teller.languages.of(caller.principal)
+        wording = ENGLISH if catalogue is None else wording_in(catalogue)
+        card = OrderMessage(*where, "", caller.principal, hands.face, wording)
+        card.about = robot
+        card.buttons = stop_button(robot)
+        card.after = hands.ends[robot, request.text, catalogue]
+        return card
+
+    def _begin(
+        self,
+        order: Order,
+        asked: str,
+        caller: Caller,
+        card: OrderMessage,
+        task: Task,
+        asker: TaskRequester,
+    ) -> bool:
+        """RELAYCOMMAND goes on in a life of its own, unless nobody wants it any more.
+
+        Between the look and the beginning nothing else happens: whoever takes the task from its
+        robot from here on finds the order there, and ends it.
+        """
+        hands, shown = self._hands, self._rooms.profiles[order.robot].shown
+        catalogue = card.words.catalogue
+        what = in_language(asked, catalogue)
+        title = in_language(words.order_title(f"{shown}: {what}", task), catalogue)
+        life = AwaitedLife(shown, title, hands.face, self._clock.wall_ns(), card.words)
+        card.show(order.cid, life)
+        wanted = asker.wanted()
+        if wanted:
+            life.over = partial(asker.over, order)
+            hands.lives.begin(order, RuleRequester(caller), card, life)
+        else:
+            hands.lives.forgo(order, RuleRequester(caller), card, life, OrderVoid(words.NOT_WANTED))
+        hands.teller.show(card)
+        return wanted
+
+
+def attempt_id(task: Task, attempt: int) -> CommandId:
+    """Return the identity of an attempt's order: asked twice, it is the same order."""
+    return command_id("task", task.id, str(task.given_ns), str(attempt))
+
+
+def end_of(refusal: Refusal) -> End:
+    """Return what a refusal means for a task."""
+    if isinstance(refusal, Repeated):
+        return End.UNKNOWN  # it was claimed before, and nobody here saw its end
+    if isinstance(refusal, RobotStopped):
+        return End.STOPPED
+    return End.REFUSED if isinstance(refusal, NEVER) else End.BUSY
+
+
+def end_after(outcome: Outcome, *, stopped: bool) -> End:
+    """Return what the outcome of an order means for a task.
+
+    Args:
+        outcome: What the robot did.
+        stopped: Somebody has stopped the robot since it was admitted, resumed or not.
+    """
+    ending = outcome.ending
+    if stopped and ending not in {Ending.DONE, Ending.SENT}:
+        return End.STOPPED
+    if outcome.code == STOOD_STILL:
+        return End.INTERRUPTED
+    if ending is Ending.CANCELLED:
+        # Nobody took it who has seen it at rest: it was ended by its own side.
+        return End.FAILED if outcome.code == INTERRUPTED else End.TAKEN
+    if ending is Ending.REFUSED:
+        never = {refusal.code for refusal in NEVER} | {Unrecognised.code}
+        return End.REFUSED if outcome.code in never else End.BUSY
+    return _ENDS[ending]
+
+
+_ENDS = {
+    Ending.DONE: End.DONE,
+    Ending.FAILED: End.FAILED,
+    Ending.SENT: End.SENT,
+    Ending.UNKNOWN: End.UNKNOWN,
+}
+
+
+def _took(permits: tuple[Permit, ...]) -> bool:
+    return any(permit.new_fence for permit in permits)
+
+
+def _unheard(_outcome: Outcome) -> None:
+    return None

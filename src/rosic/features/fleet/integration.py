@@ -1,0 +1,105 @@
+"""Tells whoever gave a task what becomes of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.fleet.task import HELD, TaskReason, TaskState
+from rosic.core.i18n import joined
+from rosic.core.messages import label
+from rosic.features.fleet import late_messages as late
+from rosic.features.fleet import messages as words
+from rosic.features.fleet.task_parser import given_again
+from rosic.organiser.calendar_messages import length
+
+if TYPE_CHECKING:
+    from rosic.core.fleet.task import Task
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.fleet.dispatcher import TaskDispatcher
+    from rosic.gateway.components import Components
+    from rosic.gateway.delivery.notifier import Notifier
+    from rosic.gateway.end_buttons import EndButtons, Row
+
+
+class TaskNotifications:
+    """Says it in private, over a crash too; an order itself is shown where the task was given."""
+
+    def __init__(
+        self, rooms: Components, reach: Notifier, dispatching: TaskDispatcher, ends: EndButtons
+    ) -> None:
+        self._rooms = rooms
+        self._ends = ends
+        self._reach = reach
+        self._dispatching = dispatching
+
+    def tell(self, before: Task, after: Task) -> None:
+        """Say what has changed, if whoever gave the task would want to know."""
+        text = self._text(before, after)
+        if text:
+            rows = (*words.choices(after), *self._row(before, after))
+            self._reach.tell((after.author,), text, rows)
+
+    def _row(self, before: Task, after: Task) -> Row:
+        """Return what stands beneath the end of a task, whichever way it ended."""
+        if after.due != before.due or not (after.over or after.state is TaskState.FAILED):
+            return ()
+        said = self._dispatching.letters.get(after.id)
+        anew = after.over and said is not None and not after.mission
+        again = given_again(after, said.lines) if anew and said is not None else ""
+        reads = self._reach.read_by(after.author)
+        whom = before.robot or after.robot or after.wanted
+        return self._ends.of_task(whom, again, reads)
+
+    def what(self, task: Task, who: PrincipalId) -> str:
+        """Return what a task is about: in its author's words for them alone (I11)."""
+        if who == task.author:
+            said = self._dispatching.letters.get(task.id)
+            return words.ERASED if said is None else said.shown
+        profile = self._rooms.profiles.get(task.among[0])
+        skills = {} if profile is None else profile.skills
+        return joined("; ", (label(skills[s]) if s in skills else s for s in task.skills))
+
+    def shown(self, robot: RobotId) -> str:
+        """Return how people read a robot; one that is gone, by its id."""
+        profile = self._rooms.profiles.get(robot)
+        return robot if profile is None else profile.shown
+
+    def _text(self, before: Task, after: Task) -> str:
+        what, shown = (
+            self.what(after, after.author),
+            self.shown(before.robot) if before.robot else "",
+        )
+        if after.due != before.due:
+            return self._late(after, what, whole=after.due.said_all != before.due.said_all)
+        if after.state in HELD:
+            return self._of_held(before, after, what)
+        if after.state is TaskState.QUEUED:
+            if after.moves > before.moves and after.why is not TaskReason.RESTARTED:
+                rested = self._dispatching.rested.get(after.id, True)
+                return words.waits(after, what, rested=rested, shown=shown)
+            return ""
+        if after.state is TaskState.DONE:
+            return words.over(after, what, shown)
+        return words.stands(after, what, shown, self._dispatching.why.get(after.id, ""))
+
+    def _late(self, task: Task, what: str, *, whole: bool) -> str:
+        """Return that a task, or all of its mission, is not done by when it was to be."""
+        if not whole:
+            return late.task(task.id, what, length(task.due.lasts_ns // 10**9), task.due.cancels)
+        tasks = self._dispatching.fleet.mission(task.mission)
+        done = sum(one.state is TaskState.DONE for one in tasks)
+        at = self._rooms.organiser.moment("", task.due.at_ns)
+        return late.mission(task.mission, at, (done, len(tasks)), task.due.cancels_all)
+
+    def _of_held(self, before: Task, after: Task, what: str) -> str:
+        shown = self.shown(after.robot)
+        if after.leaving:
+            asked = after.why in {TaskReason.PAUSED, TaskReason.CANCELLED}
+            return "" if asked or before.leaving else words.leaves(after, what, shown)
+        begins = before.state is TaskState.ASSIGNED and after.state is TaskState.RUNNING
+        return words.goes_on(after, what, shown) if begins and self._moved(after) else ""
+
+    def _moved(self, task: Task) -> bool:
+        """Whether it is new with this robot, after another."""
+        return task.moves > 0 and task.asked == task.done and bool(task.tried or task.moves)

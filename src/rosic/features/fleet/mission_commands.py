@@ -1,0 +1,429 @@
+"""``/mission`` and ``/missions``: what several robots do, begun, paused and cancelled as one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from msgspec.structs import replace
+
+from rosic.core.alerts.condition import seconds
+from rosic.core.fleet import events as e
+from rosic.core.fleet.mission import Late, Mission, lay_out
+from rosic.core.fleet.task import (
+    OVER,
+    RESTING,
+    Due,
+    Task,
+    TaskNeed,
+    TaskReason,
+    TaskState,
+    idle_first,
+)
+from rosic.core.fleet.template import bounds, read_values, texts_of
+from rosic.core.i18n import joined
+from rosic.core.language.ast import Misunderstood
+from rosic.core.language.option_words import mission_verb
+from rosic.core.language.suggestions import did_you_mean
+from rosic.core.language.time_parser import read_when
+from rosic.core.local_time import MINUTE_NS
+from rosic.core.policy.scope import FLEET
+from rosic.core.records import Decided, Fact
+from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds, Refusal, TooManyRequests
+from rosic.features.fleet import mission_messages as words
+from rosic.features.fleet.dispatch_state import TaskText
+from rosic.features.fleet.mission_schedule import KIND as TIMES
+from rosic.features.fleet.mission_schedule import PLANS_AT_MOST, MissionChat, MissionPlan
+from rosic.features.fleet.reading import able
+from rosic.features.fleet.task_commands import ANY, ASSIGN, check_room
+from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.requests import check_errand_fresh
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable, Iterable, Mapping
+    from typing import TypeAlias
+
+    from rosic.core.fleet.mission import Leaf
+    from rosic.core.fleet.template import TemplateValues
+    from rosic.core.identity import CommandId, PrincipalId
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.fleet.dispatcher import Given
+    from rosic.features.fleet.mission_schedule import MissionSchedule
+    from rosic.features.fleet.task_commands import TaskCommands
+    from rosic.gateway.components import Components
+    from rosic.gateway.office import CommandContext, CommandRegistry
+    from rosic.gateway.transactions import Transactions
+    from rosic.organiser.timezones import Zone
+
+    Starter: TypeAlias = Callable[[MissionPlan, MissionChat, CommandId], Awaitable[str]]
+
+NUMBERED: Final = "-"
+"""Between the name of a mission and the number of its first task: it may run more than once."""
+ACTS: Final[dict[str, TaskReason | None]] = {
+    "pause": TaskReason.PAUSED,
+    "cancel": TaskReason.CANCELLED,
+    "go": None,
+    "resume": None,
+}
+
+
+class MeantMission(NamedTuple):
+    """What is to be begun.
+
+    Attributes:
+        given: What was said for what it leaves open.
+        where: Where its orders are shown.
+    """
+
+    mission: Mission
+    given: Mapping[str, float]
+    where: MissionChat
+
+
+class MissionCommands:
+    """The clerk of missions."""
+
+    def __init__(
+        self,
+        rooms: Components,
+        changes: Transactions,
+        tasks: TaskCommands,
+        missions: Iterable[Mission],
+        timetable: MissionSchedule,
+        zone: Zone,
+    ) -> None:
+        self._rooms = rooms
+        self._dispatching = tasks.dispatching
+        self._changes = changes
+        self._timetable = timetable
+        self._zone = zone
+        self._tasks = tasks
+        self._missions = {mission.name: mission for mission in missions}
+
+    def employ(self, office: CommandRegistry) -> None:
+        """Take these errands."""
+        office.employ("mission", self.mission)
+        office.employ("missions", self.missions)
+
+    async def missions(self, asked: CommandContext) -> Reply:
+        """List what there is, and what runs."""
+        runs = [self._run_line(run) for run in self._open_runs(asked.caller.principal)]
+        runs += self._times()
+        known = [words.known(mission.name, mission.title) for mission in self._missions.values()]
+        if not known and not runs:
+            return Reply(words.NONE)
+        return Reply(joined("\n", [*runs, *known]), words.start_buttons(self._missions))
+
+    async def mission(self, asked: CommandContext) -> Reply:
+        """Start a mission, or do something with one that runs.
+
+        Raises:
+            NotUnderstood: No such mission, or nothing to do.
+            NotPermitted: Somebody else's.
+            Expired: Robots would move because of it, and it was not sent just now.
+        """
+        verb, _, said = asked.rest.strip().partition(" ")
+        verb, said = verb.casefold(), said.strip()
+        verb = verb if verb in self._missions else mission_verb(verb)
+        name = said.casefold()
+        if not verb:
+            return await self.missions(asked)
+        starts = verb == "start" or (verb in self._missions and verb not in ACTS and verb != "off")
+        if name and (starts or ACTS.get(verb, TaskReason.NONE) is None):
+            check_errand_fresh(asked.inbound, f"/mission {asked.rest}")
+        if starts and name:
+            return await self._start(asked, said if verb == "start" else f"{verb} {said}")
+        if verb == "off" and name:
+            return await self._off(asked, name)
+        if verb in ACTS and name:
+            return await self._act(asked, verb, self._running(asked, name))
+        if not name and (verb in self._missions or self._runs_of(verb)):
+            return self._show(asked, verb)
+        raise NotUnderstood(words.HOW_TO)
+
+    async def _act(self, asked: CommandContext, verb: str, run: str) -> Reply:
+        """Do something with every task of a mission; those for which it makes no sense stay."""
+        tasks = self._dispatching.fleet.mission(run)
+        for task in tasks:
+            self._tasks.check_theirs(asked, task)
+        await self._dispatching.first_time(asked.cid)
+        changed = 0
+        for task in idle_first(tasks):
+            if ACTS[verb] is not None:
+                changed += await self._feed(
+                    asked, e.TaskHeld(task.id, ACTS[verb] or TaskReason.NONE)
+                )
+            elif task.state is not TaskState.UNKNOWN:  # whether it was done is asked task by task
+                changed += await self._feed(asked, e.Released(task.id))
+        return Reply(
+            joined("\n", [words.changed(changed), *self._tasks_of(run, asked.caller.principal)])
+        )
+
+    async def _feed(self, asked: CommandContext, event: e.TaskHeld | e.Released) -> bool:
+        decided = Decided(
+            act="mission",
+            by=asked.caller.principal,
+            about=event.task,
+            at_ns=self._rooms.organiser.wall_ns(),
+            digest=asked.cid,
+        )
+        return await self._dispatching.feed(event, decided)
+
+    # ---- which ----
+
+    def _named(self, name: str) -> Mission:
+        mission = self._missions.get(name)
+        if mission is None:
+            close = did_you_mean(name, sorted(self._missions))
+            offers = tuple(f"/mission start {other}" for other in close)
+            raise NotUnderstood(words.no_mission(name), offers=offers)
+        return mission
+
+    def _runs_of(self, name: str) -> list[str]:
+        """Return the runs that a name means, the newest last: ``restock`` or ``restock-7``."""
+        runs = self._dispatching.fleet.missions
+        return [run for run in runs if run == name or run.rpartition(NUMBERED)[0] == name]
+
+    def _running(self, asked: CommandContext, name: str) -> str:
+        sees = self._open_runs(asked.caller.principal)
+        found = [run for run in self._runs_of(name) if run in sees]
+        if not found:
+            raise NotUnderstood(words.not_running(name))
+        if len(found) > 1:
+            verb = asked.rest.split()[0]
+            raise NotUnderstood(
+                words.which(name), offers=tuple(f"/mission {verb} {r}" for r in found)
+            )
+        return found[0]
+
+    def _open_runs(self, who: PrincipalId) -> list[str]:
+        fleet, visible = self._dispatching.fleet, self._rooms.organiser.visible(who)
+        return [
+            run
+            for run in fleet.missions
+            if not all(task.over for task in fleet.mission(run))
+            and any(t.author == who or not visible.isdisjoint(t.among) for t in fleet.mission(run))
+        ]
+
+    # ---- showing ----
+
+    def _show(self, asked: CommandContext, name: str) -> Reply:
+        who = asked.caller.principal
+        runs = [run for run in self._open_runs(who) if run in self._runs_of(name)]
+        lines = [line for run in runs for line in (self._run_line(run), *self._tasks_of(run, who))]
+        mission = self._missions.get(name)
+        if mission is not None:
+            lines.append(words.known(mission.name, mission.title))
+            lines += [bounds(*quantity) for quantity in mission.parameters.items()]
+            lines += [
+                words.leaf(number, leaf.part.on, leaf.steps, leaf.after)
+                for number, leaf in enumerate(self._laid_out(mission), 1)
+            ]
+        buttons = words.run_buttons(runs[-1]) if runs else words.start_buttons((name,))
+        return Reply(joined("\n", lines or [words.not_running(name)]), buttons)
+
+    def _run_line(self, run: str) -> str:
+        tasks = self._dispatching.fleet.mission(run)
+        done = sum(task.state is TaskState.DONE for task in tasks)
+        return words.run(run, done, len(tasks), sum(task.state in RESTING for task in tasks))
+
+    def _tasks_of(self, run: str, who: PrincipalId) -> list[str]:
+        tasks = self._dispatching.fleet.mission(run)
+        return [self._tasks.line(task, who) for task in tasks if task.state not in OVER]
+
+    # ---- starting ----
+
+    async def _start(self, asked: CommandContext, said: str) -> Reply:
+        """Begin a mission now, or say when it is to begin: ``restock every mon 8:00``.
+
+        What it leaves open is said before that: ``restock distance=2 m every mon 8:00``.
+        """
+        name, _, rest = said.partition(" ")
+        mission = self._named(name.casefold())
+        values = read_values(rest, mission.parameters, self._rooms.vocabulary.units)
+        texts_of(mission.parameters, values.given)  # that nothing is missing
+        where = MissionChat(asked.messenger.name, asked.inbound.chat)
+        if values.rest:
+            return await self._plan(asked, mission, values, where)
+        meant = MeantMission(mission, values.given, where)
+        run, count = await self._begin(asked.caller.principal, meant, asked.cid)
+        return Reply(words.started(mission.shown, run, count), words.run_buttons(run))
+
+    async def at_its_time(self, plan: MissionPlan, where: MissionChat, cid: CommandId) -> str:
+        """Begin a mission because its time has come. Return what to tell.
+
+        Raises:
+            Refusal: Whoever planned it may not any more, or nobody can carry it out.
+        """
+        organiser = self._rooms.organiser
+        organiser.check_unlocked(self._rooms.authoriser.stand_for(plan.author))
+        mission = self._named(plan.mission)
+        run, count = await self._begin(plan.author, MeantMission(mission, plan.values, where), cid)
+        return words.started(mission.shown, run, count)
+
+    async def _begin(
+        self, who: PrincipalId, meant: MeantMission, cid: CommandId
+    ) -> tuple[str, int]:
+        """Give all tasks of a mission at once; each waits for those before it."""
+        given = await self._dispatching.give(cid, lambda: self._made(who, meant, cid))
+        return given[0][0].mission, len(given)
+
+    def _laid_out(self, mission: Mission, given: Mapping[str, float] | None = None) -> list[Leaf]:
+        return lay_out(mission, self._missions, self._rooms.vocabulary.units, given)
+
+    def _made(self, who: PrincipalId, meant: MeantMission, cid: CommandId) -> Given:
+        """Return the tasks of a mission.
+
+        Raises:
+            TooManyRequests, NotUnderstood: None of it is begun.
+        """
+        fleet, mission, where = self._dispatching.fleet, meant.mission, meant.where
+        leaves = self._laid_out(mission, meant.given)
+        check_room(fleet, who, len(leaves))
+        first = int(fleet.next_id())
+        run = f"{mission.name}{NUMBERED}{first}"
+        given = [
+            (
+                replace(self._task(who, leaf, run, first, number), due=self._due(mission, leaf)),
+                TaskText(leaf.steps, where.messenger, where.chat),
+            )
+            for number, leaf in enumerate(leaves)
+        ]
+        decided = Decided(
+            act="mission", by=who, about=run, at_ns=self._rooms.organiser.wall_ns(), digest=cid
+        )
+        return given, decided
+
+    def _task(self, who: PrincipalId, leaf: Leaf, run: str, first: int, number: int) -> Task:
+        """Return one task.
+
+        Raises:
+            NotUnderstood: Nobody can carry it out; none of the mission is begun.
+        """
+        part = leaf.part
+        fleet, robots = self._tasks.dispatching.fleet, self._robots(part.on, who)
+        found = able(self._rooms, fleet, who, robots, leaf.steps)
+        if not found.robots:
+            why = found.lacking.why.sentence if found.lacking is not None else ""
+            raise NotUnderstood(words.nobody_can(number + 1, part.on, why))
+        units = self._rooms.vocabulary.units
+        return Task(
+            id=str(first + number),
+            author=who,
+            among=found.robots,
+            wanted="" if part.on in ANY else part.on,
+            steps=len(leaf.steps),
+            skills=found.skills,
+            priority=part.priority,
+            given_ns=self._rooms.organiser.wall_ns(),
+            expected_ns=int(seconds(part.within, units) * 1e9) if part.within else 0,
+            once=part.once,
+            need=TaskNeed(part.battery, part.localised),
+            place=found.place,
+            mission=run,
+            after=tuple(str(first + other) for other in leaf.after),
+        )
+
+    def _due(self, mission: Mission, leaf: Leaf) -> Due:
+        """Return by when one task of a mission is to be done that begins now."""
+        units, part = self._rooms.vocabulary.units, leaf.part
+        at_ns = 0
+        if mission.deadline:
+            at_ns = self._rooms.organiser.wall_ns() + int(seconds(mission.deadline, units) * 1e9)
+        return Due(
+            lasts_ns=int(seconds(part.deadline, units) * 1e9) if part.deadline else 0,
+            at_ns=at_ns,
+            cancels=part.late is Late.CANCEL,
+            cancels_all=mission.late is Late.CANCEL,
+        )
+
+    # ---- at its time ----
+
+    async def _plan(
+        self, asked: CommandContext, mission: Mission, values: TemplateValues, where: MissionChat
+    ) -> Reply:
+        """Write down when a mission begins by itself.
+
+        Raises:
+            NotUnderstood, OutOfBounds: That says no time, or one that is over.
+            TooManyRequests: There are too many.
+        """
+        timetable, now_ns = self._timetable, self._rooms.organiser.wall_ns()
+        when = read_when(f"{values.rest.casefold()} 1 min", now_ns, self._zone.local)
+        if isinstance(when, Misunderstood):
+            raise NotUnderstood(when.sentence)
+        who, first = asked.caller.principal, when.start
+        if when.start_ns is not None and when.start_ns <= now_ns:  # in 20 s: with the next minute
+            first = self._zone.local(when.start_ns + MINUTE_NS)
+        plan = MissionPlan(mission.name, who, first, when.rrule, now_ns, values.given)
+        at_ns = timetable.next_ns(plan)
+        if at_ns is None:
+            raise OutOfBounds(words.NEVER)
+        decided = Decided(
+            act="mission-time", by=who, about=mission.name, at_ns=now_ns, digest=asked.cid
+        )
+        async with self._changes.turn() as turn:
+            if len(timetable.plans) >= PLANS_AT_MOST:
+                raise TooManyRequests(words.too_many_times(PLANS_AT_MOST), retry_after_s=60.0)
+            key = timetable.next_key()
+            await turn.write((decided, timetable.fact(key, plan, where)))
+        timetable.look()
+        moment = self._rooms.organiser.moment("", at_ns)  # as it is kept
+        text = words.planned(key, mission.name, moment, again=bool(when.rrule))
+        meant = MeantMission(mission, values.given, where)
+        remark = self._hindrance(who, meant, asked.cid)
+        return Reply(joined("\n", filter(None, (text, remark))), words.off_button(key))
+
+    def _hindrance(self, who: PrincipalId, meant: MeantMission, cid: CommandId) -> str:
+        """Return what would keep a mission from beginning now; empty if nothing would.
+
+        It is planned all the same: until its time comes, a robot may be back, or a right given.
+        """
+        try:
+            self._made(who, meant, cid)
+        except Refusal as why:
+            return words.could_not_begin_now(why.sentence)
+        return ""
+
+    async def _off(self, asked: CommandContext, key: str) -> Reply:
+        """Take a time back.
+
+        Raises:
+            NotUnderstood: There is none with that number.
+            NotPermitted: Somebody else's.
+        """
+        organiser, who = self._rooms.organiser, asked.caller.principal
+        plan = self._timetable.plans.get(key)
+        if plan is None:
+            raise NotUnderstood(words.no_time(key))
+        if plan.author != who and not organiser.rights.holds(
+            who, FLEET, ASSIGN, organiser.wall_ns()
+        ):
+            raise NotPermitted(words.not_your_time(organiser.name_of(plan.author)))
+        decided = Decided(
+            act="mission-off",
+            by=who,
+            about=plan.mission,
+            at_ns=organiser.wall_ns(),
+            digest=asked.cid,
+        )
+        async with self._changes.turn() as turn:
+            await turn.write((decided, Fact(kind=TIMES, key=key, body=b"")))
+        return Reply(words.taken_back(plan.mission))
+
+    def _times(self) -> list[str]:
+        organiser = self._rooms.organiser
+        found: list[str] = []
+        for key, plan in self._timetable.plans.items():
+            at_ns = self._timetable.next_ns(plan)
+            if at_ns is not None:
+                moment = organiser.moment("", at_ns)
+                found.append(words.planned(key, plan.mission, moment, again=bool(plan.rrule)))
+        return found
+
+    def _robots(self, name: str, who: PrincipalId) -> tuple[RobotId, ...]:
+        visible, vocabulary = self._rooms.organiser.visible(who), self._rooms.vocabulary
+        if name in ANY:
+            return tuple(sorted(visible))
+        profile = vocabulary.robot(name)
+        meant = vocabulary.members(name) if profile is None else (profile.id,)
+        return tuple(robot for robot in meant if robot in visible)

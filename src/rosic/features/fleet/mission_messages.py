@@ -1,0 +1,151 @@
+"""What people read about missions."""
+
+from __future__ import annotations
+
+from itertools import islice
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.i18n import joined, said, said_n
+from rosic.core.language.sanitise import echo
+from rosic.core.message import Button
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+BETWEEN: Final = " · "
+NEVER: Final = said("That time is over. Nothing was done.")
+FAULT: Final = said("Something went wrong here. Please look.")
+HOW_TO: Final = said(
+    "Say which mission, and what: /mission start restock, pause, go, cancel; /missions lists them."
+)
+NONE: Final = said("There is no mission here. The operator can write some down.")
+
+
+def no_mission(name: str) -> str:
+    """Return that a name means no mission."""
+    return said("I know no mission called {name}.", name=echo(name))
+
+
+def not_running(name: str) -> str:
+    """Return that a mission does not run."""
+    return said("No mission called {name} is under way.", name=name)
+
+
+def which(name: str) -> str:
+    """Return that a mission runs more than once."""
+    return said("{name} is under way more than once. Say which.", name=name)
+
+
+def nobody_can(number: int, name: str, why: str) -> str:
+    """Return that a mission cannot be begun."""
+    return said(
+        "Nobody of {name} can do task {number} of it. Nothing was begun. {why}",
+        name=name, number=number, why=why,
+    )  # fmt: skip
+
+
+def started(shown: str, run: str, tasks: int) -> str:
+    """Return that a mission is begun."""
+    return joined(
+        BETWEEN,
+        [said("{mission} is begun as {run}", mission=shown, run=run),
+         said_n("one task", "{n} tasks", tasks)],
+    )  # fmt: skip
+
+
+def run(name: str, done: int, tasks: int, resting: int) -> str:
+    """Return how far a mission is."""
+    parts: list[str] = [
+        said("{mission}: {done} of {tasks} tasks done", mission=name, done=done, tasks=tasks)
+    ]
+    if resting:
+        parts.append(said_n("one needs a person", "{n} need a person", resting))
+    return joined(BETWEEN, parts)
+
+
+def known(name: str, title: str) -> str:
+    """Return one mission that may be started."""
+    return said("{name}: {title}", name=name, title=title) if title else name
+
+
+def leaf(number: int, on: str, steps: Sequence[str], after: Sequence[int]) -> str:
+    """Return one task of a mission as it is written down."""
+    line = joined("", (f"{number}. {on}: ", "; ".join(steps)))
+    if not after:
+        return line
+    return joined(
+        BETWEEN, [line, said("after {tasks}", tasks=", ".join(str(a + 1) for a in after))]
+    )
+
+
+def changed(count: int) -> str:
+    """Return how many tasks were changed."""
+    return said_n("One task changed.", "{n} tasks changed.", count)
+
+
+def start_buttons(names: Iterable[str]) -> tuple[tuple[Button, ...], ...]:
+    """Return what starts a mission, a button each."""
+    return tuple(
+        (Button(said("Start {mission}", mission=name), f"/mission start {name}"),)
+        for name in islice(names, 5)
+    )
+
+
+def run_buttons(name: str) -> tuple[tuple[Button, ...], ...]:
+    """Return what whoever looks after a mission can tap."""
+    return (
+        (
+            Button(said("Pause it"), f"/mission pause {name}"),
+            Button(said("Cancel it"), f"/mission cancel {name}"),
+        ),
+    )
+
+
+def planned(key: str, name: str, moment: str, *, again: bool) -> str:
+    """Return when a mission begins by itself."""
+    if again:
+        return said("{number}: {mission} begins by itself, next {time}", number=key, mission=name,
+                    time=moment)  # fmt: skip
+    return said("{number}: {mission} begins by itself, {time}", number=key, mission=name,
+                time=moment)  # fmt: skip
+
+
+def could_not_begin_now(why: str) -> str:
+    """Return what would keep it from beginning at this moment."""
+    return said("Now it could not begin: {why} At its time that is asked again.", why=why)
+
+
+def off_button(key: str) -> tuple[tuple[Button, ...], ...]:
+    """Return what takes a time back."""
+    return ((Button(said("Take that back"), f"/mission off {key}"),),)
+
+
+def too_many_times(most: int) -> str:
+    """Return that no more times are taken in."""
+    return said("There are {most} such times already. Take some back.", most=most)
+
+
+def no_time(key: str) -> str:
+    """Return that a number means no time."""
+    return said("No mission has a time {number}.", number=key)
+
+
+def not_your_time(name: str) -> str:
+    """Return that somebody else has planned it."""
+    return said("{name} has planned that, and can take it back, or whoever may assign tasks here.",
+                name=name)  # fmt: skip
+
+
+def taken_back(name: str) -> str:
+    """Return that a mission does not begin by itself any more."""
+    return said("{mission} does not begin by itself any more.", mission=name)
+
+
+def slept_through(name: str) -> str:
+    """Return that a time was missed."""
+    return said("{mission} should have begun while I did not run. It was left out.", mission=name)
+
+
+def not_begun(name: str, why: str) -> str:
+    """Return that a mission did not begin at its time."""
+    return said("{mission} was to begin now, and does not. {why}", mission=name, why=why)

@@ -1,0 +1,314 @@
+"""``/together`` and ``/broadcast``: one command to many robots, all of them or as many as can.
+
+Together: if one is not ready, none begins; all begin at one moment. Broadcast: each is asked for
+itself, and one message shows of each whether it has received it, and what it does.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rosic.container.records import ReplyTo
+from rosic.core.i18n import in_language, joined
+from rosic.core.identity import robot_command_id
+from rosic.core.language import Do
+from rosic.core.language.suggestions import AND, listed
+from rosic.core.messages import no_robot_or_group
+from rosic.core.order_status import ENGLISH, wording_in
+from rosic.core.policy.roles import StepRequired
+from rosic.core.synchronised_start import begin_together
+from rosic.errors import Expired, FirstNeeded, NotUnderstood, Refusal, RobotBusy
+from rosic.features.fleet import company_messages as words
+from rosic.features.fleet.alternatives import TaskAlternatives, refused
+from rosic.features.fleet.attempt import AwaitedLife
+from rosic.features.fleet.messages import wants_a_person
+from rosic.features.fleet.pact import AllOrNothingStart
+from rosic.features.fleet.readiness import why_not_ready
+from rosic.features.fleet.reading import step_for
+from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.message_context import MessageContext
+from rosic.gateway.order_status import OrderMessage, stop_button
+from rosic.gateway.replies import reply_id
+from rosic.gateway.requesting import RequestFactory
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.order import Order, Permit, Request
+    from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.skill import Argument
+    from rosic.features.alerts.actions import AlertActionServices
+    from rosic.features.fleet.dispatcher import TaskDispatcher
+    from rosic.gateway.components import Components
+    from rosic.gateway.office import CommandContext, CommandRegistry
+    from rosic.gateway.reception import PipelineHooks
+
+ROBOTS_AT_MOST: Final = 200
+JOINED: Final = "+"
+
+
+class MeantRobots(NamedTuple):
+    """Whom a command means, and what.
+
+    Attributes:
+        again: All of it as it would be typed; the line alone would be for the chosen robot.
+    """
+
+    name: str
+    robots: tuple[RobotId, ...]
+    line: str
+    again: str
+
+    def typed(self, lines: Sequence[str]) -> str:
+        """Return the whole command with another line."""
+        return " ".join(("/together", self.name, *lines))
+
+
+class MultiRobotCommands:
+    """The clerk of commands to many."""
+
+    def __init__(
+        self,
+        rooms: Components,
+        dispatching: TaskDispatcher,
+        hands: AlertActionServices,
+        clock: Clock,
+        reception: PipelineHooks,
+    ) -> None:
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._hands = hands
+        self._clock = clock
+        self._reception = reception
+        self._requesting = RequestFactory(rooms, clock)
+
+    def employ(self, office: CommandRegistry) -> None:
+        """Take these errands."""
+        office.employ("together", self.together)
+        office.employ("broadcast", self.broadcast)
+
+    # ---- all or none ----
+
+    async def together(self, asked: CommandContext) -> Reply:
+        """Let all robots of a group begin at one moment, or none.
+
+        Raises:
+            NotUnderstood: No such group, or nothing that all of them can do.
+            Refusal: Why one of them may not; none has moved.
+        """
+        meant = self._meant(asked, "together")
+        steps = [self._step(meant, robot) for robot in meant.robots]
+        states = {robot: self.why_not_ready(asked, robot) for robot in meant.robots}
+        if any(states.values()):
+            return self._none(meant, states)
+        said = self._said(asked)
+        requests = self._requests(said, asked, meant, steps)
+        permits = self._admitted(asked, said, requests)
+        orders = await self._prepare(asked, meant, permits, requests)
+        orders = begin_together(orders, self._clock.monotonic_ns())
+        pact = AllOrNothingStart(self._rooms, self._hands.lives, self._clock, orders)
+        self._begin(asked, said, meant, orders, pact)
+        return Reply("")
+
+    def _step(self, meant: MeantRobots, robot: RobotId) -> Do:
+        """Return what one of them is to do; whatever is offered instead is for all of them.
+
+        Raises:
+            Refusal: It cannot do that.
+        """
+        try:
+            return step_for(self._rooms, robot, meant.line)
+        except Refusal as why:
+            found = TaskAlternatives(self._rooms, robot, partial(self._check, robot)).lacking(
+                (meant.line,), why
+            )
+            raise refused(found, found.why.sentence, meant.typed) from why
+
+    def _check(self, robot: RobotId, lines: Sequence[str]) -> None:
+        """See that a robot understands what it is to do; rights are asked for later."""
+        for line in lines:
+            step_for(self._rooms, robot, line)
+
+    def _none(self, meant: MeantRobots, states: Mapping[RobotId, str]) -> Reply:
+        """Say who is not ready, and offer to begin with the others."""
+        lines = [words.state(self._shown(robot), why) for robot, why in states.items()]
+        ready = [robot for robot, why in states.items() if not why]
+        text = joined("\n", [words.none_begins(meant.name), *lines])
+        command = f"/together {JOINED.join(ready)} {meant.line}"
+        row = words.begin_with([self._shown(robot) for robot in ready], command)
+        return Reply(text, row if ready else ())
+
+    def why_not_ready(self, asked: CommandContext, robot: RobotId) -> str:
+        """Return why a robot would not begin at once; empty if it would."""
+        fleet = self._dispatching.fleet
+        return why_not_ready(self._rooms, fleet, robot, asked.caller.principal)
+
+    # ---- as many as can ----
+
+    async def broadcast(self, asked: CommandContext) -> Reply:
+        """Ask every robot of a group for itself; say at once who is not asked, and why.
+
+        Raises:
+            NotUnderstood: No such group.
+        """
+        meant, said = self._meant(asked, "broadcast"), self._said(asked)
+        orders: list[Order] = []
+        left_out: dict[str, list[RobotId]] = {}
+        busy: list[RobotId] = []
+        one_busy, late = "", False
+        for robot in meant.robots:
+            try:
+                orders += await self._one(asked, said, meant._replace(robots=(robot,)))
+            except RobotBusy as refusal:
+                busy.append(robot)
+                one_busy = refusal.sentence
+            except Refusal as refusal:
+                left_out.setdefault(refusal.sentence, []).append(robot)
+                late = late or isinstance(refusal, Expired)
+        if orders:
+            self._begin(asked, said, meant, tuple(orders))
+        if not left_out and not busy:
+            return Reply("")
+        lines = [words.state(self._names(robots), why) for why, robots in left_out.items()]
+        if busy:
+            lines.append(words.busy(self._names(busy)) if len(busy) > 1 else one_busy)
+        text = joined("\n", [words.asked_of(len(orders), len(meant.robots)), *lines])
+        if late and not orders:
+            raise Expired(text, offers=(meant.again,))
+        return Reply(text)
+
+    async def _one(
+        self, asked: CommandContext, said: MessageContext, meant: MeantRobots
+    ) -> tuple[Order, ...]:
+        [robot] = meant.robots
+        self._rooms.linker.check_free(robot)
+        requests = self._requests(said, asked, meant, [step_for(self._rooms, robot, meant.line)])
+        permits = self._admitted(asked, said, requests)
+        return await self._prepare(asked, meant, permits, requests)
+
+    # ---- the way of any order ----
+
+    def _meant(self, asked: CommandContext, verb: str) -> MeantRobots:
+        """Return whom and what.
+
+        Raises:
+            NotUnderstood: Nobody whom this person sees, or nothing is said.
+        """
+        name, _, line = asked.rest.strip().partition(" ")
+        visible = self._rooms.organiser.visible(asked.caller.principal)
+        vocabulary, robots = self._rooms.vocabulary, dict[str, None]()
+        for part in name.casefold().split(JOINED):
+            profile = vocabulary.robot(part)
+            members = vocabulary.members(part) if profile is None else (profile.id,)
+            seen = [robot for robot in members if robot in visible]
+            if part and not seen:  # all or none of those who were named: nobody is left out
+                raise NotUnderstood(no_robot_or_group(part))
+            robots.update(dict.fromkeys(seen))
+        if not robots or not line.strip() or len(robots) > ROBOTS_AT_MOST:
+            raise NotUnderstood(words.HOW_TO)
+        again = f"/{verb} {asked.rest.strip()}"
+        return MeantRobots(name, tuple(robots), " ".join(line.split()), again)
+
+    def _said(self, asked: CommandContext) -> MessageContext:
+        now_ns = self._clock.monotonic_ns()
+        stepup = self._reception.stepped_up
+        return MessageContext(asked.messenger, asked.inbound, asked.caller, now_ns, stepup)
+
+    def _requests(
+        self, said: MessageContext, asked: CommandContext, meant: MeantRobots, steps: Sequence[Do]
+    ) -> list[Request]:
+        """Return what is asked of each; fresh, and each with an identity of its own.
+
+        Raises:
+            Expired: With all of it on offer.
+        """
+        requests: list[Request] = []
+        now_ns = self._clock.monotonic_ns()
+        for robot, step in zip(meant.robots, steps, strict=True):
+            line = Do(
+                robots=(robot,),
+                skills=step.skills,
+                spoken=step.spoken,
+                text=meant.line,
+                group=meant.name,
+            )
+            cid = robot_command_id(asked.cid, robot)
+            try:
+                requests += self._requesting.requests(said, line, cid, now_ns)
+            except Expired as late:
+                raise Expired(late.sentence, offers=(meant.again,)) from None
+        return requests
+
+    def _admitted(
+        self, asked: CommandContext, said: MessageContext, requests: Sequence[Request]
+    ) -> tuple[Permit, ...]:
+        """CHECKPERMISSIONS. Nobody can confirm many at once: that is asked robot by robot.
+
+        Raises:
+            Refusal: Why not; nobody has moved.
+        """
+        admit = self._rooms.organiser.admit
+        try:
+            return admit(asked.caller, requests, self._arguments_of, said.grounds)
+        except FirstNeeded as first:
+            if first.need == StepRequired.STEP_UP.value:
+                raise
+            [skill] = [one.skill for one in requests if one.robot == first.robot]
+            raise wants_a_person(self._shown(first.robot), skill) from None
+
+    def _arguments_of(self, request: Request) -> Mapping[str, Argument]:
+        return self._rooms.container.complete(request).arguments
+
+    async def _prepare(
+        self,
+        asked: CommandContext,
+        meant: MeantRobots,
+        permits: tuple[Permit, ...],
+        requests: Sequence[Request],
+    ) -> tuple[Order, ...]:
+        title = f"{meant.name}: {meant.line}"
+        origin = ReplyTo(asked.messenger.name, asked.inbound.chat, reply_id(asked.inbound), title)
+        try:
+            for request in requests:
+                self._rooms.linker.check_free(request.robot)
+            return await self._rooms.container.prepare(permits, requests, origin)
+        except BaseException:
+            self._rooms.organiser.abandon(permits)
+            raise
+
+    def _begin(
+        self,
+        asked: CommandContext,
+        said: MessageContext,
+        meant: MeantRobots,
+        orders: tuple[Order, ...],
+        pact: AllOrNothingStart | None = None,
+    ) -> None:
+        hands, chat = self._hands, asked.inbound.chat
+        catalogue = hands.teller.languages.of(asked.caller.principal)
+        wording = ENGLISH if catalogue is None else wording_in(catalogue)
+        who = asked.caller.principal
+        card = OrderMessage(
+            asked.messenger, chat, reply_id(asked.inbound), who, hands.face, wording
+        )
+        card.about = meant.name
+        card.buttons = stop_button(meant.name.replace(JOINED, " "))
+        card.after = hands.ends[meant.name, meant.again, catalogue]
+        for order in orders:
+            shown = self._shown(order.robot)
+            what = in_language(order.words, catalogue)
+            at_ns = self._clock.wall_ns()
+            life = AwaitedLife(shown, f"{shown}: {what}", hands.face, at_ns, wording)
+            card.show(order.cid, life)
+            if pact is not None:
+                life.over = partial(pact.ended, order)
+            hands.lives.begin(order, said, card, life)
+        hands.teller.show(card)
+
+    def _names(self, robots: Sequence[RobotId]) -> str:
+        return listed(tuple(map(self._shown, robots)), AND)
+
+    def _shown(self, robot: RobotId) -> str:
+        return self._rooms.profiles[robot].shown

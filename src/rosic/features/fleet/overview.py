@@ -1,0 +1,148 @@
+"""``/fleet``: the bird's-eye view: every robot, every task, and where it does not go on."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.fleet.task import RESTING, FleetMembership, TaskState
+from rosic.features.fleet import messages
+from rosic.features.fleet import robot_messages as words
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from rosic.core.fleet.task import Task
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.fleet.dispatcher import TaskDispatcher
+    from rosic.features.fleet.integration import TaskNotifications
+    from rosic.features.fleet.monitor import FleetMonitor
+    from rosic.features.fleet.usage import FleetUsage
+    from rosic.gateway.components import Components
+
+SHOWN_AT_MOST: Final = 25
+"""More robots do not fit into one message; those that need a look come first."""
+LOW: Final = 20.0
+
+
+class FleetOverview:
+    """Looks at what somebody may see of the fleet."""
+
+    def __init__(
+        self,
+        rooms: Components,
+        dispatching: TaskDispatcher,
+        watching: FleetMonitor,
+        telling: TaskNotifications,
+        usage: FleetUsage,
+    ) -> None:
+        self._rooms = rooms
+        self._dispatching = dispatching
+        self._watching = watching
+        self._telling = telling
+        self._usage = usage
+
+    def settled(self, robots: Sequence[RobotId]) -> tuple[object, ...]:
+        """Return what does not change all the time: while it is the same, so is the fleet."""
+        fleet = self._dispatching.fleet
+        whose = self._rooms.organiser.whose
+        tasks = [(task.id, task.state, task.leaving, task.done) for task in fleet.open()]
+        return (
+            tuple(tasks),
+            tuple(
+                (*self._states(r)[0], fleet.holds.get(r), whose(r), self._usage.works(r))
+                for r in robots
+            ),
+        )
+
+    def lines(self, robots: Sequence[RobotId], wall_ns: int, who: PrincipalId) -> Iterator[str]:
+        """Yield what there is to say about some robots and their tasks, for somebody to read."""
+        fleet = self._dispatching.fleet
+        states = {robot: self._states(robot, who) for robot in robots}
+        unready = [robot for robot in robots if states[robot][0]]
+        at_work = [robot for robot in robots if self._usage.works(robot)]
+        free = len([r for r in robots if not states[r][0] and self._is_free(r)])
+        yield words.robots_altogether(len(at_work), free, len(unready))
+        open_tasks = [task for task in fleet.open() if not set(task.among).isdisjoint(robots)]
+        yield self._tasks(open_tasks, wall_ns)
+        if robots:
+            idle_s = sum(self._usage.idle_s(robot) for robot in robots) // len(robots)
+            yield words.use(self._usage.share(robots), idle_s)
+        yield from self._bottlenecks(open_tasks, states)
+        # What needs a look first, then what works, then what waits.
+        order = sorted(robots, key=lambda r: (not states[r][0], not self._usage.works(r), r))
+        for robot in order[:SHOWN_AT_MOST]:
+            yield words.one(self._telling.shown(robot), [*states[robot][0], *states[robot][1]])
+        if len(order) > SHOWN_AT_MOST:
+            yield messages.and_more(len(order) - SHOWN_AT_MOST)
+
+    def _is_free(self, robot: RobotId) -> bool:
+        nobodys = self._rooms.organiser.whose(robot) is None
+        return nobodys and robot not in self._dispatching.fleet.holds
+
+    def _tasks(self, tasks: Sequence[Task], wall_ns: int) -> str:
+        fleet = self._dispatching.fleet
+        waiting = [task for task in tasks if task.id in fleet.waiting]
+        longest_s = max((wall_ns - task.since_ns for task in waiting), default=0) // 1_000_000_000
+        resting = sum(task.state in RESTING for task in tasks)
+        held = sum(bool(task.robot) for task in tasks)
+        return words.tasks_altogether(len(waiting), held, resting, max(0, longest_s))
+
+    def _bottlenecks(
+        self, tasks: Sequence[Task], states: dict[RobotId, tuple[list[str], list[str]]]
+    ) -> Iterator[str]:
+        """Yield the groups for which more tasks wait than robots are free."""
+        fleet = self._dispatching.fleet
+        waiting = [task for task in tasks if task.state is TaskState.QUEUED and fleet.ready(task)]
+        counts = Counter(task.wanted for task in waiting)
+        for wanted, count in counts.most_common(3):
+            able = {r for task in waiting if task.wanted == wanted for r in task.left}
+            ready = [r for r in able if r in states and not states[r][0]]
+            free = [r for r in ready if r not in fleet.holds]
+            if count > len(free):
+                yield words.bottleneck(wanted or words.for_any(), count, len(free), len(ready))
+
+    def _states(self, robot: RobotId, who: PrincipalId = "") -> tuple[list[str], list[str]]:
+        """Return what is not as it should be with a robot, and everything else."""
+        rooms, fleet = self._rooms, self._dispatching.fleet
+        presence = rooms.linker.presence(robot)
+        wrong: list[str] = []
+        standing = fleet.standing(robot)
+        if standing is not FleetMembership.ACTIVE:
+            wrong.append(words.out_of_fleet(standing))
+        elif rooms.board[robot].latched:
+            wrong.append(words.stopped())
+        if presence.online is False:
+            wrong.append(words.not_there())
+        idle = robot not in fleet.holds and not presence.doing
+        if idle and presence.moves:
+            wrong.append(words.moves())
+        glance = self._watching.glance(robot)
+        if glance.battery is not None and glance.battery < LOW:
+            wrong.append(words.battery(glance.battery, low=True))
+        rest = self._rest(robot, who, glance.battery, presence.age_s, ready=not wrong)
+        return wrong, list(rest)
+
+    def _rest(
+        self,
+        robot: RobotId,
+        who: PrincipalId,
+        battery: float | None,
+        age_s: float | None,
+        *,
+        ready: bool,
+    ) -> Iterator[str]:
+        task = self._dispatching.fleet.tasks.get(self._dispatching.fleet.holds.get(robot, ""))
+        holder: PrincipalId | None = self._rooms.organiser.whose(robot)
+        if task is not None:
+            yield words.at_task(task.id, self._telling.what(task, who))
+            yield messages.state(task)
+        elif holder is not None:
+            yield words.theirs(self._rooms.organiser.name_of(holder))
+        else:
+            yield words.free() if ready else words.not_ready()
+        if battery is not None and battery >= LOW:
+            yield words.battery(battery, low=False)
+        if age_s is not None:
+            yield words.link_of(age_s * 1e3)

@@ -1,0 +1,3 @@
+"""Groups, their topics, and channels for reading."""
+
+from __future__ import annotations

@@ -1,0 +1,222 @@
+"""Channels as windows: a live card of some robots, for reading. Nothing comes in through one.
+
+Putting a bot into a channel shows nothing there. An admin of this place who may give rights opens
+the window, for the robots named, with their own eyes: what they may see no longer, it shows no
+longer. There is no button under it, and no person's name on it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import OrderedDict
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.i18n import joined, said
+from rosic.core.language import clean_name
+from rosic.core.message import Button, ChatKind, Passage
+from rosic.core.policy.scope import FLEET, GRANT
+from rosic.core.records import Decided
+from rosic.errors import NotPermitted, NotUnderstood, Refusal
+from rosic.features.dashboard.dashboard import key_of
+from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.button_rows import rows
+from rosic.gateway.delivery.notifier import Notification
+from rosic.gateway.office import check_private
+
+if TYPE_CHECKING:
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import PrincipalId
+    from rosic.core.message import Chat, Passing
+    from rosic.core.robot.profile import RobotId
+    from rosic.features.dashboard.dashboards import Dashboards
+    from rosic.gateway.components import Components
+    from rosic.gateway.delivery.notifier import Notifier
+    from rosic.gateway.office import CommandContext, CommandRegistry
+    from rosic.gateway.transactions import Transactions
+
+VERB: Final = "channel"
+KNOWN_AT_MOST: Final = 100
+OFFERED_AT_MOST: Final = 11
+GOOD_FOR_S: Final = 86_400.0
+ALL: Final = "all"
+CLOSE: Final = "close"
+
+log = logging.getLogger("rosic.groups")
+
+
+class ChannelDisplays:
+    """Every channel that this place may show robots in."""
+
+    def __init__(
+        self, live: Dashboards, rooms: Components, changes: Transactions, reach: Notifier
+    ) -> None:
+        self._live = live
+        self._rooms = rooms
+        self._changes = changes
+        self._reach = reach
+        # Only what a messenger has called a channel is one: no id that somebody writes is trusted.
+        self._known: OrderedDict[str, tuple[Messenger, Chat, str]] = OrderedDict()
+        # Their card is being ended; should that not be written, they are not shown all the same.
+        self._left: set[str] = set()
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def employ(self, office: CommandRegistry) -> None:
+        """Take the errand."""
+        office.employ(VERB, self.channel)
+
+    # ---- we come and go ----
+
+    def passed(self, messenger: Messenger, passing: Passing) -> None:
+        """We were put into a channel, or out of it. Returns at once."""
+        if passing.chat.kind is not ChatKind.CHANNEL:
+            return
+        key = key_of(messenger, passing.chat)
+        if passing.what is Passage.REMOVED:
+            self._known.pop(key, None)
+            if self._live.of(messenger, passing.chat) is not None:
+                self._left.add(key)
+            task = asyncio.create_task(self._close(messenger, passing.chat))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+        elif passing.what is Passage.ADDED:
+            self._left.discard(key)
+            title = clean_name(passing.title)
+            self._known[key] = (messenger, passing.chat, title)
+            if len(self._known) > KNOWN_AT_MOST:
+                self._known.popitem(last=False)
+            self._offer(key, title)
+
+    def _offer(self, key: str, title: str) -> None:
+        """Ask whoever may open it what it is to show, each for what they see themselves."""
+        organiser = self._rooms.organiser
+        for who in organiser.rights.givers(FLEET, organiser.wall_ns()):
+            robots = sorted(organiser.visible(who))
+            if robots and self._may(who):
+                notice = Notification(
+                    text=put_into(title), buttons=self._choices(key, robots),
+                    lifetime_s=GOOD_FOR_S, still=True,
+                )  # fmt: skip
+                self._reach.give((who,), notice)
+
+    def _choices(self, key: str, robots: list[RobotId]) -> tuple[tuple[Button, ...], ...]:
+        profiles = self._rooms.profiles
+        buttons = [
+            Button(show(profiles[robot].shown), f"/{VERB} {key} {robot}")
+            for robot in robots[:OFFERED_AT_MOST]
+        ]
+        if len(robots) > 1:
+            buttons.append(Button(said("Show all"), f"/{VERB} {key} {ALL}"))
+        return rows(buttons)
+
+    # ---- what admins say ----
+
+    async def channel(self, asked: CommandContext) -> Reply:
+        """Do ``/channel``: list the windows; what its buttons say opens and closes them.
+
+        Raises:
+            NotPermitted: Not in private, or not theirs to say.
+            NotUnderstood: No such channel or robot.
+            TooManyRequests: There are too many cards.
+            RecordUnavailable: Not written; nothing was changed.
+        """
+        check_private(asked)
+        who = asked.caller.principal
+        if not self._may(who):
+            raise NotPermitted(said("Only who may give rights here decides what a channel shows."))
+        key, _, what = asked.rest.strip().partition(" ")
+        if not key:
+            return self._list()
+        known = self._all()
+        if key not in known:
+            raise NotUnderstood(GONE, offers=(f"/{VERB}",))
+        messenger, chat, title = known[key]
+        if what == CLOSE:
+            await self._close(messenger, chat)
+            return Reply(said("{channel} shows no robot any more.", channel=_named(title)))
+        robots = self._robots(who, what)
+        decided = Decided(
+            act=VERB, by=who, about=key, at_ns=self._rooms.organiser.wall_ns(),
+            digest=" ".join(robots).encode(),
+        )  # fmt: skip
+        async with self._changes.turn() as turn:
+            await turn.write((decided,))
+        self._live.begin(messenger, chat, who, robots, pinned=False)
+        return Reply(self._shown(title, robots), ((self._closing(key),),))
+
+    def _robots(self, who: PrincipalId, what: str) -> tuple[RobotId, ...]:
+        visible = self._rooms.organiser.visible(who)
+        robots = tuple(sorted(visible)) if what == ALL else tuple(what.split())
+        if not robots or not visible.issuperset(robots):
+            raise NotUnderstood(said("I know no such robot."), offers=("robots",))
+        return robots
+
+    def _all(self) -> dict[str, tuple[Messenger, Chat, str]]:
+        """Return the channels that were heard of, and those that an earlier run has opened."""
+        opened = {card.key: (card.messenger, card.chat, "") for card in self._live.in_channels()}
+        return {key: it for key, it in (opened | self._known).items() if key not in self._left}
+
+    def _list(self) -> Reply:
+        lines: list[str] = []
+        buttons: list[Button] = []
+        for key, (messenger, chat, title) in self._all().items():
+            card = self._live.of(messenger, chat)
+            if card is None:
+                lines.append(said("{channel} shows no robot.", channel=_named(title)))
+            else:
+                lines.append(self._shown(title, card.robots))
+                buttons.append(self._closing(key))
+        return Reply(joined("\n", lines) if lines else NONE, rows(buttons))
+
+    def _shown(self, title: str, robots: tuple[RobotId, ...]) -> str:
+        names = ", ".join(self._rooms.profiles[robot].shown for robot in robots)
+        return said(
+            "{channel} shows {robots}, to everybody who reads it. Nothing that is written there"
+            " commands anything.",
+            channel=_named(title), robots=names,
+        )  # fmt: skip
+
+    def _closing(self, key: str) -> Button:
+        return Button(said("Close it"), f"/{VERB} {key} {CLOSE}")
+
+    def _may(self, who: PrincipalId) -> bool:
+        organiser = self._rooms.organiser
+        return organiser.rights.holds(who, FLEET, GRANT, organiser.wall_ns())
+
+    async def _close(self, messenger: Messenger, chat: Chat) -> None:
+        card = self._live.of(messenger, chat)
+        if card is None:
+            return
+        try:
+            await self._live.end(card)
+            self._left.discard(card.key)
+        except Refusal:
+            log.warning("a window could not be closed; it is closed when it can be written")
+
+
+GONE: Final = said(
+    "I do not know that channel. Take me out of it and put me in again, as one of its admins."
+)
+NONE: Final = said(
+    "I am in no channel, as far as I have heard since I was started. Put me into one as an admin of"
+    " it, and I ask here what it is to show."
+)
+
+
+def _named(title: str) -> str:
+    return title or said("A channel")
+
+
+def put_into(title: str) -> str:
+    """Say that we are in a channel, and ask what it is to show."""
+    return said(
+        "I was put into the channel {channel}. It shows nothing yet. Whatever you show there,"
+        " everybody who reads the channel sees: how the robot is and what it was asked, no names."
+        " Nothing that is written there commands anything.",
+        channel=_named(title),
+    )
+
+
+def show(robot: str) -> str:
+    """Return the label of what shows a robot in a channel."""
+    return said("Show {robot}", robot=robot)

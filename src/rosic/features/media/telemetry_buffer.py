@@ -1,0 +1,120 @@
+"""What robots reported over the last minutes, and where they went: bounded, in memory only."""
+
+from __future__ import annotations
+
+from array import array
+from math import dist, isfinite
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.view import Pose
+
+KEPT = 600
+WAY_POINTS = 600
+EVERY_S = 1.0
+FOLLOW_S = 0.1
+NEGLIGIBLE_M = 1e-4
+
+
+class Ring:
+    """The newest samples of one value; 16 bytes each."""
+
+    __slots__ = ("_count", "_next", "_times", "_values")
+
+    def __init__(self) -> None:
+        self._times = array("d", bytes(8 * KEPT))
+        self._values = array("d", bytes(8 * KEPT))
+        self._next = 0
+        self._count = 0
+
+    def add(self, at_s: float, value: float) -> None:
+        """Take a sample; the oldest goes."""
+        self._times[self._next] = at_s
+        self._values[self._next] = value
+        self._next = (self._next + 1) % KEPT
+        self._count = min(KEPT, self._count + 1)
+
+    def points(self, now_s: float) -> tuple[tuple[float, float], ...]:
+        """Return what is kept, in order; seconds before now are negative."""
+        first = (self._next - self._count) % KEPT
+        places = ((first + i) % KEPT for i in range(self._count))
+        return tuple((self._times[i] - now_s, self._values[i]) for i in places)
+
+
+class TelemetryBuffer:
+    """Rings, by robot and value."""
+
+    def __init__(self) -> None:
+        self._rings: dict[tuple[RobotId, str], Ring] = {}
+
+    def take(self, robot: RobotId, values: Iterable[tuple[str, float | str]], now_s: float) -> None:
+        """Keep what is a number."""
+        for name, value in values:
+            if isinstance(value, str) or not isfinite(value):
+                continue
+            ring = self._rings.get((robot, name))
+            if ring is None:
+                ring = self._rings[robot, name] = Ring()
+            ring.add(now_s, value)
+
+    def names(self, robot: RobotId) -> tuple[str, ...]:
+        """Return the values of a robot that were ever a number."""
+        return tuple(sorted(name for owner, name in self._rings if owner == robot))
+
+    def points(self, robot: RobotId, name: str, now_s: float) -> tuple[tuple[float, float], ...]:
+        """Return a value's samples; empty for one that was never heard."""
+        ring = self._rings.get((robot, name))
+        return () if ring is None else ring.points(now_s)
+
+
+class Track:
+    """Where a robot went while it carried out one order.
+
+    Attributes:
+        words: The order, as people read it.
+        begun_ns, ended_ns: Monotonic clock; None while it goes on.
+        points: At most `WAY_POINTS`, evenly thinned when there were more.
+    """
+
+    __slots__ = ("_every", "_skipped", "begun_ns", "ended_ns", "points", "words")
+
+    def __init__(self, words: str, begun_ns: int) -> None:
+        self.words = words
+        self.begun_ns = begun_ns
+        self.ended_ns: int | None = None
+        self.points: list[Pose] = []
+        self._every = 1
+        self._skipped = 0
+
+    def add(self, pose: Pose, *, last: bool = False) -> None:
+        """Take a pose; the first and the last are always kept."""
+        self._skipped += 1
+        if self.points and not last and self._skipped < self._every:
+            return
+        self._skipped = 0
+        if last and self.points and _place(self.points[-1]) == _place(pose):
+            self.points[-1] = pose
+            return
+        self.points.append(pose)
+        if len(self.points) >= WAY_POINTS:
+            del self.points[1:-1:2]
+            self._every *= 2
+
+    @property
+    def length_m(self) -> float:
+        """How far it went, along the way."""
+        places = [_place(point) for point in self.points]
+        return sum(map(dist, places, places[1:]))
+
+    @property
+    def rises(self) -> bool:
+        """Whether its height changed."""
+        heights = [point.z_m for point in self.points]
+        return bool(heights) and max(heights) - min(heights) > NEGLIGIBLE_M
+
+
+def _place(pose: Pose) -> tuple[float, float, float]:
+    return pose.x_m, pose.y_m, pose.z_m

@@ -1,0 +1,147 @@
+"""``/archive``: whether the messages of this chat are kept, and how they are taken out."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from rosic.container import archive_records, export
+from rosic.container.archive import DAYS
+from rosic.container.messages import NOT_ON
+from rosic.core.message import Button
+from rosic.core.records import Decided
+from rosic.errors import (
+    ConfigurationError,
+    NotPermitted,
+    NotUnderstood,
+    RecordUnavailable,
+    StoreFault,
+)
+from rosic.features.personal_data import messages as words
+from rosic.features.personal_data.context import all_facts
+from rosic.features.personal_data.handing import handed_over
+from rosic.gateway.builtin_commands import Reply
+from rosic.gateway.replies import LEAVE
+from rosic.organiser.calendar_messages import moment
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rosic.container.archive_records import ChatKey
+    from rosic.features.personal_data.context import ContainerContext, ContainerStore
+    from rosic.gateway.office import CommandContext
+
+SURE = b"erase this archive"
+TEXT = "text"
+
+
+class ArchiveCommands:
+    """The clerk of archives. Whoever is in a chat may ask; admins decide."""
+
+    def __init__(self, holdings: ContainerContext) -> None:
+        self._holdings = holdings
+        self._archive = holdings.archive
+
+    async def archive(self, asked: CommandContext) -> Reply:
+        """Say whether this chat is kept, or change it, or show what is kept.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        said = asked.rest.casefold().split()
+        if not said:
+            return self._state(asked)
+        if not self._holdings.may_archive(asked.caller.principal):
+            raise NotPermitted(words.NOT_YOURS)
+        if said[0] == "on":
+            return await self._begin(asked, said[1:])
+        if said[0] == "off" and len(said) == 1:
+            return await self._end(asked)
+        if said == ["erase"]:
+            return await self._erase(asked, sure=asked.act == SURE)
+        if said[0] == "export" and len(said) <= 2:  # noqa: PLR2004 - the word and the form
+            return await self._export(asked, said[1] if len(said) > 1 else TEXT)
+        raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive",))
+
+    def _state(self, asked: CommandContext) -> Reply:
+        known = self._archive.state(asked.inbound.chat)
+        if known is None or not known.switch.on:
+            return Reply(words.archive_off(0 if known is None else len(known.entries)))
+        zone = self._holdings.zone_of(asked.caller.principal)
+        since = moment(known.switch.at_ns, self._holdings.clock.wall_ns(), zone)
+        name, count = self._holdings.name(known.switch.by), len(known.entries)
+        return Reply(words.archive_on(name, since, known.switch.days, count, known.size))
+
+    async def _begin(self, asked: CommandContext, said: Sequence[str]) -> Reply:
+        days, by = _days(said), asked.caller.principal
+        async with self._holdings.changes.turn() as turn:
+            await turn.write(
+                self._archive.begin(asked.messenger.name, asked.inbound.chat, by, days=days)
+            )
+        return Reply(words.begun(self._holdings.name(by), days))
+
+    async def _end(self, asked: CommandContext) -> Reply:
+        by = asked.caller.principal
+        async with self._holdings.changes.turn() as turn:
+            await turn.write(self._archive.end(asked.inbound.chat, by))
+        known = self._archive.state(asked.inbound.chat)
+        days = DAYS if known is None else known.switch.days
+        return Reply(words.ended(self._holdings.name(by), days))
+
+    async def _erase(self, asked: CommandContext, *, sure: bool) -> Reply:
+        key = archive_records.chat_key(asked.inbound.chat)
+        if self._archive.state(asked.inbound.chat) is None:
+            raise NotUnderstood(NOT_ON)
+        if not sure:
+            yes = Button(words.YES_ERASE, "/archive erase", act=SURE)
+            return Reply(words.ERASE_SURE, ((yes, Button(words.LEAVE_IT, LEAVE)),))
+        async with self._holdings.changes.turn() as turn:
+            now_ns, by = self._holdings.clock.wall_ns(), asked.caller.principal
+            decided = Decided(act="erase-archive", by=by, about=key, at_ns=now_ns)
+            await turn.write((decided, *self._archive.drop(key)))
+        return Reply(words.ARCHIVE_ERASED)
+
+    async def _export(self, asked: CommandContext, form: str) -> Reply:
+        if form not in export.ENDINGS:
+            raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive export text",))
+        chat = asked.inbound.chat
+        command = (
+            f"{words.TO_EXPORT} {archive_records.container_of(archive_records.chat_key(chat))}"
+        )
+        if form == "xlsx" and not asked.messenger.file_bytes:
+            return Reply(words.spreadsheet_later(command))
+        try:
+            found = await rows_of(self._holdings.vault, archive_records.chat_key(chat))
+        except StoreFault as fault:
+            raise RecordUnavailable(words.NOT_READABLE) from fault
+        if not found:
+            return Reply(words.NO_MESSAGES)
+        try:
+            made = await asyncio.to_thread(export.archive_as, form, found)
+        except ConfigurationError as missing:
+            raise NotUnderstood(str(missing)) from missing
+        return handed_over(asked, f"messages.{export.ENDINGS[form]}", made, command)
+
+
+def _days(said: Sequence[str]) -> int:
+    """Return for how long messages are to be kept: ``30``, ``30 days``; nothing is the default.
+
+    Raises:
+        NotUnderstood: It is no number of days.
+    """
+    if not said:
+        return DAYS
+    unit = " ".join(said[1:])
+    if not (said[0].isascii() and said[0].isdecimal()) or unit not in {"", "day", "days"}:
+        raise NotUnderstood(words.HOW_TO_ARCHIVE, offers=("/archive on",))
+    return int(said[0][:6])
+
+
+async def rows_of(vault: ContainerStore, key: ChatKey) -> list[export.ArchiveRow]:
+    """Return every entry of an archive, in order.
+
+    Raises:
+        StoreFault: They cannot be read now.
+    """
+    found = await all_facts(vault, archive_records.ENTRY, f"{key}.")
+    return await asyncio.to_thread(export.rows, found)  # many of them: a stop does not wait

@@ -1,0 +1,219 @@
+"""What the operator asks about containers: looking in, taking out, limiting, erasing."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from rosic.container import archive_records, export
+from rosic.container.export import ContainerSummary
+from rosic.container.shared_data import Quota
+from rosic.core.records import Decided
+from rosic.errors import NotUnderstood, OutOfBounds
+from rosic.features.personal_data import inspecting_messages
+from rosic.features.personal_data import messages as words
+from rosic.features.personal_data.archive_commands import rows_of
+from rosic.features.personal_data.context import all_facts
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from rosic.core.identity import PrincipalId
+    from rosic.core.records import Fact
+    from rosic.features.personal_data.context import ContainerContext
+    from rosic.features.personal_data.erasure import ErasureCommands
+
+ROBOT: Final = "robot"
+PERSON: Final = "person"
+CHAT: Final = "chat"
+LINES_AT_ONCE: Final = 500
+_CHAT: Final = "chat-"
+
+
+class ListedContainer(msgspec.Struct, frozen=True):
+    """One container.
+
+    Attributes:
+        kind: ``robot``, ``person`` or ``chat``.
+        container: Its id.
+        name: How whoever it belongs to is shown.
+    """
+
+    kind: str
+    container: str
+    name: str
+
+
+class ShownContainer(msgspec.Struct, frozen=True, kw_only=True):
+    """How much of what a container holds.
+
+    Attributes:
+        names: Of shared data, now; then the most.
+        kept_bytes: Of shared data, now; then the most.
+    """
+
+    kind: str
+    container: str
+    name: str
+    holds: tuple[ContainerSummary, ...]
+    names: int
+    names_most: int
+    kept_bytes: int
+    kept_most: int
+
+
+async def list_containers(holdings: ContainerContext) -> list[ListedContainer]:
+    """Return every container, robots' first.
+
+    Raises:
+        StoreFault: They cannot be read now.
+    """
+    kept = await holdings.vault.containers()
+    others = [_listed(holdings, name) for name in kept if name not in holdings.robots]
+    robots = [_listed(holdings, robot) for robot in sorted(holdings.robots)]
+    order = [ROBOT, PERSON, CHAT]
+    return sorted([*robots, *others], key=lambda one: (order.index(one.kind), one.name.casefold()))
+
+
+async def show_container(holdings: ContainerContext, container: str) -> ShownContainer:
+    """Return how much of what a container holds.
+
+    Raises:
+        NotUnderstood: There is none.
+        StoreFault: It cannot be read now.
+    """
+    found = await _found(holdings, container)
+    quota, (names, kept) = holdings.shelf.quota(container), holdings.shelf.used(container)
+    listed = _listed(holdings, container)
+    return ShownContainer(
+        kind=listed.kind, container=container, name=listed.name, holds=export.summary(found),
+        names=names, names_most=quota.names, kept_bytes=kept, kept_most=quota.most_bytes,
+    )  # fmt: skip
+
+
+async def export_container(holdings: ContainerContext, container: str) -> Iterator[str]:
+    """Return JSON lines, many at a time: a chat's messages, or everything else's content.
+
+    Secrets are not among it. They are made as they are asked for: no long export holds up a stop.
+
+    Raises:
+        NotUnderstood: There is none.
+        StoreFault: It cannot be read now.
+    """
+    if container.startswith(_CHAT):
+        await _found(holdings, container)
+        rows = await rows_of(holdings.vault, container.removeprefix(_CHAT))
+        return together(map(export.row_as_json, rows))
+    found = await _found(holdings, container)
+    return together(map(export.thing_as_json, map(export.thing_of, found)))
+
+
+def together(lines: Iterable[str]) -> Iterator[str]:
+    """Yield lines, many at a time."""
+    held: list[str] = []
+    for line in lines:
+        held.append(line)
+        if len(held) >= LINES_AT_ONCE:
+            yield "\n".join(held)
+            held.clear()
+    if held:
+        yield "\n".join(held)
+
+
+async def limit_container(
+    holdings: ContainerContext,
+    container: str,
+    by: PrincipalId,
+    *,
+    names: int | None = None,
+    most_bytes: int | None = None,
+) -> str:
+    """Say what one container may keep, from now on; the others are not touched.
+
+    Args:
+        holdings: The books.
+        container: Whose.
+        by: Who decides.
+        names: At most so many; None leaves it.
+        most_bytes: At most so many; None leaves it.
+
+    Raises:
+        NotUnderstood: There is none, or a chat's, which keeps no shared data.
+        OutOfBounds: A number is negative.
+        RecordUnavailable: Nothing was changed.
+    """
+    if min(names or 0, most_bytes or 0) < 0:
+        raise OutOfBounds(inspecting_messages.NEGATIVE)
+    if container.startswith(_CHAT):
+        raise NotUnderstood(inspecting_messages.NO_SHELF)
+    await _known(holdings, container)
+    before = holdings.shelf.quota(container)
+    quota = Quota(
+        names=before.names if names is None else names,
+        history=before.history,
+        most_bytes=before.most_bytes if most_bytes is None else most_bytes,
+    )
+    now_ns = holdings.clock.wall_ns()
+    async with holdings.changes.turn() as turn:
+        decided = Decided(act="limit", by=by, about=container, at_ns=now_ns)
+        await turn.write((decided, *holdings.shelf.limit(container, quota)))
+    name = _listed(holdings, container).name
+    return inspecting_messages.limit_set(name, quota.names, quota.most_bytes)
+
+
+async def erase_container(
+    holdings: ContainerContext, erasing: ErasureCommands, container: str, by: PrincipalId
+) -> str:
+    """Erase a container for good: a person's with all their rights, a robot's or a chat's data.
+
+    Raises:
+        NotUnderstood, NotPermitted, RobotBusy, RecordUnavailable: As `ErasureCommands.erase`.
+    """
+    if container in holdings.robots or container.startswith(_CHAT):
+        name = _listed(holdings, container).name
+        await erasing.erase_other(container, by)
+        return inspecting_messages.emptied(name)
+    erased = await erasing.erase(container, by)
+    return words.erased(erased.name, at_rest=erased.at_rest)
+
+
+async def _known(holdings: ContainerContext, container: str) -> None:
+    """See that there is such a container, without looking into it.
+
+    Raises:
+        NotUnderstood: There is none.
+    """
+    if container not in holdings.robots and container not in await holdings.vault.containers():
+        raise NotUnderstood(words.NO_SUCH_CONTAINER)
+
+
+async def _found(holdings: ContainerContext, container: str) -> tuple[Fact, ...]:
+    """Return what a container holds; of a chat, all its entries, whoever sealed them."""
+    found = await holdings.vault.belongings(container)
+    if container.startswith(_CHAT):
+        key = container.removeprefix(_CHAT)
+        known = {(fact.kind, fact.key) for fact in found}
+        entries = await all_facts(holdings.vault, archive_records.ENTRY, f"{key}.")
+        found = (*found, *(_open(f) for f in entries if (f.kind, f.key) not in known))
+    if not found and container not in holdings.robots:
+        raise NotUnderstood(words.NO_SUCH_CONTAINER)
+    return found
+
+
+def _open(fact: Fact) -> Fact:
+    """Return what a chat's own container shows of an entry that is sealed in a person's."""
+    return msgspec.structs.replace(fact, letter=None)
+
+
+def _listed(holdings: ContainerContext, container: str) -> ListedContainer:
+    if container in holdings.robots:
+        return ListedContainer(ROBOT, container, holdings.shown(container))
+    if not container.startswith(_CHAT):
+        return ListedContainer(PERSON, container, holdings.name(container))
+    kept = holdings.archive.all().get(container.removeprefix(_CHAT))
+    venue = None if kept is None else kept.venue
+    if venue is None:
+        return ListedContainer(CHAT, container, container)
+    where = f"{venue.messenger} {venue.chat.kind.value} {venue.chat.id}"
+    return ListedContainer(CHAT, container, where)

@@ -1,0 +1,105 @@
+"""Who a robot is to the authoriser and the organiser: somebody with a key, like any person."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.i18n import said
+from rosic.core.identity import ROBOT, Address
+from rosic.core.policy.authority import READ
+from rosic.errors import NotPermitted
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.robot.profile import RobotId
+    from rosic.gateway.components import Components
+
+
+class PeerPermissions:
+    """Asks the rooms about robots that speak, and about people around them."""
+
+    def __init__(self, rooms: Components) -> None:
+        self._rooms = rooms
+
+    def caller(self, robot: RobotId) -> Caller:
+        """Return a robot as whoever speaks now, under its own key.
+
+        Raises:
+            Unrecognised: Its key is revoked or has expired.
+            NotPermitted: It is no principal here, or it is locked.
+        """
+        found = self._rooms.authoriser.directory.at(Address(ROBOT, robot))
+        if found is None:
+            raise NotPermitted(
+                said("{robot} has no key of its own here. The operator can give it one.",
+                     robot=self.shown(robot))
+            )  # fmt: skip
+        caller = self._rooms.authoriser.stand_for(found[0].id)
+        self._rooms.organiser.check_unlocked(caller)
+        return caller
+
+    def check(self, caller: Caller, robot: RobotId, word: str) -> None:
+        """See that somebody, robot or person, has a right on a robot.
+
+        Raises:
+            NotPermitted, Unrecognised: They lack it; a robot that they may not see is not known.
+        """
+        self._rooms.organiser.check_word(caller, robot, word)
+
+    def robot_may(self, robot: RobotId, other: RobotId, word: str) -> bool:
+        """Whether a robot has a right on another now."""
+        found = self._rooms.authoriser.directory.at(Address(ROBOT, robot))
+        return found is not None and self.may(found[0].id, other, word)
+
+    def may(self, who: PrincipalId, robot: RobotId, word: str = READ) -> bool:
+        """Whether somebody has a right now, whose key is good and who is not locked."""
+        organiser = self._rooms.organiser
+        return (
+            self._rooms.authoriser.has_access(who)
+            and who not in organiser.locked
+            and organiser.allows(who, robot, word)
+        )
+
+    def operates(self, who: PrincipalId, robot: RobotId) -> bool:
+        """Whether a person may command a robot at all."""
+        return self.may(who, robot) and self._rooms.organiser.why_not_move(who, robot) is None
+
+    def operators(self, *robots: RobotId) -> tuple[PrincipalId, ...]:
+        """Return the people who may command one of some robots. Walks everybody: for rare news."""
+        return tuple(
+            who for who in self._people() if any(self.operates(who, robot) for robot in robots)
+        )
+
+    def helpers(self, asker: RobotId) -> tuple[PrincipalId, ...]:
+        """Return the people who may accept a robot's request for help."""
+        return tuple(who for who in self._people() if self.may(who, asker, "help"))
+
+    def _people(self) -> Iterator[PrincipalId]:
+        for person in self._rooms.authoriser.directory.people():
+            if not person.is_robot:
+                yield person.id
+
+    def robots(self) -> Iterator[RobotId]:
+        """Yield the robots that are principals here."""
+        for robot in self._rooms.profiles:
+            if self._rooms.authoriser.directory.at(Address(ROBOT, robot)) is not None:
+                yield robot
+
+    def principal(self, robot: RobotId) -> PrincipalId:
+        """Return who a robot is; empty if it is nobody here."""
+        found = self._rooms.authoriser.directory.at(Address(ROBOT, robot))
+        return "" if found is None else found[0].id
+
+    def name_for(self, caller: Caller, other: PrincipalId) -> str:
+        """Return how somebody is named to a caller: people's names are not for robots' nodes."""
+        person = self._rooms.authoriser.directory.person(other)
+        if caller.address.platform == ROBOT and (person is None or not person.is_robot):
+            return said("a person")
+        return self._rooms.organiser.name_of(other)
+
+    def shown(self, robot: RobotId) -> str:
+        """Return how people read a robot."""
+        profile = self._rooms.profiles.get(robot)
+        return robot if profile is None else profile.shown

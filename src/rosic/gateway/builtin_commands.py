@@ -1,0 +1,289 @@
+"""Questions that move nothing: status, help, robots, use. And the menu they are answered with."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import msgspec
+from msgspec.structs import replace
+
+from rosic.contracts.messenger import Messenger
+from rosic.core import messages
+from rosic.core.i18n import joined, said
+from rosic.core.language import Help, Line, Start, Status, Use
+from rosic.core.message import Attachment, Button, Chat
+from rosic.errors import RobotTaken
+from rosic.gateway.button_rows import rows
+from rosic.gateway.earlier import SelectionHistory
+from rosic.gateway.help_menu import HelpMenu
+from rosic.gateway.replies import ASK_FIRST, PREVIOUS, TRAIL
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.robot.profile import Profile, RobotId
+    from rosic.gateway.command_builder import CommandBuilder
+    from rosic.gateway.components import Components
+    from rosic.gateway.office import CommandContext
+    from rosic.gateway.reception import PipelineHooks
+    from rosic.gateway.resume import ResumeHandler
+
+# What stands between a robot and a skill in a link; Telegram allows no dot there.
+LINKED = "__"
+WHICH = said("Which robot?")
+NONE_CHOSEN = said("No robot is chosen now. Say its name with each command.")
+NOT_THE_LAST = said("Something else was chosen here since. Nothing was changed.")
+NOTHING_TO_UNDO = said(
+    "There is no choice to take back here. What a robot has done is not undone by this."
+)
+NONE = "nothing"
+
+
+class Reply(msgspec.Struct, frozen=True):
+    """A text and its buttons, not bound to anybody yet.
+
+    Attributes:
+        attachment: A file that goes with it, for a messenger that sends files of its size.
+        about: The robot that it speaks of, for whoever replies to it; empty for none.
+        anew: It is said in a message of its own: what was tapped is about to go.
+        landed: Hears through which messenger, in which chat, which message says it.
+    """
+
+    text: str
+    buttons: tuple[tuple[Button, ...], ...] = ()
+    attachment: Attachment | None = None
+    about: str = ""
+    landed: Callable[[Messenger, Chat, str], None] | None = None
+    anew: bool = False
+
+
+class BuiltinCommands:
+    """Answers from memory; reads only what its asker may see (I11)."""
+
+    def __init__(
+        self,
+        rooms: Components,
+        choosing: CommandBuilder,
+        reception: PipelineHooks,
+        resuming: ResumeHandler,
+    ) -> None:
+        self._reception = reception
+        self._resuming = resuming
+        self._organiser = rooms.organiser
+        self._container = rooms.container
+        self._linker = rooms.linker
+        self._vocabulary = rooms.vocabulary
+        self._board = rooms.board
+        self._profiles = rooms.profiles
+        self._choosing = choosing
+        self._help_menu = HelpMenu(rooms)
+        self._earlier = SelectionHistory()
+        reception.office.employ("undo", self.undo)
+        reception.office.employ("again", self.again)
+        reception.office.employ("information", self.information)
+
+    def answer(self, caller: Caller, chat: Chat, line: Line) -> Reply:
+        """Answer a line that moves nothing."""
+        visible = self._organiser.visible(caller.principal)
+        if isinstance(line, Start):
+            return self._linked(caller, chat, line, visible) or self._start(caller, visible)
+        return (
+            self._look(caller, chat, line, visible) if visible else Reply(messages.NOTHING_VISIBLE)
+        )
+
+    def _look(self, caller: Caller, chat: Chat, line: Line, visible: frozenset[RobotId]) -> Reply:
+        if isinstance(line, Status):
+            return Reply(self._states(line.robots or sorted(visible)))
+        if isinstance(line, Use):
+            return self._use(caller, chat, line)
+        if isinstance(line, Help):
+            return self._help(caller, line.topic, visible)
+        listed = [self._listed(robot) for robot in sorted(visible)[: messages.NAMED_AT_MOST]]
+        return Reply(joined("\n", (*listed, _which(visible))), self._robots(visible))
+
+    def _help(self, caller: Caller, topic: str, visible: frozenset[RobotId]) -> Reply:
+        principal = caller.principal
+        members = [robot for robot in self.members(topic) if robot in visible]
+        if not members:
+            text, sections = self._help_menu.overview(principal, visible)
+            page = self._help_menu.section(topic, principal, visible)
+            return Reply(page or text, (*rows(sections), *self._robots(visible)))
+        if members == [topic]:
+            profile = self._profiles[topic]
+            return Reply(messages.help_for(profile), self._skills(principal, profile), about=topic)
+        kinds: dict[frozenset[str], list[Profile]] = {}
+        for profile in map(self._profiles.__getitem__, members):
+            kinds.setdefault(frozenset(profile.skills), []).append(profile)
+        each = (messages.help_for(k[0], ", ".join(p.shown for p in k)) for k in kinds.values())
+        return Reply(joined("\n", each), self._robots(members), about=topic)
+
+    def _linked(
+        self, caller: Caller, chat: Chat, line: Start, visible: frozenset[RobotId]
+    ) -> Reply | None:
+        """Follow a link to a robot or to one of its skills: ``?start=omni``, ``omni__wave``.
+
+        A link only asks; what it does not name well is no link.
+        """
+        robot, _, skill = line.payload.partition(LINKED)
+        if robot not in visible:
+            return None
+        if not skill:
+            return self._use(caller, chat, Use(robot))
+        return self._choosing.ask(caller, f"{robot} {skill}", visible)
+
+    def _start(self, caller: Caller, visible: frozenset[RobotId]) -> Reply:
+        """Say whether somebody may command anything now, and with what they may begin."""
+        organiser = self._organiser
+        hindered = [organiser.not_now(caller.principal, robot) for robot in sorted(visible)]
+        if visible and None in hindered:
+            menu = self.menu(caller.principal)
+            return Reply(joined(" ", (messages.MAY_COMMAND, menu.text)), menu.buttons)
+        for refusal in hindered:
+            if isinstance(refusal, RobotTaken):
+                text = joined(" ", (messages.MAY_COMMAND_LATER, refusal.sentence))
+                return Reply(text, self._robots(visible))
+        why = next((refusal.sentence for refusal in hindered if refusal is not None), "")
+        text = joined(" ", (messages.MAY_NOT_COMMAND, why or messages.NOTHING_VISIBLE))
+        return Reply(text, self._robots(visible))
+
+    async def information(self, asked: CommandContext) -> Reply:
+        """Tell what there is to know, to whoever may read anything (Algorithm 7)."""
+        visible = self._organiser.visible(asked.caller.principal)
+        if not visible:
+            return Reply(messages.NO_INFORMATION)
+        return Reply(joined("\n", (messages.INFORMATION, self._states(sorted(visible)))))
+
+    async def again(self, asked: CommandContext) -> Reply:
+        """Ask whether the last command of somebody in this chat is to be done once more."""
+        visible = self._organiser.visible(asked.caller.principal)
+        return self._choosing.again(asked.caller, asked.inbound.chat, visible)
+
+    def menu(self, principal: PrincipalId) -> Reply:
+        """Return what somebody may begin with: robots; where there is only one, what it can do."""
+        visible = self._organiser.visible(principal)
+        if len(visible) != 1:
+            return Reply(_which(visible), self._robots(visible)) if visible else Reply("")
+        [robot] = visible
+        skills = self._skills(principal, self._profiles[robot])
+        what = said("What should {robot} do?", robot=self._profiles[robot].shown)
+        return Reply(what if len(skills) > 1 else self._status(robot), skills)
+
+    def members(self, name: str) -> tuple[RobotId, ...]:
+        """Return the robots that a choice means: one, a group's, or none."""
+        return (name,) if name in self._profiles else self._vocabulary.members(name)
+
+    def _states(self, robots: Sequence[RobotId]) -> str:
+        lines = [self._status(robot) for robot in robots[: messages.NAMED_AT_MOST]]
+        if len(robots) > len(lines):
+            more = len(robots) - len(lines)
+            lines.append(said("and {count} more: say status and their names", count=more))
+        return joined("\n", lines)
+
+    def _status(self, robot: RobotId) -> str:
+        holder = self._organiser.whose(robot)
+        stopped = self._board[robot]
+        name_of = self._organiser.name_of
+        by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None
+        return messages.status_line(
+            self._profiles[robot],
+            self._linker.presence(robot),
+            holder=name_of(holder) if holder else "",
+            stopped_by=by,
+            waiting=self._linker.waiting(robot),
+        )
+
+    def _listed(self, robot: RobotId) -> str:
+        holder, stopped = self._organiser.whose(robot), self._board[robot]
+        name_of = self._organiser.name_of
+        by = (name_of(stopped.by) if stopped.by else "") if stopped.latched else None
+        held = name_of(holder) if holder else ""
+        return messages.robot_line(self._profiles[robot], self._linker.presence(robot), held, by)
+
+    def _use(self, caller: Caller, chat: Chat, line: Use) -> Reply:
+        before = self._chosen(caller.principal, chat)
+        self._container.select(caller.principal, chat, line.name)
+        if line.name != before:
+            self._earlier.note(caller.principal, chat, before)
+        return self._shown(caller, chat, line.name)
+
+    def _chosen(self, principal: PrincipalId, chat: Chat) -> str:
+        """Return what somebody chose here themselves; empty where only a usual one is meant."""
+        container = self._container
+        chosen = container.selected(principal, chat)
+        meant_anyhow = (container.here(chat) if chat.topic else "") or (
+            "" if container.usual is None else container.usual(principal)
+        )
+        return "" if chosen == meant_anyhow else chosen
+
+    def _shown(self, caller: Caller, chat: Chat, name: str) -> Reply:
+        """Return what is chosen now, what it can do, and the way back."""
+        principal = caller.principal
+        several = len(self._organiser.visible(principal)) > 1
+        some = several and self._earlier.has(principal, chat)
+        back = (Button(PREVIOUS, f"undo {name or NONE}"),) if some else ()
+        if not name:
+            return Reply(NONE_CHOSEN, (back,) if back else ())
+        profile = self._profiles.get(name)
+        if profile is None:
+            text = said("{name}: chosen. Its name may be left out now.", name=name)
+            return Reply(text, (back,) if back else ())
+        text = said("{status}\nIts name may be left out now.", status=self._status(profile.id))
+        *above, last = self._skills(principal, profile)
+        return Reply(text, (*above, (*last, *back)), about=profile.id)
+
+    async def undo(self, asked: CommandContext) -> Reply:
+        """Take the last choice of a robot in this chat back; nothing moves, nor is moved back.
+
+        A button says which choice it takes back: if that is not the last one any more, it does
+        nothing.
+        """
+        principal, chat = asked.caller.principal, asked.inbound.chat
+        meant = asked.rest.strip()
+        if meant and meant != (self._chosen(principal, chat) or NONE):
+            return Reply(NOT_THE_LAST)
+        visible = self._organiser.visible(principal)
+        before = self._earlier.take(principal, chat)
+        while before and visible.isdisjoint(self.members(before)):
+            before = self._earlier.take(principal, chat)  # they may not see that one any more
+        if before is None:
+            return Reply(NOTHING_TO_UNDO, self._robots(visible))
+        self._container.select(principal, chat, before)
+        shown = self._shown(asked.caller, chat, before)
+        # Nothing chosen: a step further back is the menu of robots.
+        return shown if before else replace(shown, buttons=(*self._robots(visible), *shown.buttons))
+
+    def _skills(self, principal: PrincipalId, profile: Profile) -> tuple[tuple[Button, ...], ...]:
+        """Return what somebody may let a robot do, a button each, and a stop."""
+        here = f"{TRAIL}use {profile.id}"
+        buttons = [
+            Button(messages.button_label(s), f"{ASK_FIRST}{profile.id} {messages.spoken(s)}{here}")
+            for s in profile.skills.values()
+            if self._organiser.allows(principal, profile.id, s.id)
+            and not any(p.text for p in s.parameters.values())
+        ]
+        visible = self._organiser.visible(principal)
+        favourites = self._choosing.favourites(principal, profile.id, visible)
+        often = [Button(one.label, f"{one.command}{here}") for one in favourites]
+        seen = self._reception.sights(profile.id)
+        last = [Button("STOP", f"stop {profile.id}")]
+        if len(visible) > 1:
+            last.append(Button(said("Another robot"), "robots"))
+        stopped = [profile.id] if self._resuming.may(principal, profile.id) else []
+        resume = self._resuming.buttons(stopped)
+        return (*resume, *((button,) for button in often), *rows(buttons), *rows(seen), tuple(last))
+
+    def _robots(self, visible: Iterable[RobotId]) -> tuple[tuple[Button, ...], ...]:
+        some = sorted(visible)[: messages.NAMED_AT_MOST]
+        return rows([Button(self._profiles[r].shown, f"use {r}") for r in some])
+
+
+def _which(visible: frozenset[RobotId]) -> str:
+    if len(visible) <= messages.NAMED_AT_MOST:
+        return WHICH
+    return said(
+        "Which robot? Say its name: these are {some} of {all}.",
+        some=messages.NAMED_AT_MOST,
+        all=len(visible),
+    )

@@ -1,0 +1,109 @@
+"""Whose robots a stop means that carries nobody's id: an anonymous admin's, a channel's (I17).
+
+Those of the people recognised in that chat, in whatever run, or who brought us there. Where nobody
+is, one of the chat's admins must have written it: the messenger is asked who they are.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import OrderedDict
+from typing import TYPE_CHECKING, Final
+
+from rosic.contracts.messenger import admins_of
+from rosic.core.message import ChatKind, Standing
+from rosic.errors import MessengerFault
+
+if TYPE_CHECKING:
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.message import Chat, Inbound
+    from rosic.core.robot.profile import RobotId
+    from rosic.gateway.components import Components
+
+log = logging.getLogger(__name__)
+
+ASKED_AGAIN_NS: Final = 30_000_000_000
+"""Of one chat, once that was answered: anybody may put a bot anywhere, and say stop as nobody."""
+CHATS_AT_MOST: Final = 1_000
+AT_ONCE: Final = 8
+WAITING_AT_MOST: Final = 200
+"""Two whole answers of Telegram, each message of a chat of its own."""
+WITHIN_S: Final = 5.0
+
+
+class SeveralRobots:
+    """Knows who is in chats of many, as far as a stop needs it."""
+
+    def __init__(self, rooms: Components, clock: Clock) -> None:
+        self._authoriser = rooms.authoriser
+        self._organiser = rooms.organiser
+        self._container = rooms.container
+        self._clock = clock
+        self._asked_ns: OrderedDict[tuple[str, str], int] = OrderedDict()
+        self._asking = asyncio.Semaphore(AT_ONCE)
+        self._open: dict[tuple[str, str], asyncio.Future[frozenset[RobotId]]] = {}
+
+    def hears(self, inbound: Inbound) -> bool:
+        """Say whether a stop could be in a message at all: in a stranger's words none is sought.
+
+        Nobody stops what they may not see. Whoever has no name (I17) is no stranger.
+        """
+        found = self._authoriser.directory.at(inbound.sender)
+        if found is None:
+            return is_unnamed(inbound)
+        if inbound.chat.kind is not ChatKind.PRIVATE:
+            self._container.meet(found[0].id, inbound.chat)
+        return True
+
+    def visible(self, chat: Chat) -> frozenset[RobotId]:
+        """Return what those may see who are known to be in a chat."""
+        company = self._authoriser.company(chat) | self._container.company(chat)
+        there = filter(self._authoriser.has_access, company)
+        return frozenset().union(*map(self._organiser.visible, there))
+
+    async def ask(self, messenger: Messenger, inbound: Inbound) -> frozenset[RobotId]:
+        """Return what those of its admins may see who are known; ask the messenger who they are.
+
+        A chat is asked about once at a time: who says stop there meanwhile waits for that answer.
+        Chats of strangers wait in the same line, so that none keeps another from being asked about.
+        """
+        chat, ask = inbound.chat, admins_of(messenger)
+        if ask is None or not is_unnamed(inbound):
+            return frozenset()
+        where = (messenger.name, chat.id)
+        if where in self._open:
+            return await asyncio.shield(self._open[where])
+        if not self._may_ask(where):
+            return frozenset()
+        answer = self._open[where] = asyncio.get_running_loop().create_future()
+        found: frozenset[RobotId] = frozenset()
+        try:
+            async with asyncio.timeout(WITHIN_S), self._asking:
+                admins = await ask(chat)
+            self._is_answered(where)
+            for one in filter(None, map(self._authoriser.directory.at, admins)):
+                self._container.meet(one[0].id, chat)
+            found = self.visible(chat)
+        except (MessengerFault, TimeoutError):
+            log.info("who the admins of a chat are was not told: a stop of nobody's stops nothing")
+        finally:
+            del self._open[where]
+            answer.set_result(found)
+        return found
+
+    def _may_ask(self, where: tuple[str, str]) -> bool:
+        free = len(self._open) < WAITING_AT_MOST
+        return free and self._clock.monotonic_ns() >= self._asked_ns.get(where, 0)
+
+    def _is_answered(self, where: tuple[str, str]) -> None:
+        self._asked_ns[where] = self._clock.monotonic_ns() + ASKED_AGAIN_NS
+        self._asked_ns.move_to_end(where)
+        if len(self._asked_ns) > CHATS_AT_MOST:
+            self._asked_ns.popitem(last=False)
+
+
+def is_unnamed(inbound: Inbound) -> bool:
+    """Whether the platform does not tell who wrote it."""
+    return inbound.standing is Standing.ANONYMOUS or inbound.standing is Standing.CHANNEL

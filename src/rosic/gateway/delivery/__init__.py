@@ -1,0 +1,3 @@
+"""What is said to people: queued per chat, sent, refreshed, never lost."""
+
+from __future__ import annotations

@@ -1,0 +1,148 @@
+"""What waits to be said in one chat, and how much it matters."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
+
+import msgspec
+
+from rosic.contracts.messenger import Messenger
+from rosic.core.identity import CommandId, PrincipalId
+from rosic.core.message import Chat, Outbound, Weight
+from rosic.errors import MessageGone
+from rosic.gateway.order_status import OrderMessage
+
+if TYPE_CHECKING:
+    import asyncio
+
+    from rosic.contracts.messenger import Turn
+
+
+class OutgoingMessage(msgspec.Struct):
+    """A message that stands for itself. ``cid`` and ``also`` are noted as told once it was sent.
+
+    Attributes:
+        edit_only: It says of ``edit_of`` that its time is over, no more: where that message is
+            gone, nothing is said in its place. What was taken out of a chat, a secret first of
+            all, stays out.
+        then: Called once it was sent; it is never dropped before.
+        landed: Called with the id of the message that shows it, each time it was said.
+        doubted: It may have arrived already, or not.
+        about: The robot or group that it speaks of, for whoever replies to it; empty for none.
+        to: Who is to read it, where that is one person.
+        hops: How often it was passed on, as the chat before could be told no more.
+    """
+
+    messenger: Messenger
+    outbound: Outbound
+    cid: CommandId | None = None
+    edit_of: str = ""
+    also: tuple[CommandId, ...] = ()
+    edit_only: bool = False
+    then: Callable[[], None] | None = None
+    landed: Callable[[str], None] | None = None
+    doubted: bool = False
+    about: str = ""
+    to: PrincipalId = ""
+    hops: int = 0
+
+    @property
+    def where_to(self) -> tuple[str, str]:
+        """Name of the messenger, and id of the chat."""
+        return self.messenger.name, self.outbound.chat.id
+
+    @property
+    def messenger_and_chat(self) -> tuple[Messenger, Chat]:
+        """Where it is said."""
+        return self.messenger, self.outbound.chat
+
+
+Item: TypeAlias = OrderMessage | OutgoingMessage
+OUTCOME, QUESTION, FEEDBACK = Weight.OUTCOME, Weight.QUESTION, Weight.FEEDBACK
+
+
+class ChatQueue:
+    """What is to be said in one chat.
+
+    Attributes:
+        turn: What its messenger asks for a turn; None: there is always room.
+        asking: While it waits for a turn, and with which weight.
+    """
+
+    __slots__ = ("asking", "items", "task", "turn", "wake", "weight")
+
+    def __init__(self, turn: Turn | None) -> None:
+        self.turn = turn
+        self.items: deque[Item] = deque()
+        self.task: asyncio.Task[None] | None = None
+        self.wake: asyncio.Future[None] | None = None
+        self.asking: asyncio.Future[None] | None = None
+        self.weight = Weight.FEEDBACK
+
+    def hasten(self, item: Item) -> None:
+        """Have it ask anew if it asks for a turn with less weight than this deserves."""
+        if self.asking is not None and weight_of(item) < self.weight:
+            self.asking.cancel()
+
+    def take(self) -> Item:
+        """Take out the most important thing; of several the one that has waited longest."""
+        items = self.items
+        if len(items) == 1:
+            return items.popleft()
+        number = min(range(len(items)), key=lambda at: weight_of(items[at]))
+        item = items[number]
+        del items[number]
+        return item
+
+
+async def edit_or_send(note: OutgoingMessage) -> str:
+    """Return which message shows a note now; empty if it was to change only one that is gone.
+
+    Raises:
+        MessengerFault: Not said, or it cannot be known.
+    """
+    if note.edit_of and note.messenger.edits:
+        try:
+            await note.messenger.edit(note.edit_of, note.outbound)
+        except MessageGone:
+            if note.edit_only:
+                return ""
+        else:
+            return note.edit_of
+    return await note.messenger.send(note.outbound)
+
+
+def place_of(item: Item) -> tuple[Messenger, Chat]:
+    """Return where it is said."""
+    return (
+        (item.messenger, item.chat) if isinstance(item, OrderMessage) else item.messenger_and_chat
+    )
+
+
+def matters(item: Item) -> bool:
+    """Whether it must be said even when there is too much to say: how something ended."""
+    if isinstance(item, OrderMessage):
+        return not item.open
+    return item.cid is not None or item.then is not None
+
+
+def weight_of(item: Item) -> Weight:
+    """Return how important it is now: a card grows in weight when one of its lives has ended."""
+    if not isinstance(item, OrderMessage):
+        return item.outbound.weight
+    if item.untold:
+        return OUTCOME
+    return FEEDBACK if item.message and not item.adopted else QUESTION
+
+
+def outbound_of(card: OrderMessage, *, endings: bool) -> Outbound:
+    """Return a card as it should read now, with or without how lives ended."""
+    return Outbound(
+        chat=card.chat,
+        text=card.text(endings=endings),
+        reply_to=card.reply_to,
+        buttons=card.buttons if card.open else card.after if endings else (),
+        weight=OUTCOME if card.untold else weight_of(card),
+    )

@@ -1,0 +1,180 @@
+"""Speaking to somebody who has not just asked: an admin, whoever's time is ending."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.authoriser.button_tokens import is_lasting
+from rosic.contracts.messenger import Messenger
+from rosic.core.message import Button, Chat, Outbound, Weight
+from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
+from rosic.gateway.delivery.translation import translated
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rosic.authoriser.authoriser import Authoriser
+    from rosic.core.i18n import Catalogue
+    from rosic.core.identity import PrincipalId
+    from rosic.gateway.delivery.outbox import Outbox
+
+
+class Notification(msgspec.Struct, frozen=True, kw_only=True):
+    """What somebody is told who did not ask.
+
+    Attributes:
+        buttons: Under it; bound to each person and chat, good once.
+        urgent: It overtakes what is not.
+        lifetime_s: How long the buttons are good.
+        still: Nothing moves by any of them, so a gap in listening does not void them.
+        landed: Hears through which messenger, in which chat, which message says it.
+        matter: What it is about, so that a later run that says it again can offer the same anew;
+            ids and numbers only. Without one, what offers a button is lost in a crash.
+    """
+
+    text: str
+    buttons: tuple[tuple[Button, ...], ...] = ()
+    urgent: bool = False
+    lifetime_s: float = 60.0
+    still: bool = False
+    landed: Callable[[Messenger, Chat, str], None] | None = None
+    matter: bytes = b""
+
+
+class Notifier:
+    """Finds people's private chats.
+
+    Where a platform gives a private chat the account's own id, it is found even if the person has
+    not spoken since the start.
+
+    Attributes:
+        messengers: Through which people are reached.
+        outbox: Keeps what is said over a crash; without one it is only said.
+        again: Returns what somebody is offered anew under what a later run says of a matter.
+    """
+
+    def __init__(
+        self, authoriser: Authoriser, teller: ChatSender, messengers: Iterable[Messenger]
+    ) -> None:
+        self._authoriser = authoriser
+        self._teller = teller
+        self.messengers = tuple(messengers)
+        self.outbox: Outbox | None = None
+        self.again: Callable[[PrincipalId, bytes], Notification | None] = _nothing
+
+    def tell(
+        self,
+        people: Iterable[PrincipalId],
+        text: str,
+        buttons: tuple[tuple[Button, ...], ...] = (),
+        *,
+        urgent: bool = False,
+        lifetime_s: float = 60.0,
+        still: bool = False,
+    ) -> int:
+        """Tell each of them in private, wherever they can be reached. Return how many places.
+
+        Buttons are bound to each person and chat, good once. An alarm, and whatever offers no
+        button, is told over a crash too; an offer is not, as nobody could take it any more.
+
+        Args:
+            people: Whom; each once.
+            text: What.
+            buttons: Under it.
+            urgent: It overtakes what is not.
+            lifetime_s: How long the buttons are good.
+            still: Nothing moves by any of them, so a gap in listening does not void them.
+        """
+        notice = Notification(
+            text=text, buttons=buttons, urgent=urgent, lifetime_s=lifetime_s, still=still
+        )
+        return self.give(people, notice)
+
+    def give(self, people: Iterable[PrincipalId], notice: Notification) -> int:
+        """Tell each of them a notice in private. Return how many places that were."""
+        places = 0
+        weight = Weight.ALARM if notice.urgent else Weight.QUESTION
+        offers = any(not is_lasting(button) for row in notice.buttons for button in row)
+        lasts = notice.urgent or not offers or bool(notice.matter)
+        for principal in dict.fromkeys(people):
+            for messenger, chat in self._chats(principal):
+                outbound = Outbound(chat=chat, text=notice.text, weight=weight)
+                note = OutgoingMessage(messenger, outbound)
+                self._offer(principal, note, notice)
+                if self.outbox is not None and lasts:
+                    self.outbox.say(principal, note, notice.matter)
+                else:
+                    self._teller.say(note)
+                places += 1
+        return places
+
+    def dress(self, note: OutgoingMessage, matter: bytes) -> None:
+        """Put under what is said again what can still be done about its matter."""
+        notice = self.again(note.to, matter)
+        if notice is not None:
+            self._offer(note.to, note, notice)
+
+    def read_by(self, who: PrincipalId) -> Catalogue | None:
+        """Return what somebody reads; None: English."""
+        return self._teller.languages.of(who)
+
+    def _offer(self, who: PrincipalId, note: OutgoingMessage, notice: Notification) -> None:
+        """Put the buttons of a notice under a note, bound to its reader and chat."""
+        messenger, chat = note.messenger_and_chat
+        lifetime_ns = int(notice.lifetime_s * 1e9)
+        issue = partial(self._authoriser.buttons.issue, lifetime_ns=lifetime_ns, still=notice.still)
+        bound = tuple(
+            tuple(b if is_lasting(b) else issue(b, who, chat.id) for b in row)
+            for row in notice.buttons
+        )
+        offering = msgspec.structs.replace(note.outbound, buttons=bound)
+        note.outbound = translated(offering, self._teller.languages.of(who))
+        if notice.landed is not None:
+            note.landed = partial(notice.landed, messenger, chat)
+
+    def pass_on(
+        self, people: Iterable[PrincipalId], text: str, besides: tuple[str, str], *, hops: int
+    ) -> int:
+        """Tell each of them what another chat could be told no more. Return how many places.
+
+        Args:
+            people: Whom; each once.
+            text: What.
+            besides: Messenger and chat that did not take it.
+            hops: How often it was passed on, with this.
+        """
+        places = 0
+        for principal in dict.fromkeys(people):
+            catalogue = self._teller.languages.of(principal)
+            for messenger, chat in self._chats(principal):
+                if (messenger.name, chat.id) == besides:
+                    continue
+                outbound = Outbound(chat=chat, text=text, weight=Weight.OUTCOME)
+                note = OutgoingMessage(
+                    messenger, translated(outbound, catalogue), to=principal, hops=hops
+                )
+                if self.outbox is not None:
+                    self.outbox.say(principal, note)
+                else:
+                    self._teller.say(note)
+                places += 1
+        return places
+
+    def chats(self, principal: PrincipalId) -> tuple[tuple[Messenger, Chat], ...]:
+        """Return where somebody can be told something in private."""
+        return tuple(self._chats(principal))
+
+    def _chats(self, principal: PrincipalId) -> Iterable[tuple[Messenger, Chat]]:
+        person = self._authoriser.directory.person(principal)
+        for address in person.addresses if person is not None else ():
+            for messenger in self.messengers:
+                if messenger.platform == address.platform:
+                    yield messenger, Chat(address.platform, address.account)
+
+
+def _nothing(_who: PrincipalId, _matter: bytes) -> None:
+    """Nobody offers anything anew."""

@@ -1,0 +1,400 @@
+"""Tell: what goes back to a chat, newest state first, an ending never lost while we live.
+
+One voice per chat speaks at a time. A voice that has nothing to say costs nothing. Where a platform
+takes only so much, a voice waits for its turn first and chooses its words then: the most important
+thing that waits, as it is at that moment. What a stop answers does not wait for any of this.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from rosic.contracts.messenger import turn_of
+from rosic.core import messages
+from rosic.core.i18n import in_language
+from rosic.core.identity import Address
+from rosic.core.message import Outbound
+from rosic.errors import ChatGone, MessageGone, MessengerFault
+from rosic.gateway.delivery.chat_queue import (
+    ChatQueue,
+    Item,
+    OutgoingMessage,
+    edit_or_send,
+    matters,
+    outbound_of,
+    place_of,
+    weight_of,
+)
+from rosic.gateway.delivery.translation import ChatLanguages
+from rosic.gateway.order_status import OrderMessage
+from rosic.gateway.reply_context import ReplyTargets
+
+__all__ = ["ChatSender", "OutgoingMessage"]
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.container.container import Containers
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Turn
+    from rosic.core.i18n import Catalogue
+
+TRIES = 6
+ASIDE_S = 60.0
+ASIDE_AT_MOST = 10_000
+# Between two edits that only show progress. Seldom enough to leave room for the ending where a
+# platform takes one message a second from a chat.
+PROGRESS_EVERY_S = 2.0
+FIRST_WAIT_S = 0.5
+UNSAID_AT_MOST = 512
+VOICES_AT_MOST = 10_000
+
+log = logging.getLogger("rosic.telling")
+
+
+class ChatSender:
+    """All voices.
+
+    Attributes:
+        gone: Hears of what a chat can be told no more, before it counts as told.
+        on_buttons: Hears which message shows a note now.
+        languages: Who reads which language; what is handed over here to be said is plain already.
+        subjects: Of which robot each message speaks.
+    """
+
+    def __init__(
+        self, containers: Containers, clock: Clock, languages: ChatLanguages | None = None
+    ) -> None:
+        self.languages = ChatLanguages() if languages is None else languages
+        self._containers = containers
+        self._clock = clock
+        self._voices: dict[tuple[str, str], ChatQueue] = {}
+        self._urgent: set[asyncio.Task[None]] = set()
+        self._aside: set[asyncio.Task[None]] = set()
+        self._due: dict[OrderMessage, None] = {}
+        self._ticking: asyncio.Task[None] | None = None
+        self.gone: Callable[[Item, ChatGone], None] | None = None
+        self.on_buttons: Callable[[OutgoingMessage, str], None] = _nobody_looks
+        self.subjects = ReplyTargets()
+
+    def say(self, note: OutgoingMessage) -> None:
+        """Say something after everything said before in its chat; an urgent one at once."""
+        if note.outbound.urgent:
+            task = asyncio.create_task(self._speak(note))
+            self._urgent.add(task)
+            task.add_done_callback(self._urgent.discard)
+        else:
+            self._enqueue((note.messenger.name, note.outbound.chat.id), note)
+
+    def show(self, card: OrderMessage) -> None:
+        """Bring a chat up to date with a card."""
+        self._enqueue(card.where, card)
+
+    def update(self, card: OrderMessage) -> None:
+        """Show progress: line by line at once, or by an edit when the next one is due."""
+        if card.lines:
+            self._enqueue(card.where, card)
+        elif card.dirty:
+            card.due = True
+            self._due[card] = None
+            if self._ticking is None:
+                self._ticking = asyncio.create_task(self._tick())
+
+    async def _tick(self) -> None:
+        """Show what has changed, for all chats together, so that progress costs no timers."""
+        while self._due:
+            await self._clock.sleep(PROGRESS_EVERY_S)
+            due, self._due = self._due, {}
+            for card in due:
+                card.due = False
+                if card.dirty and card.open:
+                    self._enqueue(card.where, card)
+        self._ticking = None
+
+    def _enqueue(self, where: tuple[str, str], item: Item) -> None:
+        voice = self._voices.get(where)
+        if voice is None:
+            self._retire()
+            voice = self._voices[where] = ChatQueue(turn_of(place_of(item)[0]))
+        items = voice.items
+        if items:
+            if items[-1] is item:
+                voice.hasten(item)
+                return  # it will be read when it is its turn, as it is then
+            if len(items) >= UNSAID_AT_MOST and not matters(item):
+                return
+        items.append(item)
+        if voice.task is None:
+            voice.task = asyncio.create_task(self._run(voice))
+        elif voice.wake is not None and not voice.wake.done():
+            voice.wake.set_result(None)
+        elif voice.asking is not None:
+            voice.hasten(item)
+
+    def _retire(self) -> None:
+        """Keep the number of voices bounded: the oldest ones that have nothing to say go."""
+        if len(self._voices) < VOICES_AT_MOST:
+            return
+        for where, voice in list(self._voices.items())[: VOICES_AT_MOST // 2]:
+            if voice.task is not None and voice.wake is not None and not voice.wake.done():
+                voice.task.cancel()
+                del self._voices[where]
+
+    async def _run(self, voice: ChatQueue) -> None:
+        loop, turn = asyncio.get_running_loop(), voice.turn
+        while True:
+            while voice.items:
+                if turn is None:
+                    item = voice.items.popleft()
+                else:
+                    await self._wait_for_turn(voice, turn)
+                    item = voice.take()
+                try:
+                    if turn is None and isinstance(item, OrderMessage) and item.in_place:
+                        await self._show_in_place(item, None)
+                    else:
+                        await self._speak_once(item, voice if turn is not None else None)
+                except ChatGone as why:
+                    self._let_go(item, why)
+                except MessengerFault as fault:
+                    log.warning("not told yet: %s", fault)
+                    await self._speak_again(item)
+                except Exception:
+                    log.exception("not told: a fault of the messenger")
+                    await self._speak_again(item)
+                del item  # or it would lie about until something else is said here
+            voice.wake = loop.create_future()
+            await voice.wake
+            voice.wake = None
+
+    async def _wait_for_turn(self, voice: ChatQueue, turn: Turn) -> None:
+        """Wait until the most important thing in a chat may be said, for as long as it takes."""
+        _, chat = place_of(voice.items[0])
+        while True:
+            voice.weight = min(map(weight_of, voice.items))
+            voice.asking = asyncio.ensure_future(turn(chat, voice.weight))
+            try:
+                await voice.asking
+            except asyncio.CancelledError:
+                me = asyncio.current_task()
+                if me is None or me.cancelling():
+                    raise
+            except MessengerFault as fault:
+                log.warning("no turn yet: %s", fault)
+                await self._clock.sleep(FIRST_WAIT_S)
+            else:
+                return
+            finally:
+                voice.asking = None
+
+    async def _speak(self, item: Item, *, tries: int = TRIES) -> None:
+        """Say one thing, or lay it aside: one message that is not taken silences no chat."""
+        wait_s = FIRST_WAIT_S * 2 ** (TRIES - tries)
+        for _ in range(tries):
+            try:
+                await self._speak_once(item)
+            except ChatGone as why:
+                self._let_go(item, why)
+                return
+            except MessengerFault as fault:
+                log.warning("not told yet: %s", fault)
+            except Exception:
+                log.exception("not told: a fault of the messenger")
+            else:
+                return
+            await self._clock.sleep(wait_s)
+            wait_s *= 2
+        if matters(item) and len(self._aside) < ASIDE_AT_MOST:
+            task = asyncio.create_task(self._speak_later(item))
+            self._aside.add(task)
+            task.add_done_callback(self._aside.discard)
+
+    def _let_go(self, item: Item, why: ChatGone) -> None:
+        """Nobody is there to be told any more: it counts as told, and is tried no further."""
+        if self.gone is not None:
+            self.gone(item, why)
+        if isinstance(item, OrderMessage):
+            item.dirty, item.lines = False, ()
+            told, item.untold = item.untold, ()
+        else:
+            told = (item.cid, *item.also) if item.cid is not None else ()
+            if item.then is not None:
+                item.then()
+        if told:
+            self._containers.told(*told)
+
+    async def _speak_again(self, item: Item) -> None:
+        """Go on after a first try that failed."""
+        await self._clock.sleep(FIRST_WAIT_S)
+        await self._speak(item, tries=TRIES - 1)
+
+    async def _speak_later(self, item: Item) -> None:
+        """Try what matters again after a while, behind what was said meanwhile."""
+        await self._clock.sleep(ASIDE_S)
+        if isinstance(item, OrderMessage):
+            self._enqueue(item.where, item)
+        else:
+            self._enqueue((item.messenger.name, item.outbound.chat.id), item)
+
+    async def _speak_once(self, item: Item, voice: ChatQueue | None = None) -> None:
+        """Say one thing, with whatever may be said in one turn.
+
+        Args:
+            item: What to say.
+            voice: If it has waited for a turn; what is left is given back to it.
+        """
+        if not isinstance(item, OrderMessage):
+            await self._say(item)
+        elif not item.in_place:
+            await self._show_line_by_line(item)
+        elif voice is not None and voice.items and item.is_over_unseen:
+            await self._show_at_once(item)
+        else:
+            await self._show_in_place(item, voice)
+
+    async def _say(self, note: OutgoingMessage) -> None:
+        try:
+            message = await edit_or_send(note)
+        except MessengerFault as fault:
+            # An edit may be made twice; a message that is sent twice says so.
+            if fault.perhaps_sent and not note.edit_of and not note.doubted:
+                note.doubted = True
+                address = Address(note.outbound.chat.platform, note.outbound.chat.id)
+                note.outbound = _marked(note.outbound, self.languages.of_address(address))
+            raise
+        if not message:
+            return
+        self.on_buttons(note, message)
+        self.subjects.note(note.messenger.name, note.outbound.chat, message, note.about)
+        if note.cid is not None:
+            self._containers.told(note.cid, *note.also)
+        if note.landed is not None:
+            note.landed(message)
+        if note.then is not None:
+            note.then()
+
+    async def _show_line_by_line(self, card: OrderMessage) -> None:
+        while card.lines:
+            text, last = card.lines[0], len(card.lines) == 1 and not card.open
+            buttons = card.after if last else ()
+            await card.messenger.send(Outbound(chat=card.chat, text=text, buttons=buttons))
+            card.lines = card.lines[1:]
+        if not card.open and card.untold:
+            self._containers.told(*card.untold)
+            card.untold = ()
+
+    async def _show_at_once(self, card: OrderMessage) -> None:
+        """Say a life that is over in one message, where more waits than the platform takes.
+
+        Half the calls, so twice as many people hear how their orders ended. Should this process
+        die before it is noted as told, the next says it again, marked (`gateway/recovery.py`).
+        """
+        try:
+            card.message = await card.messenger.send(outbound_of(card, endings=True))
+        except MessengerFault as fault:
+            card.doubted = fault.perhaps_sent
+            raise
+        self.subjects.note(card.messenger.name, card.chat, card.message, card.about)
+        card.dirty = False
+        self._containers.told(*card.untold)
+        card.untold = ()
+
+    async def _show_in_place(self, card: OrderMessage, voice: ChatQueue | None) -> None:
+        """Send once, write down which message it is, and say an ending only by editing it.
+
+        So an ending is said exactly once, whenever this process may die: what was not noted as
+        told is said again by an edit to the same content.
+        """
+        if not card.message or card.adopted:
+            await self._place(card)
+            if voice is not None and card.dirty:
+                voice.items.appendleft(card)  # an edit is another turn
+                return
+        if not card.dirty:
+            return
+        shown = self._with_endings(card)
+        ended, card.untold = card.untold, ()
+        card.dirty = card.due = False
+        self._due.pop(card, None)  # a life that is over would lie there until the tick
+        try:
+            await card.messenger.edit(card.message, shown)
+        except MessengerFault as fault:
+            card.dirty = True
+            card.untold = ended + card.untold
+            if isinstance(fault, MessageGone):
+                card.message = ""  # the person deleted it; the life goes on in a new one
+            raise
+        if card.dirty or card.open:
+            # A later run knows only lives that are not noted as told, and says them together.
+            card.untold = ended + card.untold
+        elif ended:
+            self._containers.told(*ended)
+
+    def _with_endings(self, card: OrderMessage) -> Outbound:
+        outbound = outbound_of(card, endings=True)
+        if not card.doubted:
+            return outbound
+        return _marked(outbound, self.languages.of(card.principal))
+
+    async def _place(self, card: OrderMessage) -> None:
+        """Show a life for the first time, and write down which message shows it."""
+        card.dirty = bool(card.untold)
+        if card.adopted:
+            await self._adopt(card)
+        else:
+            try:
+                card.message = await card.messenger.send(outbound_of(card, endings=False))
+            except MessengerFault as fault:
+                card.doubted = card.doubted or fault.perhaps_sent  # it may stand there for ever
+                raise
+        self.subjects.note(card.messenger.name, card.chat, card.message, card.about)
+        if card.ending:
+            await self._containers.place(card.cids, card.principal, card.message)
+        else:
+            # Nobody waits for it: an ending is written later, and so after it.
+            self._containers.note_place(card.cids, card.principal, card.message)
+
+    async def _adopt(self, card: OrderMessage) -> None:
+        """Show a card for the first time where it was asked for."""
+        outbound = outbound_of(card, endings=False)
+        adopted, card.adopted = card.message, False
+        card.message = ""  # should this fail, it is said in a message of its own
+        self.on_buttons(OutgoingMessage(card.messenger, outbound), adopted)
+        await card.messenger.edit(adopted, outbound)
+        card.message = adopted
+
+    async def flush(self, seconds: float) -> None:
+        """Wait until everything is said, or the time is over; then fall silent."""
+        tasks = [voice.task for voice in self._voices.values() if voice.task is not None]
+        deadline_ns = self._clock.monotonic_ns() + int(seconds * 1e9)
+        while not self.quiet and self._clock.monotonic_ns() < deadline_ns:
+            await self._clock.sleep(0.01)
+        ticking = (self._ticking,) if self._ticking is not None else ()
+        everything = (*tasks, *self._urgent, *self._aside, *ticking)
+        for task in everything:
+            task.cancel()
+        await asyncio.gather(*everything, return_exceptions=True)
+
+    @property
+    def quiet(self) -> bool:
+        """Whether everything has been said."""
+        speaking = any(
+            voice.items or voice.wake is None or voice.wake.done()
+            for voice in self._voices.values()
+            if voice.task is not None
+        )
+        return not speaking and not self._urgent
+
+
+def _nobody_looks(_note: OutgoingMessage, _message: str) -> None:
+    """Nobody wants to know which message shows a note."""
+
+
+def _marked(outbound: Outbound, catalogue: Catalogue | None) -> Outbound:
+    """Return what may have arrived already, saying so."""
+    text = in_language(messages.perhaps_twice(outbound.text), catalogue)
+    return msgspec.structs.replace(outbound, text=text)

@@ -1,0 +1,90 @@
+"""What stands beneath an order once it has ended: again, back to its robot, a picture, the menu.
+
+None of these moves anything: again asks first, as everything does that is tapped. So they are bound
+to nobody, nothing is kept of them, and they are good for as long as they are shown.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from rosic.authoriser.button_tokens import open_button
+from rosic.core.i18n import Catalogue, in_language, said
+from rosic.core.message import Button
+from rosic.gateway.replies import ASK_FIRST
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rosic.gateway.agreement import Agreements
+    from rosic.gateway.components import Components
+    from rosic.gateway.reception import PipelineHooks
+
+KEPT: Final = 1_024
+AGAIN, BACK, MENU = said("Again"), said("Back"), said("Menu")
+ALL_ROBOTS: Final = "robots"
+LAST: Final = "again"
+SEVERAL: Final = "+"
+"""Between robots that are named one by one."""
+NAMED: Final = 3
+
+Row: TypeAlias = tuple[tuple[Button, ...], ...]
+Ended: TypeAlias = tuple[str, str, Catalogue | None]
+"""Whom it was asked of, a robot or a group; what, as typed; whose language they read."""
+
+
+class EndButtons(dict[Ended, Row]):
+    """The row beneath each end. People repeat themselves, so what was made is found again.
+
+    Bounded, and thrown away whole: what it does not hold is made anew.
+    """
+
+    def __init__(self, rooms: Components, agreements: Agreements, reception: PipelineHooks) -> None:
+        super().__init__()
+        self._rooms = rooms
+        self._agreements = agreements
+        self._reception = reception
+
+    def __missing__(self, ended: Ended) -> Row:
+        if len(self) >= KEPT:
+            self.clear()
+        made = [button for button in self._made(ended) if button is not None]
+        row = self[ended] = (tuple(made),)
+        return row
+
+    def of_task(self, whom: str, again: str, catalogue: Catalogue | None) -> Row:
+        """Return the row beneath the end of a task.
+
+        Args:
+            whom: The robot that had it, else whom it was for; empty: any.
+            again: What gives it anew; empty, or too long to be carried: it is not offered.
+            catalogue: Whose language its author reads.
+        """
+        labels = [in_language(label, catalogue) for label in (AGAIN, MENU)]
+        made = [open_button(labels[0], f"{ASK_FIRST}{again}") if again else None]
+        made += self._back(whom, catalogue)
+        made.append(open_button(labels[1], ALL_ROBOTS))
+        return (tuple(button for button in made if button is not None),)
+
+    def _back(self, name: str, catalogue: Catalogue | None) -> Iterator[Button | None]:
+        """Yield the way back to whom it was asked of, and a picture where one is to be had."""
+        label, profiles = in_language(BACK, catalogue), self._rooms.profiles
+        name = name.casefold()
+        if name in profiles:
+            yield open_button(label, f"use {name}")
+            for seen in self._reception.sights(name)[:1]:
+                yield open_button(in_language(seen.label, catalogue), seen.command)
+        elif self._rooms.vocabulary.members(name):
+            yield open_button(label, f"help {name}")
+        else:  # several that were named one by one: to each
+            for robot in [robot for robot in name.split(SEVERAL) if robot in profiles][:NAMED]:
+                yield open_button(profiles[robot].shown, f"use {robot}")
+
+    def _made(self, ended: Ended) -> Iterator[Button | None]:
+        name, text, catalogue = ended
+        labels = [in_language(label, catalogue) for label in (AGAIN, MENU)]
+        whole = self._agreements.named_for(name, text)
+        # What is too long to be carried is asked by whoever said it last here.
+        yield open_button(labels[0], f"{ASK_FIRST}{whole}") or open_button(labels[0], LAST)
+        yield from self._back(name, catalogue)
+        yield open_button(labels[1], ALL_ROBOTS)

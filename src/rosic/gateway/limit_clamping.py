@@ -1,0 +1,177 @@
+"""What nobody has said is taken within one's own limits: a default above them is lowered.
+
+Only what a profile proposes is lowered, and that is said. A value that somebody has given is
+refused when it is above their limits, and never changed.
+"""
+
+from __future__ import annotations
+
+from math import ceil, floor
+from typing import TYPE_CHECKING, NamedTuple
+
+from msgspec.structs import replace
+
+from rosic.core.i18n import joined, said
+from rosic.core.language.arguments import place
+from rosic.core.order import Request, Spoken
+from rosic.core.policy.limits import limit_in_words
+from rosic.core.policy.query import Deny, PolicyCode
+from rosic.core.policy.roles import Assurance
+from rosic.organiser.grounds import AuthContext
+from rosic.organiser.refusals import bound_of
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import Caller, CommandId
+    from rosic.core.language import Do
+    from rosic.core.language.compiled import CompiledParameter, CompiledSkill
+    from rosic.core.language.numbers import Unit, UnitTable
+    from rosic.core.order import Permit
+    from rosic.core.policy.limits import Limit
+    from rosic.core.robot.profile import RobotId
+    from rosic.core.robot.skill import Argument
+    from rosic.errors import OutOfBounds
+    from rosic.gateway.components import Components
+    from rosic.gateway.message_context import MessageContext
+    from rosic.gateway.requesting import RequestFactory
+
+# What a chat is worth is asked when the order is admitted; here only limits matter.
+ANYWHERE = AuthContext(channel=Assurance.LOCAL)
+WHOLE = 1e-6
+
+
+class LimitClamping:
+    """Brings what was left open within somebody's limits."""
+
+    def __init__(self, rooms: Components, requesting: RequestFactory, clock: Clock) -> None:
+        self._rooms = rooms
+        self._requesting = requesting
+        self._clock = clock
+
+    def admit(
+        self, said: MessageContext, line: Do, cid: CommandId, why: OutOfBounds
+    ) -> tuple[Do, list[Request], tuple[Permit, ...]]:
+        """Admit a line with its defaults within its author's limits; `MessageContext.note` says so.
+
+        Args:
+            said: The message.
+            line: As it was said.
+            cid: Of the line.
+            why: Why it was refused as it was.
+
+        Returns:
+            The line as it is carried out, and what becomes of it.
+
+        Raises:
+            OutOfBounds: Nothing of it was left open, or that does not help.
+            Refusal: Why not; as `Organiser.admit`.
+        """
+        line, said.note = self.of(said.caller, line)
+        if not said.note:
+            raise why
+        requests = self._requesting.requests(said, line, cid, self._clock.monotonic_ns())
+        complete = self._rooms.container.complete
+        permits = self._rooms.organiser.admit(
+            said.caller, requests, lambda one: complete(one).arguments, said.grounds
+        )
+        return line, requests, permits
+
+    def of(self, caller: Caller, line: Do) -> tuple[Do, str]:
+        """Return the same; the line as it is, and nothing to say, where nothing is lowered.
+
+        Raises:
+            NotUnderstood, OutOfBounds: It cannot be carried out as it was said.
+        """
+        open_at: dict[str, list[_Open]] = {}
+        notes: dict[str, None] = {}
+        for robot, skill in zip(line.robots, line.skills, strict=True):
+            compiled, given = place(
+                self._rooms.vocabulary, robot, skill, line.spoken, group=line.group
+            )
+            request = Request(b"", robot, skill, line.spoken, line.text, 0, 0, 0, 0, line.group)
+            arguments = self._rooms.container.complete(request).arguments
+            found, limits = self.within(caller, robot, compiled, arguments, given)
+            for parameter in compiled.numbers:
+                usual = arguments.get(parameter.name)
+                if isinstance(usual, int | float):
+                    here = _Open(parameter.unit, usual, found.get(parameter.name, usual))
+                    open_at.setdefault(parameter.name, []).append(here)
+            notes.update(dict.fromkeys(self._said(caller, limit) for limit in limits))
+        if not notes:
+            return line, ""
+        units = self._rooms.vocabulary.units
+        changed = {name: of for name, of in open_at.items() if any(o.value != o.usual for o in of)}
+        more = [_for_all(name, each, units) for name, each in changed.items()]
+        said = tuple(spoken for spoken in more if spoken is not None)
+        if len(said) < len(more):
+            return line, ""
+        return replace(line, spoken=(*line.spoken, *said)), joined(", ", notes)
+
+    def within(
+        self,
+        caller: Caller,
+        robot: RobotId,
+        compiled: CompiledSkill,
+        arguments: Mapping[str, Argument],
+        given: Collection[str],
+    ) -> tuple[dict[str, float], list[Limit]]:
+        """Return what becomes of values that nobody gave, SI, and by which limits."""
+        organiser = self._rooms.organiser
+        skill = compiled.skill.id
+        decision = organiser.decision(caller, robot, skill, arguments, ANYWHERE)
+        if not isinstance(decision, Deny) or decision.code is not PolicyCode.OVER_LIMIT:
+            return {}, []
+        lowered: dict[str, float] = {}
+        limits: list[Limit] = []
+        for limit in decision.way.limits if decision.way is not None else ():
+            value, parameter = arguments.get(limit.parameter), compiled.by_name[limit.parameter]
+            if limit.parameter in given or not isinstance(value, int | float):
+                continue
+            if not limit.min <= value <= limit.max:
+                lowered[limit.parameter] = _within(parameter, float(value), limit)
+                limits.append(limit)
+        return lowered, limits
+
+    def _said(self, caller: Caller, limit: Limit) -> str:
+        bound = bound_of(limit.said)
+        if any(own in limit.said for own in self._rooms.organiser.own_limits(caller.principal)):
+            return said("as much as your own setting allows ({limit})", limit=limit_in_words(bound))
+        return said("as much as your limit allows ({limit})", limit=limit_in_words(bound))
+
+
+class _Open(NamedTuple):
+    """What becomes of one parameter of one robot that nobody gave a value: SI."""
+
+    unit: Unit
+    usual: float
+    value: float
+
+
+def _for_all(name: str, robots: list[_Open], units: UnitTable) -> Spoken | None:
+    """Return a value that is said to all robots of a line; None where no one value fits.
+
+    Where one is lowered, nobody goes further than their own default; where one is raised, no
+    further than it has to.
+    """
+    raised = [one.value for one in robots if one.value > one.usual]
+    if raised and any(one.value < one.usual for one in robots):
+        return None
+    value = max(raised) if raised else min(one.value for one in robots)
+    unit = robots[0].unit
+    # Without a unit it would be taken in each robot's own.
+    word = "" if all(one.unit == unit for one in robots) else unit.symbol
+    if word and units.find(word) != unit:
+        return None
+    return Spoken(name, float(f"{unit.from_si(value):.8g}"), word)
+
+
+def _within(parameter: CompiledParameter, value: float, limit: Limit) -> float:
+    """Return a value within a limit, SI, as somebody would write it: a limit has some slack."""
+    number = parameter.unit.from_si(min(max(value, limit.min), limit.max))
+    if not parameter.integer:
+        return parameter.unit.to_si(float(f"{number:.8g}"))
+    return parameter.unit.to_si(
+        ceil(number - WHOLE) if value < limit.min else floor(number + WHOLE)
+    )

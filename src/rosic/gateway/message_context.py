@@ -1,0 +1,73 @@
+"""One message on its way through the rooms."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+from rosic.core.policy.roles import ASSURANCES, Assurance
+from rosic.organiser.grounds import AuthContext
+
+if TYPE_CHECKING:
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Caller, PrincipalId
+    from rosic.core.message import Inbound
+    from rosic.core.robot.profile import RobotId
+    from rosic.gateway.reception import SteppedUp
+
+
+class Requester(Protocol):
+    """Who is behind an order: somebody who said it, or whose rule asks for it."""
+
+    caller: Caller
+
+    def grounds(self) -> AuthContext:
+        """Return what counts besides who they are."""
+
+
+class MessageContext:
+    """One message on its way: who said it, where, and which robots its lines asked so far.
+
+    Attributes:
+        act: Digest of what the tap that said it agrees to; empty: it was typed, or agrees to
+            nothing.
+        confirmed: A button said it that asked whether it is meant.
+        second: Who else has agreed to it.
+        shown_ns: When the button was shown that said it, wall clock; 0: it was typed.
+        note: What is said beside its orders: that a default was lowered; mostly empty.
+        proven: It was asked whether they have shown a second factor lately, and they have.
+    """
+
+    __slots__ = (
+        "act", "arrived_ns", "asked", "caller", "confirmed", "inbound",
+        "messenger", "note", "proven", "second", "shown_ns", "stepup",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        messenger: Messenger,
+        inbound: Inbound,
+        caller: Caller,
+        arrived_ns: int,
+        stepup: SteppedUp,
+    ) -> None:
+        self.act = b""
+        self.note = ""
+        self.confirmed = self.proven = False
+        self.second: PrincipalId | None = None
+        self.shown_ns = 0
+        self.stepup = stepup
+        self.messenger = messenger
+        self.inbound = inbound
+        self.caller = caller
+        self.arrived_ns = arrived_ns
+        self.asked: tuple[RobotId, ...] = ()
+
+    def grounds(self) -> AuthContext:
+        """Return what counts besides who they are; asked only where it matters."""
+        self.proven = self.stepup(self.caller.principal, self.inbound.chat)
+        return AuthContext(
+            channel=ASSURANCES.get(self.messenger.assurance, Assurance.PROVIDER_READABLE),
+            stepped_up=self.proven,
+            confirmed=self.confirmed,
+            second=self.second,
+        )

@@ -1,0 +1,95 @@
+"""What is asked of ROSIC itself: who am I, invite somebody, book a robot. A clerk for each verb."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, TypeAlias
+
+import msgspec
+
+from rosic.contracts.messenger import Messenger
+from rosic.core.i18n import said
+from rosic.core.identity import Caller, CommandId
+from rosic.core.message import ChatKind, Inbound
+from rosic.errors import NotPermitted, NotUnderstood, OutOfBounds
+from rosic.gateway.builtin_commands import Reply
+
+if TYPE_CHECKING:
+    from rosic.core.language import CommandLine
+
+ONLY_IN_PRIVATE = said("Ask me that in a private chat with me, please.")
+
+
+class CommandContext(msgspec.Struct, frozen=True):
+    """One errand, and who asked for it, where.
+
+    Attributes:
+        rest: The line after the verb, as typed.
+        cid: Identity of the line, for what must not happen twice.
+        act: Digest of what the tap that said it agrees to. Whatever was typed agrees to nothing.
+    """
+
+    messenger: Messenger
+    inbound: Inbound
+    caller: Caller
+    rest: str
+    cid: CommandId
+    act: bytes = b""
+
+    @property
+    def private(self) -> bool:
+        """Whether nobody else can read along."""
+        return self.inbound.chat.kind is ChatKind.PRIVATE
+
+
+Clerk: TypeAlias = Callable[[CommandContext], Awaitable[Reply]]
+
+
+class CommandRegistry:
+    """Brings an errand to whoever does it."""
+
+    def __init__(self) -> None:
+        self._clerks: dict[str, Clerk] = {}
+
+    def employ(self, verb: str, clerk: Clerk) -> None:
+        """Say who does errands of a verb."""
+        self._clerks[verb] = clerk
+
+    async def do(self, errand: CommandLine, asked: CommandContext) -> Reply:
+        """Do an errand, and return what to say.
+
+        Raises:
+            Refusal: Why not; nothing was changed.
+        """
+        clerk = self._clerks.get(errand.verb)
+        if clerk is None:
+            raise NotUnderstood(
+                said("I cannot do {verb} here.", verb=errand.verb), offers=("help",)
+            )
+        return await clerk(asked)
+
+
+def check_length(line: str, most: int) -> None:
+    """See that a line is read to its end: what would be cut off may be what makes it safe.
+
+    Raises:
+        OutOfBounds: It is longer than that many characters.
+    """
+    if len(line) > most:
+        raise OutOfBounds(
+            said(
+                "That line has {length} characters; I read at most {most}. Nothing was done.",
+                length=len(line),
+                most=most,
+            )
+        )
+
+
+def check_private(asked: CommandContext) -> None:
+    """See that nobody else reads along.
+
+    Raises:
+        NotPermitted: Others do.
+    """
+    if not asked.private:
+        raise NotPermitted(ONLY_IN_PRIVATE)

@@ -1,0 +1,406 @@
+"""From a claimed order to an outcome that was told: relay, durable outcome, tell. In that order."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, Protocol
+
+import msgspec
+
+from rosic.core.deadman import BROKEN_OFF
+from rosic.core.i18n import capital, joined, said
+from rosic.core.language import inert_text
+from rosic.core.order import NEVER_BEGUN, Ending, Order, Outcome, StageReport
+from rosic.errors import OrderVoid, Refusal, RobotUnreachable
+from rosic.linker.linker import Linker, PolicyMoved
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+
+    from rosic.container.container import Containers
+    from rosic.contracts.clock import Clock
+    from rosic.core.identity import CommandId, PrincipalId
+    from rosic.core.order_status import OrderStatus
+    from rosic.core.robot.profile import RobotId
+    from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.message_context import Requester
+    from rosic.gateway.order_status import OrderMessage
+    from rosic.linker.robot_queue import QueuedOrder
+    from rosic.organiser.organiser import Organiser
+
+AT_MOST = 20_000
+NOTE_AT_MOST = 400
+
+REFUSED, UNKNOWN = Ending.REFUSED, Ending.UNKNOWN
+AFTER_A_BREAK = said("What came before this was broken off, so this was not done.")
+FULL = Outcome(Ending.REFUSED, said("I have too much to do. This was not done."), code="full")
+WENT_WRONG = said("Something went wrong here. Please look.")
+SHUT_DOWN = said("ROSIC was shut down")
+CANCELLED_BEFORE = said("You cancelled this before it could begin. Nothing was done.")
+
+log = logging.getLogger("rosic.pipeline")
+
+
+class OrderWatcher(Protocol):
+    """Whoever follows what robots do. Neither method raises anything."""
+
+    def began(self, order: Order) -> None:
+        """Hear that an order is handed to its robot now."""
+
+    def ended(self, order: Order, outcome: Outcome) -> None:
+        """Hear that it is over, and how."""
+
+
+class RunningOrder:
+    """One order from its claim to its end.
+
+    Attributes:
+        said: Who is behind it: mostly a message.
+        shown: How it reads on its card.
+        begun: It has been relayed.
+        words: How it ended, once it has.
+    """
+
+    __slots__ = ("_lives", "begun", "card", "order", "said", "shown", "words")
+
+    def __init__(
+        self,
+        order: Order,
+        said: Requester,
+        card: OrderMessage,
+        shown: OrderStatus,
+        lives: OrderExecutor,
+    ) -> None:
+        self.order = order
+        self.said = said
+        self.card = card
+        self.begun = False
+        self.words = ""
+        self.shown = shown
+        self._lives = lives
+
+    def tell(self, report: StageReport) -> None:
+        """Take a report in; a robot's words are made inert."""
+        if report.note:
+            report = StageReport(report.stage, report.fraction, inert_words(report.note))
+        lives, card = self._lives, self.card
+        if card.step(self.shown, report, lives.wall_ns()):
+            lives.teller.update(card)
+
+    def void(self, refusal: OrderVoid) -> None:
+        """It is over before it began."""
+        self._lives.ended(self, refused(refusal))
+
+    def concluded(self) -> None:
+        """Its outcome is on disk, or waits to be: from here on a card may show it."""
+        self.card.end(self.order.cid, self.shown, self.words)
+        self._lives.teller.show(self.card)
+        self._lives.leave(self.order.permit.principal)
+
+
+class RobotWorker:
+    """What serves one robot: a task that relays one order after another, and waits for the next.
+
+    Attributes:
+        wake: Set while it waits.
+        life: Whose turn it is; begun as soon as it has been relayed. None: nobody's.
+        relaying: It waits for the robot.
+        cut_off: Why the order at the robot is being cut off, if it is.
+        rested: Set when an order that is being cut off has come to rest.
+    """
+
+    __slots__ = ("cut_off", "life", "relaying", "rested", "task", "wake")
+
+    def __init__(self, life: RunningOrder) -> None:
+        self.life: RunningOrder | None = life
+        self.relaying = False
+        self.cut_off: str = SHUT_DOWN
+        self.rested: asyncio.Event | None = None
+        self.task: asyncio.Task[None] | None = None
+        self.wake: asyncio.Future[None] | None = None
+
+
+class OrderExecutor:
+    """Every order under way. Each robot has its own task: a long motion blocks nobody else.
+
+    Attributes:
+        after: Called with the robot when an order has ended.
+        watch: Hears when a robot begins an order and when it has ended.
+    """
+
+    def __init__(
+        self,
+        organiser: Organiser,
+        container: Containers,
+        linker: Linker,
+        teller: ChatSender,
+        clock: Clock,
+    ) -> None:
+        self.after: Callable[[RobotId], None] | None = None
+        self.watch: OrderWatcher | None = None
+        self.teller = teller
+        self.wall_ns = clock.wall_ns
+        self._organiser = organiser
+        self._container = container
+        self._linker = linker
+        self._under_way = 0
+        self._whose: dict[PrincipalId, int] = {}
+        self._servers: dict[RobotId, RobotWorker] = {}
+        self._closing = False
+        self._over: asyncio.Event | None = None
+        self._newest: dict[RobotId, RunningOrder] | None = None
+
+    def __len__(self) -> int:
+        return self._under_way
+
+    def begin(self, order: Order, said: Requester, card: OrderMessage, shown: OrderStatus) -> None:
+        """Let a claimed order live. It will end, and its end will be told."""
+        self._under_way += 1
+        whose = order.permit.principal
+        self._whose[whose] = self._whose.get(whose, 0) + 1
+        life = RunningOrder(order, said, card, shown, self)
+        if self._under_way > AT_MOST:
+            self.ended(life, FULL)
+        elif self._closing:
+            life.void(OrderVoid(NEVER_BEGUN))
+        elif self._linker.cancels and self._linker.outdated(order):
+            life.void(OrderVoid(CANCELLED_BEFORE))
+        else:
+            try:
+                if self._linker.put(life):
+                    self._serve_now(life)
+            except Refusal as refusal:
+                self.ended(life, refused(refusal))
+
+    def forgo(
+        self, order: Order, said: Requester, card: OrderMessage, shown: OrderStatus, why: OrderVoid
+    ) -> None:
+        """Let a claimed order end before its robot hears of it: nobody wants it any more."""
+        self._under_way += 1
+        whose = order.permit.principal
+        self._whose[whose] = self._whose.get(whose, 0) + 1
+        RunningOrder(order, said, card, shown, self).void(why)
+
+    def _serve_now(self, life: RunningOrder) -> None:
+        server = self._servers.get(life.order.robot)
+        if server is None:
+            server = self._servers[life.order.robot] = RobotWorker(life)
+            server.task = asyncio.create_task(self._serve(server, life.order.robot))
+            return
+        server.life = life
+        if server.wake is not None:
+            server.wake.set_result(None)
+
+    async def _serve(self, server: RobotWorker, robot: RobotId) -> None:
+        """Relay one order after another; a robot that is free costs nothing but this task."""
+        loop, linker = asyncio.get_running_loop(), self._linker
+        while (life := server.life) is not None:
+            if self._closing:
+                life.void(OrderVoid(NEVER_BEGUN))
+                return
+            life.begun = True
+            if self._newest is not None:
+                self._newest[robot] = life
+            server.relaying = True
+            if self.watch is not None:
+                self.watch.began(life.order)
+            outcome = await self._relay(server, life)
+            server.relaying = False
+            if server.rested is not None:
+                server.rested.set()
+            self.ended(life, outcome)
+            if outcome.ending is REFUSED:
+                await asyncio.sleep(0)  # a row of refusals, after a stop, holds nobody else up
+            waiting = linker.next(robot)
+            if waiting is None:
+                server.life = life = None  # what is over is not kept until the next begins
+                server.wake = loop.create_future()
+                await server.wake
+                server.wake = None
+            else:
+                assert isinstance(waiting, RunningOrder)  # noqa: S101 - nothing else is put there
+                server.life = waiting
+                del waiting
+
+    async def _relay(self, server: RobotWorker, life: RunningOrder) -> Outcome:
+        """RELAYCOMMAND: return what the robot did, whatever happens."""
+        order = life.order
+        try:
+            try:
+                outcome = await self._linker.dispatch(order, life.tell)
+            except PolicyMoved:
+                outcome = await self._relay_anew(life)
+            return inert(outcome) if outcome.note else outcome
+        except Refusal as refusal:
+            return refused(refusal)
+        except asyncio.CancelledError:
+            reason, server.cut_off = server.cut_off, SHUT_DOWN
+            return Outcome(Ending.CANCELLED, reason)
+        except RobotUnreachable as fault:
+            log.warning("order %d of %s: %s", order.n, order.robot, fault)
+            note = said("{fault} Please look.", fault=fault.sentence)
+            return Outcome(Ending.UNKNOWN, note, code=fault.code)
+        except Exception:
+            log.exception("order %d of %s", order.n, order.robot)
+            return Outcome(Ending.UNKNOWN, WENT_WRONG, code="fault")
+
+    async def _relay_anew(self, life: RunningOrder) -> Outcome:
+        """Admit an order once more under the present policy, and relay it; its turn is kept."""
+        while True:
+            said = life.said
+            permit = self._organiser.readmit(said.caller, life.order, said.grounds())
+            try:
+                renewed = msgspec.structs.replace(life.order, permit=permit)
+                return await self._linker.dispatch(renewed, life.tell)
+            except PolicyMoved:
+                continue
+
+    def ended(self, life: RunningOrder, outcome: Outcome) -> None:
+        """Write down how an order ended; once that is on disk it is told."""
+        self._organiser.settle(life.order.permit)
+        if self.after is not None:
+            self.after(life.order.robot)
+        if self.watch is not None and life.begun:
+            self.watch.ended(life.order, outcome)
+        if outcome.ending is Ending.CANCELLED:
+            who = self._organiser.why_stopped.by_another(life.order)
+            note = joined("; ", filter(None, (outcome.note, who)))
+            outcome = msgspec.structs.replace(outcome, note=note)
+        at_ns = self.wall_ns()
+        life.words = life.shown.wording(outcome, at_ns)
+        life.card.ending = True
+        self._container.conclude(life.order, outcome, life.words, at_ns, life.concluded)
+        if outcome.ending is UNKNOWN or outcome.code in BROKEN_OFF:
+            self._linker.void(life.order.robot, AFTER_A_BREAK)  # nothing goes on by itself (I6)
+
+    def shown_in(
+        self, where: tuple[str, str], message: str, principal: PrincipalId = ""
+    ) -> tuple[RobotId, ...]:
+        """Return the robots whose orders, under way or waiting, one message of a chat shows.
+
+        With a principal: of the orders that are theirs.
+        """
+        return tuple(
+            robot
+            for robot in self._servers
+            for entry in self._linker.entries(robot)
+            if isinstance(entry, RunningOrder)
+            and entry.card.message == message
+            and entry.card.where == where
+            and principal in {"", entry.order.permit.principal}
+        )
+
+    def of(self, principal: PrincipalId) -> list[Order]:
+        """Return somebody's orders that robots carry out now."""
+        if principal not in self._whose:
+            return []
+        under_way = map(self._linker.current, self._servers)
+        return [o for o in under_way if o is not None and o.permit.principal == principal]
+
+    def take_out(self, principal: PrincipalId, robots: Collection[RobotId]) -> list[QueuedOrder]:
+        """Take somebody's orders out that wait for robots, or for any if none is named."""
+        if principal not in self._whose:
+            return []
+        some = [robot for robot in self._servers if not robots or robot in robots]
+        return [entry for robot in some for entry in self._linker.take_out(robot, principal)]
+
+    def follow(self) -> dict[RobotId, RunningOrder]:
+        """Keep the order that each robot had last, from now on; return where it is found."""
+        if self._newest is None:
+            self._newest = {
+                robot: server.life
+                for robot, server in self._servers.items()
+                if server.relaying and server.life is not None
+            }
+        return self._newest
+
+    def leave_off(self) -> None:
+        """Keep none any more."""
+        self._newest = None
+
+    async def cut(self, robot: RobotId, reason: str) -> None:
+        """End what a robot does for its holder, and what waits; on return it has come to rest.
+
+        Unlike a stop it latches nothing: whoever has the robot next goes on from there.
+        """
+        self._linker.void(robot, not_done(reason))
+        await self._cut_off(robot, reason)
+
+    async def cut_order(self, robot: RobotId, cid: CommandId, reason: str) -> None:
+        """End one order, whether it waits or is under way; on return the robot has come to rest.
+
+        What else the robot does, or is to do, goes on.
+        """
+        self._linker.withdraw(robot, cid, not_done(reason))
+        current = self._linker.current(robot)
+        if current is not None and current.cid == cid:
+            await self._cut_off(robot, reason)
+
+    async def _cut_off(self, robot: RobotId, reason: str) -> None:
+        server = self._servers.get(robot)
+        if server is None or server.task is None:
+            return
+        while not (server.relaying or self._idle(server) or server.task.done()):  # noqa: ASYNC110
+            await asyncio.sleep(0)  # its turn has come: it is relayed in a moment
+        if not server.relaying:
+            return
+        if server.rested is not None:  # somebody cuts it off already: once is enough
+            await server.rested.wait()
+            return
+        server.cut_off = reason
+        server.rested = rested = asyncio.Event()
+        server.task.cancel()
+        await rested.wait()
+        server.rested = None
+
+    def busy(self, principal: PrincipalId) -> bool:
+        """Whether an order of theirs has not ended yet, or its end is not written down."""
+        return principal in self._whose
+
+    def leave(self, principal: PrincipalId) -> None:
+        """One life of theirs is over."""
+        self._under_way -= 1
+        left = self._whose.pop(principal) - 1
+        if left:
+            self._whose[principal] = left
+        if self._over is not None and not self._under_way:
+            self._over.set()
+
+    async def close(self) -> None:
+        """Cancel what is under way: robots come to rest, the outcomes are written and told."""
+        self._closing = True
+        self._over = asyncio.Event()
+        self._linker.clear(NEVER_BEGUN)
+        for server in self._servers.values():
+            # Cut off before its first step it would never take one.
+            begun = server.life.begun if server.life is not None else self._idle(server)
+            if server.task is not None and begun:
+                server.task.cancel()
+        if self._under_way:
+            await self._over.wait()
+
+    @staticmethod
+    def _idle(server: RobotWorker) -> bool:
+        return server.wake is not None and not server.wake.done()
+
+
+def not_done(reason: str) -> str:
+    """Return that an order came to nothing, and why."""
+    return said("{reason}. This was not done.", reason=capital(reason))
+
+
+def refused(refusal: Refusal) -> Outcome:
+    """Return the outcome of an order that came to nothing."""
+    return Outcome(Ending.REFUSED, refusal.sentence, code=refusal.code)
+
+
+def inert(outcome: Outcome) -> Outcome:
+    """Return the outcome with a robot's words stripped of what could act on a reader."""
+    return msgspec.structs.replace(outcome, note=inert_words(outcome.note))
+
+
+def inert_words(text: str) -> str:
+    """Return words without what could act on a reader; harmless ones keep their languages."""
+    plain = inert_text(text)[:NOTE_AT_MOST]
+    return text if plain == text else plain

@@ -1,0 +1,151 @@
+"""What one message in a chat shows: the lives of the orders one line gave."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from rosic.core.message import Button
+from rosic.core.messages import headed
+from rosic.core.order import Stage, StageReport
+from rosic.core.order_status import ENGLISH, Face, OrderStatus, StatusTexts
+
+if TYPE_CHECKING:
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import CommandId, PrincipalId
+    from rosic.core.message import Chat
+
+
+# What a robot reports while nothing can be said is not worth more.
+LINES_AT_MOST = 100
+
+
+class OrderMessage:
+    """One message and the lives in it.
+
+    Attributes:
+        where: Messenger and chat.
+        in_place: The message is edited as the lives go on; otherwise they are told line by line.
+        message: The platform's id, once it was sent.
+        adopted: It is to take the place of ``message``, the question that was answered.
+        dirty: It differs from what the chat shows.
+        due: It is shown anew at the next tick, as it is then.
+        lines: For a messenger that cannot edit: what is to be said, line by line.
+        untold: Orders that ended and whose author has not read it here.
+        cids: The orders whose lives are shown here.
+        about: The robot or group that was commanded, for whoever replies to it.
+        buttons: Beneath it while anything in it goes on.
+        after: Beneath it once all of it has ended.
+        open: How many lives have not ended; at 0 nothing more will be said here.
+        ending: An ending is on its way to the disk, or there.
+        doubted: A message that said the ending may have arrived, or not.
+        words: In the language of whoever is answered.
+    """
+
+    __slots__ = (
+        "_face",
+        "_lives",
+        "about",
+        "adopted",
+        "after",
+        "buttons",
+        "chat",
+        "cids",
+        "dirty",
+        "doubted",
+        "due",
+        "ending",
+        "in_place",
+        "lines",
+        "message",
+        "messenger",
+        "open",
+        "principal",
+        "reply_to",
+        "untold", "where", "words",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        messenger: Messenger,
+        chat: Chat,
+        reply_to: str,
+        principal: PrincipalId,
+        face: Face,
+        words: StatusTexts = ENGLISH,
+    ) -> None:
+        self.messenger = messenger
+        self.in_place = messenger.edits
+        self.chat = chat
+        self.where = (messenger.name, chat.id)
+        self.reply_to = reply_to
+        self.principal = principal
+        self.message = ""
+        self.about = ""
+        self.adopted = False
+        self.words = words
+        self.dirty = self.due = self.doubted = self.ending = False
+        self.lines: tuple[str, ...] = ()
+        self.untold: tuple[CommandId, ...] = ()
+        self.cids: tuple[CommandId, ...] = ()
+        self.buttons: tuple[tuple[Button, ...], ...] = ()
+        self.after: tuple[tuple[Button, ...], ...] = ()
+        self._face = face
+        self._lives: tuple[OrderStatus, ...] = ()
+        self.open = 0
+
+    @property
+    def is_over_unseen(self) -> bool:
+        """Every life has ended, and certainly nobody has read anything of them yet."""
+        return not self.open and not self.message and not self.doubted
+
+    def add(self, cid: CommandId, where: str, title: str, at_ns: int) -> OrderStatus:
+        """Show one more life, which begins now."""
+        life = OrderStatus(where, title, self._face, at_ns, self.words)
+        self.show(cid, life)
+        return life
+
+    def show(self, cid: CommandId, life: OrderStatus) -> None:
+        """Show a life that was made elsewhere."""
+        self.cids += (cid,)
+        self._lives += (life,)
+        self.open += 1
+        if not self.in_place:
+            self.lines += (life.line(ACCEPTED),)
+
+    def step(self, life: OrderStatus, report: StageReport, at_ns: int) -> bool:
+        """Take a report in. Return whether the chat is to hear of it.
+
+        Not while the first message is still to be sent, or the next edit due: that will show it.
+        """
+        news = life.step(report, at_ns)
+        if self.in_place:
+            self.dirty = True
+            return not self.due and self.message != "" and not self.adopted
+        if news and (report.stage is not Stage.RUNNING or len(self.lines) < LINES_AT_MOST):
+            self.lines += (life.line(report),)
+        return bool(self.lines)
+
+    def end(self, cid: CommandId, life: OrderStatus, words: str) -> None:
+        """One life has ended, and that is on disk."""
+        life.end(words)
+        self.open -= 1
+        self.untold += (cid,)
+        self.dirty = True
+        if not self.in_place:
+            self.lines += (headed(life.where, words),)
+
+    def text(self, *, endings: bool) -> str:
+        """Return the message as it should read now, with or without how lives ended."""
+        if len(self._lives) == 1:
+            return self._lives[0].text(ending=endings)
+        return "\n".join([life.text(ending=endings) for life in self._lives])
+
+
+ACCEPTED = StageReport(Stage.ACCEPTED)
+
+
+@lru_cache(maxsize=1024)
+def stop_button(name: str) -> tuple[tuple[Button, ...], ...]:
+    """Return the row under a life: a stop is never bound to anybody, nor used up."""
+    return ((Button("STOP", f"stop {name}", f"stop {name}"),),)

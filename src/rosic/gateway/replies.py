@@ -1,0 +1,276 @@
+"""Short answers that are no life: to a question, a refusal, a tap, a stranger."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from functools import partial
+from typing import TYPE_CHECKING, TypeAlias
+
+from rosic.authoriser.button_tokens import OPEN
+from rosic.container.records import KeptAnswer
+from rosic.core.i18n import in_language, joined, said
+from rosic.core.language import clean, hears_stop
+from rosic.core.message import Button, ChatKind, Outbound, Weight
+from rosic.core.rate_limit import Bucket, RateLimit
+from rosic.errors import Refusal, Repeated
+from rosic.gateway.delivery.catch_up import BacklogReplies
+from rosic.gateway.delivery.sender import ChatSender, OutgoingMessage
+from rosic.gateway.delivery.translation import translated
+from rosic.gateway.order_label import label_of
+from rosic.gateway.requests import is_missed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.authoriser.button_tokens import RedeemedButton
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.identity import Address, Caller, CommandId
+    from rosic.core.message import Chat, Inbound
+    from rosic.gateway.builtin_commands import Reply
+    from rosic.gateway.components import Components
+    from rosic.gateway.message_context import MessageContext
+
+# What only a button says; typed, it means nothing.
+LEAVE = "leave it"
+ASK_FIRST = "?"
+CONFIRMED = "!"
+# The same for a robot that is at work: behind what it does, or instead of that.
+AFTER, INSTEAD = ">", "^"
+BEHIND = (AFTER, INSTEAD)
+MARKS = (CONFIRMED, *BEHIND)
+# Between a command and those that it was before, the newest first; the oldest is the menu it came
+# from.
+TRAIL = "\x1f"
+DO_IT, LEAVE_IT, PREVIOUS = said("Do it"), said("Leave it"), said("Previous")
+# What a refusal offers to tap: a page. A robot beyond it can be named; Telegram takes 100 at most.
+OFFERED_AT_MOST = 8
+ASKED_KEPT = 300
+"""Letters of what was refused that are kept beside the refusal, sealed as it is."""
+STRANGERS = RateLimit(burst=5.0, per_s=0.2)
+STRANGERS_KEPT = 1_000
+AGAIN_NS = 600_000_000_000
+"""Whoever is unknown and goes on writing is told so again after so long, and no sooner."""
+
+
+STOP_AT_MOST = 64
+"""Letters of a stranger's message in which a stop is sought: nothing is paid for longer ones."""
+NOTHING_STOPPED = said(
+    "I do not know you, so I stopped nothing. Use the stop button of the robot itself, or ask the "
+    "admin here."
+)
+ENDED_STOPPED_NOTHING = said("I stopped nothing. Use the stop button of the robot itself.")
+
+
+Bind: TypeAlias = "Callable[[Button, Caller, Chat], Button]"
+
+
+class Replies:
+    """Gives answers to the teller, with buttons bound to the one who is answered.
+
+    Args:
+        rooms: Who knows the person.
+        teller: Says it.
+        clock: Of the gateway.
+        bind: Binds a button to what it lets robots do for somebody in a chat.
+
+    Attributes:
+        arrears: Answers to what was sent while nobody listened.
+    """
+
+    def __init__(self, rooms: Components, teller: ChatSender, clock: Clock, bind: Bind) -> None:
+        self._bind_act = bind
+        self._authoriser = rooms.authoriser
+        self._container = rooms.container
+        self._vocabulary = rooms.vocabulary
+        self._teller = teller
+        self._languages = teller.languages
+        self._clock = clock
+        self.arrears = BacklogReplies(teller, clock)
+        self._strangers = Bucket(STRANGERS, clock.monotonic_ns())
+        self._turned_away: OrderedDict[tuple[Address, bool], int] = OrderedDict()
+
+    def say(self, messenger: Messenger, inbound: Inbound, text: str) -> None:
+        """Answer without buttons."""
+        plain = in_language(text, self._languages.of_sender(inbound))
+        outbound = Outbound(chat=inbound.chat, text=plain, reply_to=reply_id(inbound))
+        self._say(OutgoingMessage(messenger, outbound, None, edited_by(inbound)), inbound)
+
+    def offer(
+        self,
+        messenger: Messenger,
+        inbound: Inbound,
+        caller: Caller,
+        text: str,
+        buttons: tuple[tuple[Button, ...], ...],
+    ) -> None:
+        """Answer with buttons that only this person, in this chat, can use, once (I16)."""
+        bound = self._bind(inbound, caller, buttons)
+        outbound = Outbound(chat=inbound.chat, text=text, reply_to=reply_id(inbound), buttons=bound)
+        plain = translated(outbound, self._languages.of(caller.principal))
+        self._say(OutgoingMessage(messenger, plain, None, edited_by(inbound)), inbound)
+
+    def _bind(
+        self, inbound: Inbound, caller: Caller, buttons: tuple[tuple[Button, ...], ...]
+    ) -> tuple[tuple[Button, ...], ...]:
+        issue, bind = self._authoriser.buttons.issue, self._bind_act
+        who, chat = caller.principal, inbound.chat
+        return tuple(
+            tuple(issue(bind(b, caller, chat), who, chat.id) for b in row) for row in buttons
+        )
+
+    def hand_over(
+        self, messenger: Messenger, inbound: Inbound, caller: Caller, reply: Reply
+    ) -> None:
+        """Answer with a whole reply: buttons as `offer` has them, and a file if there is one.
+
+        An empty text says nothing: the clerk answers later.
+        """
+        if not reply.text and reply.attachment is None:
+            return
+        outbound = Outbound(
+            chat=inbound.chat,
+            text=reply.text,
+            reply_to=reply_id(inbound),
+            buttons=self._bind(inbound, caller, reply.buttons),
+            attachment=reply.attachment,
+        )
+        note = OutgoingMessage(
+            messenger, translated(outbound, self._languages.of(caller.principal))
+        )
+        note.about = reply.about
+        if reply.landed is not None:
+            note.landed = partial(reply.landed, messenger, inbound.chat)
+        if reply.attachment is not None:  # no file comes into a message that is there
+            self._teller.say(note)
+        else:
+            note.edit_of = "" if reply.anew else edited_by(inbound)
+            self._say(note, inbound)
+
+    def say_with(self, messenger: Messenger, inbound: Inbound, reply: Reply) -> None:
+        """Answer somebody who is nobody yet; buttons carry their own nonces already.
+
+        An empty text says nothing.
+        """
+        if not reply.text:
+            return
+        outbound = Outbound(
+            chat=inbound.chat, text=reply.text, reply_to=reply_id(inbound), buttons=reply.buttons
+        )
+        plain = translated(outbound, self._languages.of_sender(inbound))
+        self._teller.say(OutgoingMessage(messenger, plain, None, edited_by(inbound)))
+
+    async def refuse(
+        self, said: MessageContext, cid: CommandId, refusal: Refusal, asked: str
+    ) -> None:
+        """Write a refusal down with what it refuses, then tell it, once.
+
+        It is only begun, if the messenger waits for it before it confirms anything: nothing moves
+        by it, and a stop may wait behind a hundred of them.
+        """
+        if refusal.silent:
+            return
+        writing = self._refuse(said, cid, refusal, asked)
+        if self.arrears.settles(said.messenger):
+            self.arrears.begin(writing)
+        else:
+            await writing
+
+    async def _refuse(
+        self, said: MessageContext, cid: CommandId, refusal: Refusal, asked: str
+    ) -> None:
+        messenger, inbound, caller = said.messenger, said.inbound, said.caller
+        plain = in_language(refusal.sentence, self._languages.of(caller.principal))
+        answer = KeptAnswer(
+            messenger.name, inbound.chat, reply_id(inbound), plain, clean(asked[:ASKED_KEPT])
+        )
+        try:
+            await self._container.refuse(cid, caller, refusal, answer)
+        except Repeated:
+            return  # the same message was settled before
+        buttons: tuple[tuple[Button, ...], ...] = tuple(
+            (Button(label_of(offer, self._vocabulary), offer),)
+            for offer in refusal.offers[:OFFERED_AT_MOST]
+        )
+        if refusal.choices:
+            buttons = (tuple(Button(*choice) for choice in refusal.choices), *buttons)
+        if refusal.petition:
+            buttons = (*buttons, (Button(ask_for_it(), refusal.petition),))
+        outbound = Outbound(
+            chat=inbound.chat, text=refusal.sentence, reply_to=reply_id(inbound),
+            buttons=self._bind(inbound, caller, buttons), weight=Weight.OUTCOME,
+        )  # fmt: skip
+        told = translated(outbound, self._languages.of(caller.principal))
+        note = OutgoingMessage(messenger, told, cid, edited_by(inbound), to=caller.principal)
+        self._say(note, inbound, refusal)
+
+    def _say(self, note: OutgoingMessage, inbound: Inbound, refusal: Refusal | None = None) -> None:
+        if is_missed(inbound):
+            catalogue = self._languages.of_sender(inbound)
+            self.arrears.keep(note, refusal, catalogue, away=inbound.network_away)
+        else:
+            self._teller.say(note)
+
+    def turn_away(self, messenger: Messenger, inbound: Inbound, sentence: str) -> None:
+        """Answer a stranger in private, once and not again soon; all strangers share one bucket.
+
+        That their stop stopped nothing is said to them whatever they were told before, likewise.
+        """
+        who, now_ns = inbound.sender, self._clock.monotonic_ns()
+        stops = _is_short_stop(inbound)
+        told = who, stops
+        silent = now_ns < self._turned_away.get(told, 0)
+        if inbound.chat.kind is not ChatKind.PRIVATE or silent or self._strangers.take(now_ns):
+            return
+        unknown = self._authoriser.directory.at(who) is None
+        if unknown:  # and not somebody whose access has ended
+            self._turned_away[told] = now_ns + AGAIN_NS
+            self._turned_away.move_to_end(told)
+            if len(self._turned_away) > STRANGERS_KEPT:
+                self._turned_away.popitem(last=False)
+        if stops:
+            ended = joined(" ", (ENDED_STOPPED_NOTHING, sentence))
+            sentence = NOTHING_STOPPED if unknown else ended
+        self.say(messenger, inbound, sentence)
+
+    async def redeem(
+        self, messenger: Messenger, inbound: Inbound, caller: Caller
+    ) -> RedeemedButton:
+        """Return what a tap says and agrees to; the tap itself is answered in any case.
+
+        Raises:
+            Repeated: The button is no longer good, or somebody else's; the tap was told so.
+        """
+        nonce = inbound.nonce or ""
+        try:
+            redeemed = self._authoriser.buttons.redeem(nonce, caller.principal, inbound)
+        except Refusal as refusal:
+            plain = in_language(refusal.sentence, self._languages.of(caller.principal))
+            await messenger.answer_tap(inbound, plain)
+            raise Repeated(refusal.sentence) from refusal
+        await messenger.answer_tap(inbound, "")
+        return redeemed
+
+
+def _is_short_stop(inbound: Inbound) -> bool:
+    heard = inbound.text if inbound.nonce is None else inbound.nonce
+    return len(heard) <= STOP_AT_MOST and hears_stop(heard) is not None
+
+
+def ask_for_it() -> str:
+    """Return the label of the button that asks for the right that is missing."""
+    return said("Ask for it")
+
+
+def edited_by(inbound: Inbound) -> str:
+    """Return which message the answer takes the place of: mostly the one that was tapped.
+
+    What says how an order ended goes on saying it, however often its buttons are tapped.
+    """
+    lasts = inbound.nonce is not None and inbound.nonce.startswith(OPEN)
+    return "" if lasts else inbound.under
+
+
+def reply_id(inbound: Inbound) -> str:
+    """Return the id of the message to answer; a tap has none."""
+    return "" if inbound.nonce is not None else inbound.message

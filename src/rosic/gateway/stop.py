@@ -1,0 +1,315 @@
+"""The stop lane: before the grammar, never queued, limited, expired or void (I5, I10)."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import Counter
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from msgspec.structs import replace
+
+from rosic.authoriser.button_tokens import ANYBODY, MENU_LIFETIME_NS
+from rosic.core import messages
+from rosic.core.i18n import in_language, joined, said
+from rosic.core.message import Button, ChatKind, Inbound, Outbound, Weight
+from rosic.core.order import Rest
+from rosic.core.records import Stopped
+from rosic.errors import ChatGone, MessageGone, MessengerFault, Unrecognised
+from rosic.gateway.button_rows import rows
+from rosic.gateway.company import SeveralRobots, is_unnamed
+from rosic.gateway.delivery.chat_queue import OutgoingMessage
+from rosic.gateway.holding_stops import HoldingStops
+from rosic.gateway.replies import ask_for_it
+from rosic.gateway.resume import RESUMED_AT_MOST
+from rosic.gateway.stopped_by import stopped_by
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Coroutine
+    from typing import TypeAlias
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Messenger
+    from rosic.contracts.store import Store
+    from rosic.core.i18n import Catalogue
+    from rosic.core.identity import PrincipalId
+    from rosic.core.robot.profile import RobotId
+    from rosic.gateway.components import Components
+    from rosic.gateway.delivery.outbox import Outbox
+    from rosic.gateway.delivery.sender import ChatSender
+    from rosic.gateway.resume import ResumeHandler
+    from rosic.linker.linker import StopInProgress
+
+    OwnOf: TypeAlias = Callable[[PrincipalId], Collection[RobotId]]
+
+# In one chat at a time. Stops are obeyed whatever their number; answering a flood of them helps
+# nobody (I15).
+ANSWERS_AT_MOST = 8
+LATCH_WITHIN_S = 10.0
+NOT_WRITTEN = said("I could not write this down: after a restart, look before you move anything.")
+
+log = logging.getLogger("rosic.stop")
+
+
+class StopLane:
+    """Stops whatever its author may see.
+
+    Attributes:
+        resuming: Undoes stops; every answer to one offers that.
+        outbox: Has a stop answered even if this process does not live to do it.
+    """
+
+    def __init__(
+        self,
+        rooms: Components,
+        store: Store,
+        clock: Clock,
+        teller: ChatSender,
+        resuming: ResumeHandler,
+    ) -> None:
+        self._languages = teller.languages
+        self._teller = teller
+        self.resuming = resuming
+        self._authoriser = rooms.authoriser
+        self._organiser = rooms.organiser
+        self._company = SeveralRobots(rooms, clock)
+        self._linker = rooms.linker
+        self._board = rooms.board
+        self._profiles = rooms.profiles
+        self._vocabulary = rooms.vocabulary
+        self._store = store
+        self._clock = clock
+        self._holding = HoldingStops(clock)
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._following: set[asyncio.Task[None]] = set()
+        self._answering: Counter[tuple[str, str]] = Counter()
+        self.outbox: Outbox | None = None
+
+    def hears(self, inbound: Inbound) -> bool:
+        """Whether a stop could be in a message at all; see `SeveralRobots`."""
+        return self._company.hears(inbound)
+
+    async def stop(
+        self, messenger: Messenger, inbound: Inbound, names: tuple[str, ...], own_of: OwnOf
+    ) -> bool:
+        """Stop now; tell when rest was measured. On return every adapter has been told to stop.
+
+        And the latch is on disk, or cannot be written, or newer stops by the same messenger wait
+        for it: a messenger confirms a message when this
+        returns, and a stop that is confirmed must survive whatever comes (I13).
+
+        A stranger's stop changes nothing: he sees no robot. A stop without an identity (an
+        anonymous admin, a channel) counts for the people recognised in that chat; see
+        `SeveralRobots`.
+
+        Args:
+            messenger: By which it came, and is answered.
+            inbound: The message, or the tap.
+            names: As `hears_stop` returns them.
+            own_of: Returns the robots whose order, under way or waiting, is somebody's own and was
+                meant by this stop: whoever stops their own order may let that robot go on again.
+
+        Returns:
+            Whether that is all there is to say: not to a stranger, who has to hear that nothing was
+            stopped.
+        """
+        if inbound.tap:
+            self._spawn(messenger.answer_tap(inbound, ""))
+        by, visible = self._whose(inbound)
+        visible = visible or await self._company.ask(messenger, inbound)
+        robots, _ = self._vocabulary.to_stop(names, visible)
+        if not robots:
+            return bool(by) or is_unnamed(inbound)
+        halting = self.stop_robots(robots, by, own_of(by) if by else ())
+        where = (messenger.name, inbound.chat.id)
+        if self._answering[where] < ANSWERS_AT_MOST:
+            self._answering[where] += 1
+            self._spawn(self._answer(messenger, inbound, halting, by))
+        await self._holding.hold(messenger.name, robots, halting.latched, LATCH_WITHIN_S)
+        return True
+
+    def stop_robots(
+        self, robots: tuple[RobotId, ...], by: PrincipalId, own: Collection[RobotId] = ()
+    ) -> StopInProgress:
+        """Stop robots, also for somebody who does not ask in a chat: the operator, a revocation.
+
+        Args:
+            robots: Which.
+            by: Who stops them; empty: nobody who is known.
+            own: Those among them that carry out an order of theirs by which they are stopped.
+        """
+        board = self._board
+        mine = [r for r in robots if r in own and (not board[r].latched or board[r].own == by)]
+        halting = self._linker.stop(robots, by)
+        for robot in mine:
+            board[robot].own = by
+        self._note(robots, by)
+        return halting
+
+    @property
+    def quiet(self) -> bool:
+        """Whether every stop has been answered."""
+        return not self._tasks
+
+    def _whose(self, inbound: Inbound) -> tuple[PrincipalId, frozenset[RobotId]]:
+        try:
+            caller = self._authoriser.identify(inbound)
+        except Unrecognised:
+            return "", self._company.visible(inbound.chat) if is_unnamed(inbound) else frozenset()
+        return caller.principal, self._organiser.visible(caller.principal)
+
+    def _note(self, robots: tuple[RobotId, ...], by: PrincipalId) -> None:
+        at_ns = self._clock.wall_ns()
+        self._store.note(
+            *(
+                Stopped(
+                    robot=robot, generation=self._board[robot].generation, principal=by,
+                    at_ns=at_ns,
+                )
+                for robot in robots
+            ),
+            *(stopped_by(robot, self._board) for robot in robots),
+        )  # fmt: skip
+
+    async def _answer(
+        self, messenger: Messenger, inbound: Inbound, halting: StopInProgress, by: PrincipalId
+    ) -> None:
+        where = (messenger.name, inbound.chat.id)
+        try:
+            await self._answer_when_at_rest(messenger, inbound, halting, by)
+        finally:
+            self._answering[where] -= 1
+            if not self._answering[where]:
+                del self._answering[where]
+
+    async def _answer_when_at_rest(
+        self, messenger: Messenger, inbound: Inbound, halting: StopInProgress, by: PrincipalId
+    ) -> None:
+        shown = [self._profiles[robot].shown for robot in halting.rests]
+        catalogue = self._languages.of_sender(inbound)
+        message = key = ""
+        if by and self.outbox is not None:
+            plain = in_language(messages.stopped_unseen(shown), catalogue)
+            owed = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
+            key = self.outbox.owe(by, messenger, owed)
+        if messenger.edits:
+            plain = in_language(messages.stopping(shown), catalogue)
+            sent = Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP)
+            message = await self._say(messenger, sent, "")
+        rests = [await self._rest(robot, task) for robot, task in halting.rests.items()]
+        text = messages.rests(self._profiles, rests)
+        if not await asyncio.shield(halting.latched):
+            text = joined(" ", (text, NOT_WRITTEN))
+        who, asking = self._who_can(inbound, tuple(halting.rests), by)
+        plain = in_language(joined("\n", filter(None, (text, who))), catalogue)
+        buttons = self._buttons(inbound, tuple(halting.rests), by, catalogue, asking)
+        outbound = Outbound(chat=inbound.chat, text=plain, buttons=buttons, weight=Weight.STOP)
+        told = await self._say(messenger, outbound, message)
+        if told:
+            self._teller.on_buttons(OutgoingMessage(messenger, outbound), told)
+        if self.outbox is not None:
+            if told:
+                self.outbox.said(key)
+            else:
+                self.outbox.insist(key, messenger, replace(outbound, buttons=()))
+        for rest in islice((r for r in rests if not r.confirmed), messages.NAMED_AT_MOST):
+            task = asyncio.create_task(self._when_at_rest(messenger, inbound, rest.robot))
+            self._following.add(task)
+            task.add_done_callback(self._following.discard)
+
+    async def _when_at_rest(self, messenger: Messenger, inbound: Inbound, robot: RobotId) -> None:
+        """Say so once a robot is at rest whose stop was answered without that."""
+        if await self._linker.pursuit.rested(robot) is None:
+            return
+        text = messages.at_rest_now(self._profiles[robot].shown)
+        plain = in_language(text, self._languages.of_sender(inbound))
+        await self._say(messenger, Outbound(chat=inbound.chat, text=plain, weight=Weight.STOP), "")
+
+    def _buttons(
+        self, inbound: Inbound, robots: tuple[RobotId, ...], by: PrincipalId,
+        catalogue: Catalogue | None, asking: tuple[tuple[Button, ...], ...],
+    ) -> tuple[tuple[Button, ...], ...]:  # fmt: skip
+        """Offer to resume what was stopped, to whoever may; and to ask for that, to others.
+
+        In a group the buttons are for everybody there: each tap is checked for whoever taps.
+        """
+        together = inbound.chat.kind is ChatKind.GROUP
+        if not together:
+            may = (robot for robot in robots if by and self.resuming.may(by, robot))
+            robots = tuple(islice(may, RESUMED_AT_MOST + 1))
+        issue, who = self._authoriser.buttons.issue, ANYBODY if together else by
+        return tuple(
+            tuple(
+                issue(replace(b, label=in_language(b.label, catalogue)), who, inbound.chat.id)
+                for b in row
+            )
+            for row in (*self.resuming.buttons(robots), *asking)
+        )
+
+    def _who_can(
+        self, inbound: Inbound, robots: tuple[RobotId, ...], by: PrincipalId
+    ) -> tuple[str, tuple[tuple[Button, ...], ...]]:
+        """Return who can resume what their own stop leaves to others, and how to ask them.
+
+        Of what they may move, if they may move any of it: the rest is nobody's concern here.
+        """
+        stopped = [robot for robot in robots if self._board[robot].latched]
+        if not by or not stopped or inbound.chat.kind is ChatKind.GROUP:
+            return "", ()
+        why, organiser = self._organiser.why_stopped, self._organiser
+        free = [robot for robot in stopped if self._board.barred(robot) is None]
+        left = [robot for robot in free if not self.resuming.may(by, robot)]
+        theirs = [robot for robot in left if organiser.why_not_move(by, robot) is None]
+        left = theirs or left
+        if not left:
+            return "", ()
+        asks = [(robot, why.petition(by, robot)) for robot in theirs[:RESUMED_AT_MOST]]
+        several = len(robots) > 1
+        return why.who_resumes(by, left, several=several), rows(
+            [
+                Button(
+                    said("Ask to resume {shown}", shown=self._profiles[robot].shown)
+                    if several else ask_for_it(),
+                    petition,
+                    good_for_ns=MENU_LIFETIME_NS,
+                )
+                for robot, petition in asks if petition
+            ]
+        )  # fmt: skip
+
+    async def _rest(self, robot: RobotId, task: asyncio.Task[Rest]) -> Rest:
+        try:
+            return await asyncio.shield(task)
+        except Exception:
+            log.exception("the stop of %s failed", robot)
+            return Rest(robot, confirmed=False, seconds=0.0)
+
+    async def _say(self, messenger: Messenger, outbound: Outbound, message: str) -> str:
+        """Send or edit, with patience: the answer to a stop is worth trying again."""
+        for wait_s in (0.2, 0.5, 1.0, 2.0, 5.0):
+            try:
+                if message:
+                    await messenger.edit(message, outbound)
+                    return message
+                return await messenger.send(outbound)
+            except MessageGone:
+                message = ""
+            except ChatGone:
+                break
+            except MessengerFault as fault:
+                log.warning("the answer to a stop was not told yet: %s", fault)
+                await self._clock.sleep(wait_s)
+        return ""
+
+    def _spawn(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def close(self) -> None:
+        """Wait for answers under way, briefly; robots are stopped already."""
+        for task in self._following:
+            task.cancel()
+        if self._tasks:
+            await asyncio.wait(tuple(self._tasks), timeout=2.0)

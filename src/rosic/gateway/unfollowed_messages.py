@@ -1,0 +1,101 @@
+"""Messages that are not followed (I17): edited, forwarded, or posted by a channel.
+
+Whoever edits a command into an old message is told once that it does nothing. A code that a group
+reads in any of them is burnt all the same: that gives nobody anything.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections import OrderedDict
+from typing import TYPE_CHECKING, Final
+
+from rosic.core.i18n import said
+from rosic.core.language import Misunderstood
+from rosic.core.message import Button, ChatKind, Standing
+from rosic.errors import Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
+    from rosic.contracts.messenger import Messenger
+    from rosic.core.language import LanguageReader
+    from rosic.core.message import Inbound
+    from rosic.gateway.components import Components
+    from rosic.gateway.replies import Replies
+
+NOT_FOLLOWED: Final = said(
+    "I do not follow messages that were changed, so this change did nothing. Tap to send it as it "
+    "reads now."
+)
+KEPT: Final = 1_000
+"""Messages about which something was said: each once, however often it is changed."""
+OFFERED_LETTERS: Final = 60
+
+log = logging.getLogger("rosic.pipeline")
+
+
+class UnfollowedMessages:
+    """Answers whoever changes a message into a command, once for each message.
+
+    Args:
+        rooms: Who knows people, and what they may see.
+        reader: What a text says.
+        replies: Says it.
+        addressed: Whether a message is meant for ROSIC at all.
+        showed_a_code: Burns a code that a group has read, and says so; whether there was one.
+    """
+
+    def __init__(
+        self,
+        rooms: Components,
+        reader: LanguageReader,
+        replies: Replies,
+        addressed: Callable[[Inbound], bool],
+        showed_a_code: Callable[[Messenger, Inbound], Awaitable[bool]],
+    ) -> None:
+        self._rooms = rooms
+        self._reader = reader
+        self._replies = replies
+        self._addressed = addressed
+        self._showed_a_code = showed_a_code
+        self._answered: OrderedDict[tuple[str, str, str], None] = OrderedDict()
+
+    async def take(self, messenger: Messenger, inbound: Inbound) -> None:
+        """Take a message that is not followed, or was a stop. Never raises."""
+        private = inbound.chat.kind is ChatKind.PRIVATE
+        try:
+            burnt = not private and await self._showed_a_code(messenger, inbound)
+        except Refusal as refusal:
+            log.warning("a code that a group has read could not be burnt: %s", refusal)
+        except Exception:
+            log.exception("a message that is not followed could not be looked at")
+        else:
+            if not burnt:
+                self.answer(messenger, inbound)
+
+    def answer(self, messenger: Messenger, inbound: Inbound) -> None:
+        """Say, to somebody known, that a changed message does nothing. Never raises a refusal."""
+        where = (messenger.name, inbound.chat.id, inbound.message)
+        backlog = inbound.listening_since_ns > inbound.received_ns
+        if inbound.standing is not Standing.EDITED or backlog or where in self._answered:
+            return
+        if not self._addressed(inbound) or self._reader.urgent(inbound.text) is not None:
+            return  # a stop or a cancel in it was obeyed
+        try:
+            caller = self._rooms.authoriser.identify(inbound)
+            self._rooms.organiser.charge(caller)
+        except Refusal:
+            return
+        visible = self._rooms.organiser.visible(caller.principal)
+        selected = self._rooms.container.selected(caller.principal, inbound.chat)
+        lines = self._reader.lines(inbound.text, selected, visible)
+        if all(isinstance(line, Misunderstood) for line in lines):
+            return
+        self._answered[where] = None
+        if len(self._answered) > KEPT:
+            self._answered.popitem(last=False)
+        text = inbound.text.strip()
+        label = text if len(text) <= OFFERED_LETTERS else f"{text[:OFFERED_LETTERS]}..."
+        row = (Button(label, text),)
+        self._replies.offer(messenger, inbound, caller, NOT_FOLLOWED, (row,))

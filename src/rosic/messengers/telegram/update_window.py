@@ -1,0 +1,322 @@
+"""Updates that Telegram has given out and that are not confirmed yet, and their handing over.
+
+Telegram forgets an update as soon as a poll carries a higher offset, and gives out at most 100 that
+it has not forgotten. The offset therefore follows what has been received to the end, and never more
+than 100 messages are under way.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import deque
+from hashlib import blake2b
+from operator import itemgetter
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import msgspec
+
+from rosic.core.message import ChatKind, Standing
+
+if TYPE_CHECKING:
+    from collections import Counter
+    from collections.abc import Callable
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.messenger import Receive
+    from rosic.core.message import Inbound
+
+ATTEMPTS = 3
+FIRST_WAIT_S = 0.2
+HELD_NS: Final = 1_000_000_000
+"""If nothing ends for so long while nothing new is given out, what is held up is let go."""
+OVERDUE_AT_MOST: Final = 1_000
+WAITING_AT_MOST: Final = 200
+"""While so many wait to be handed over, nothing more is read that strangers sent."""
+SECONDS_KEPT: Final = 1_000
+"""For so many seconds in which somebody said something, the lines that were alike are counted."""
+MOST_ALIKE: Final = 100
+"""So many lines that are alike in a second are told apart; of more, each bot counts its own."""
+
+log = logging.getLogger("rosic.messengers.telegram")
+
+
+class AdmittedUpdate(NamedTuple):
+    """One update to hand over.
+
+    Attributes:
+        inbound: None when there is nothing to hand over, only to confirm.
+        stop: It is handed over at once; everything else keeps to the order of its chat.
+    """
+
+    update_id: int
+    inbound: Inbound | None
+    stop: bool = False
+
+
+class UpdateWindow:
+    """Hands over stops first, then each chat in order and the chats side by side.
+
+    Args:
+        group: In which it runs what is under way.
+        receive: Takes what is handed over.
+        clock: Waits.
+        counts: Where ``received``, ``passed-over`` and ``given-up`` are counted.
+
+    Attributes:
+        on_room: Called while no more wait to be handed over than may.
+    """
+
+    def __init__(
+        self, group: asyncio.TaskGroup, receive: Receive, clock: Clock, counts: Counter[str]
+    ) -> None:
+        self._group = group
+        self._receive = receive
+        self._clock = clock
+        self._open: set[int] = set()
+        self._expected: set[int] = set()
+        self._light: set[int] = set()
+        self._overdue: set[int] = set()
+        self._moved_ns = clock.monotonic_ns()
+        self._done: set[int] = set()
+        self._admitted: list[tuple[int, Inbound]] = []
+        self._lanes: dict[str, deque[tuple[int, Inbound]]] = {}
+        self._idle = asyncio.Event()
+        self._idle.set()
+        self._waiting = 0
+        self.on_room: Callable[[], None] = _nobody_waits
+        self._counts = counts
+
+    @property
+    def busy(self) -> bool:
+        """Something has not been received to the end."""
+        return bool(self._open)
+
+    @property
+    def offset(self) -> int | None:
+        """What the next poll confirms; None when there is nothing to confirm.
+
+        An offset is never repeated once Telegram has taken it: after a quiet week Telegram goes on
+        with lower numbers, and an old offset would confirm messages that nobody has seen.
+        """
+        if not self._done:
+            return None
+        if not self._open:
+            return max(self._done) + 1
+        lowest = min(self._open)
+        return lowest if min(self._done) < lowest else None
+
+    def confirmed(self, offset: int | None) -> None:
+        """Forget what Telegram has forgotten."""
+        if offset is not None:
+            self._done = {number for number in self._done if number >= offset}
+
+    def knows(self, update_id: int) -> bool:
+        """Whether an update was given out before, so that nothing of it need be read again."""
+        return update_id in self._open or update_id in self._done
+
+    def expect(self, update_id: int, *, light: bool = False) -> None:
+        """Keep unconfirmed what came and is still to be read; `admit` follows.
+
+        Args:
+            update_id: Which.
+            light: Nobody known here sent it, so that it may be confirmed where it is in the way.
+        """
+        self._expected.add(update_id)
+        if light:
+            self._light.add(update_id)
+        self._open.add(update_id)
+        self._idle.clear()
+
+    def admit(self, one: AdmittedUpdate) -> bool:
+        """Take what a poll brought: a stop is handed over now, anything else by `release`.
+
+        Returns:
+            Whether it had not been given out before; else nothing is done.
+        """
+        unnamed = one.update_id in self._expected
+        if unnamed:
+            self._expected.discard(one.update_id)
+        elif self.knows(one.update_id):
+            return False
+        if one.inbound is None:
+            self._counts["passed-over"] += 1
+            self._ended(one.update_id)
+            return True
+        if one.update_id not in self._overdue:
+            self._open.add(one.update_id)
+            self._idle.clear()
+        if one.stop:
+            self._light.discard(one.update_id)
+            self._group.create_task(self._hand_over(one.update_id, one.inbound))
+        else:
+            self._admitted.append((one.update_id, one.inbound))
+            if unnamed:
+                self._light.add(one.update_id)
+        return True
+
+    def release(self, before: int | None = None) -> None:
+        """Begin to hand over what was admitted, in the order of its numbers; or the first of it."""
+        admitted, self._admitted = sorted(self._admitted, key=itemgetter(0)), []
+        for update_id, inbound in admitted:
+            if before is None or update_id < before:
+                self._queue(update_id, inbound)
+            else:
+                self._admitted.append((update_id, inbound))
+
+    def clear_the_way(self) -> None:
+        """Confirm what nobody known here sent, though it is not received to the end.
+
+        It fills what Telegram gives out, and a stop may be behind it. It is followed all the same,
+        unless this process ends before.
+        """
+        for update_id in self._light & self._open:
+            self._overdue.add(update_id)
+            self._end(update_id)
+        self._light.clear()
+
+    @property
+    def has_room(self) -> bool:
+        """Whether no more wait to be handed over than may."""
+        return self._waiting < WAITING_AT_MOST
+
+    async def idle(self, at_most_s: float) -> None:
+        """Wait until everything has been received, but not for long: a stop may come meanwhile."""
+        await asyncio.sleep(0)
+        if self._idle.is_set():
+            return
+        waits = [
+            asyncio.ensure_future(self._idle.wait()),
+            asyncio.ensure_future(self._clock.sleep(at_most_s)),
+        ]
+        try:
+            await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for wait in waits:
+                wait.cancel()
+
+    def _queue(self, update_id: int, inbound: Inbound) -> None:
+        chat = inbound.chat.id
+        lane = self._lanes.get(chat)
+        if lane is None:
+            lane = self._lanes[chat] = deque()
+            self._group.create_task(self._follow(chat, lane))
+        lane.append((update_id, inbound))
+        self._waiting += 1
+
+    async def _follow(self, chat: str, lane: deque[tuple[int, Inbound]]) -> None:
+        while lane:
+            await self._hand_over(*lane[0])
+            lane.popleft()
+            self._leaves_lane()
+            await asyncio.sleep(0)  # a message is a step: what is refused at once never waited
+        del self._lanes[chat]
+
+    def _leaves_lane(self) -> None:
+        self._waiting -= 1
+        if self.has_room:
+            self.on_room()
+
+    async def _hand_over(self, update_id: int, inbound: Inbound) -> None:
+        """Hand over once; again if that broke, but not for ever: a stop may wait behind it."""
+        wait_s = FIRST_WAIT_S
+        for attempt in range(1, ATTEMPTS + 1):
+            try:
+                await self._receive(inbound)
+            except Exception:
+                log.exception("a message could not be received (attempt %d)", attempt)
+            else:
+                self._counts["received"] += 1
+                break
+            if attempt < ATTEMPTS:
+                await self._clock.sleep(wait_s)
+                wait_s *= 2
+        else:
+            log.error("a message was given up after %d attempts; nothing was done", ATTEMPTS)
+            self._counts["given-up"] += 1
+        self._ended(update_id)
+
+    def relieve(self) -> None:
+        """Let what is held up be confirmed, where it hides what is behind it: a stop, perhaps.
+
+        It is followed all the same, as soon as it can be. Of more than so many, those that were
+        not begun are given up. What waits for something to be read is not held up: that ends.
+        """
+        if self._clock.monotonic_ns() - self._moved_ns < HELD_NS:
+            return
+        held = self._open - self._expected - {number for number, _ in self._admitted}
+        if not held:
+            return
+        log.warning("messages that are held up are confirmed all the same: %d", len(held))
+        self._overdue |= held
+        if len(self._overdue) > OVERDUE_AT_MOST:
+            self._give_up_waiting()
+        for update_id in held:
+            self._end(update_id)
+
+    def _give_up_waiting(self) -> None:
+        for lane in self._lanes.values():
+            while len(lane) > 1:
+                self._overdue.discard(lane.pop()[0])
+                self._leaves_lane()
+                self._counts["given-up"] += 1
+        log.error("messages were given up because nothing can be followed; nothing was done")
+
+    def _ended(self, update_id: int) -> None:
+        self._light.discard(update_id)
+        if update_id in self._overdue:
+            self._overdue.discard(update_id)
+        else:
+            self._end(update_id)
+
+    def _end(self, update_id: int) -> None:
+        self._moved_ns = self._clock.monotonic_ns()
+        self._open.discard(update_id)
+        self._done.add(update_id)
+        if not self._open:
+            self._idle.set()
+
+
+def _nobody_waits() -> None:
+    """Nobody waits for room."""
+
+
+class AlikeLines:
+    """What a line of a small group is known by to every bot that hears it.
+
+    There each bot counts messages by itself. Who said a line, in which second, and its text as it
+    was written, every bot's name in it, are what all of them know; and as all of them hear a chat
+    in the same order, the second line of a kind is the second for each. Nothing of it is kept over
+    a restart: where somebody says the same twice in one second and we begin anew between the two,
+    the later one is taken for the earlier.
+    """
+
+    def __init__(self) -> None:
+        self._numbers: dict[bytes, list[str]] = {}
+
+    def named(self, inbound: Inbound, date_s: int, written: str) -> Inbound:
+        """Return a message with what is shared of it, if its number is one bot's own.
+
+        Args:
+            inbound: As this bot reads it.
+            date_s: When it was sent, as the platform says.
+            written: Its text before any bot's name was taken out.
+        """
+        if (
+            inbound.chat.kind is not ChatKind.GROUP
+            or not inbound.account
+            or inbound.standing is Standing.EDITED
+        ):
+            return inbound
+        of = (inbound.chat.id, inbound.sender.account, str(date_s), written)
+        kind = blake2b("\0".join(of).encode(), digest_size=16).digest()
+        numbers = self._numbers.setdefault(kind, [])
+        if inbound.message not in numbers:
+            if len(numbers) == MOST_ALIKE:
+                return inbound
+            numbers.append(inbound.message)
+            if len(self._numbers) > SECONDS_KEPT:
+                del self._numbers[next(iter(self._numbers))]
+        return msgspec.structs.replace(
+            inbound, shared=f"{kind.hex()} {numbers.index(inbound.message)}"
+        )

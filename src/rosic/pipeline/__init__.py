@@ -1,7 +1,0 @@
-"""The one way a message travels: authoriser, organiser, container, linker; and back."""
-
-from __future__ import annotations
-
-from rosic.pipeline.way import Pipeline
-
-__all__ = ["Pipeline"]

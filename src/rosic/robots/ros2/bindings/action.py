@@ -1,0 +1,222 @@
+"""Skills that are actions: acceptance is the receipt, feedback the progress, the result the end."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from rosic.core.deadman import INTERRUPTED, Cause
+from rosic.core.i18n import joined, said
+from rosic.core.order import Ending, Outcome
+from rosic.core.synchronised_start import begins_ns
+from rosic.errors import RobotUnreachable
+from rosic.robots.ros2.bindings.binding_call import DECLINED, BindingAnswer
+from rosic.robots.ros2.bindings.goal_fields import GoalFields
+from rosic.robots.ros2.client.two_clocks import ahead_ns
+from rosic.robots.ros2.errors import NoAnswer, NotSent
+from rosic.robots.ros2.goal_watch import GoalWatch, call_off, until_start_s
+from rosic.robots.ros2.interrupting import NotAtRest, after_the_end, in_doubt, moved, over
+from rosic.robots.ros2.loose_goals import Loose
+from rosic.robots.ros2.messages.decode import compile_path
+from rosic.robots.ros2.messages.encode import to_message
+from rosic.robots.ros2.rebirths import born_anew, named_since
+from rosic.robots.ros2.rosout_reasons import RosoutReasons
+
+if TYPE_CHECKING:
+    from rosic.core.deadman import Break
+    from rosic.core.robot.skill import ActionBinding
+    from rosic.robots.ros2.bindings.binding_call import BindingCall
+    from rosic.robots.ros2.bindings.goal_fields import GoalMaker
+    from rosic.robots.ros2.client.actions import ActionLink, Goal, GoalEnd
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.goal_watch import Missed
+
+ACCEPT_WITHIN_S = 5.0
+_NS = 1_000_000_000
+
+
+class ActionSkill:
+    """Sends goals of one action."""
+
+    def __init__(self, binding: ActionBinding, maker: GoalMaker | None = None) -> None:
+        """Make it.
+
+        Args:
+            binding: Which action, and what its answers say.
+            maker: Makes its goals, if not from the fields that the binding names.
+        """
+        self._binding = binding
+        self._maker = maker or GoalFields(binding)
+        self._link: ActionLink | None = None
+        self._cls: RosObject = None
+        self._reasons = RosoutReasons()
+
+    def types(self) -> set[str]:
+        """Return the action's type, and that of the log in which refusals are explained."""
+        return {self._binding.type, *self._reasons.types(), *self._maker.types()}
+
+    async def open(self, runtime: RosRuntime) -> None:
+        """Open the action's client and check every field that the profile names."""
+        binding = self._binding
+        self._cls = cls = runtime.types.action(binding.type)
+        await self._maker.open(runtime, cls)
+        if binding.start:
+            compile_path(cls.Goal, f"{binding.start}.sec")
+        self._answer = BindingAnswer(cls.Result, binding.success, binding.message)
+        self._reasons.open(runtime)
+        self._link = await runtime.action(binding.name, binding.type)
+
+    async def close(self) -> None:
+        """Leave the action."""
+        await self._maker.close()
+        link, self._link = self._link, None
+        if link is not None:
+            await link.close()
+
+    async def carry(self, errand: BindingCall) -> Outcome:
+        """Send the goal and follow it to its end."""
+        link, order = self._link, errand.order
+        if link is None:
+            raise errand.offline()
+        together = bool(self._binding.start)
+        await errand.there(link.ready, link.name, together=together)
+        made = self._maker.make(errand)
+        if isinstance(made, Outcome):
+            return made
+        values = self._started(made.values, errand)
+        to_message(self._cls.Goal, values)
+        sent_ns = errand.side.clock.wall_ns()
+        watch = GoalWatch(errand, made.fraction, _served_by(link))
+        errand.leave(together=together)
+        try:
+            with watch.looking():
+                goal = await link.send(
+                    values, timeout_s=ACCEPT_WITHIN_S, goal_id=order.cid, on_feedback=watch.feedback
+                )
+        except NotSent as fault:
+            raise errand.offline() from fault
+        except NoAnswer as fault:
+            raise RobotUnreachable(
+                said(
+                    "{shown} has not answered for {accept_within_s:g} s.",
+                    shown=errand.side.shown,
+                    accept_within_s=ACCEPT_WITHIN_S,
+                )
+            ) from fault
+        if goal is None:
+            reason = await self._reasons.why(errand.side.namespace, sent_ns)
+            return Outcome(Ending.REFUSED, _declined(errand, reason), code=DECLINED)
+        errand.received()
+        if not errand.allowed():
+            await call_off(goal)
+        end = await self._end(goal, errand, watch, link)
+        done = end is not None and end.status == "succeeded"
+        if watch.broken is not None and errand.allowed() and not done:
+            return await self._broken_off(errand, watch, watch.broken, end)
+        return await self._outcome(errand, end)
+
+    def _started(self, values: dict[str, object], errand: BindingCall) -> dict[str, object]:
+        """Add the common start, if there is one and the action takes it."""
+        clock = errand.side.clock
+        start_ns = begins_ns(errand.order, clock.monotonic_ns())
+        if self._binding.start and start_ns is not None:
+            at_ns = start_ns + ahead_ns(clock.wall_ns, clock.monotonic_ns)
+            values[f"{self._binding.start}.sec"] = at_ns // _NS
+            values[f"{self._binding.start}.nanosec"] = at_ns % _NS
+        return values
+
+    async def _end(
+        self, goal: Goal, errand: BindingCall, watch: GoalWatch, link: ActionLink
+    ) -> GoalEnd | None:
+        """Wait for the end; None when a stop, or a break, brought no more words.
+
+        Raises:
+            RobotUnreachable: It fell silent, took too long (and was called off), or did not
+                confirm a stop.
+        """
+        limit_s = self._binding.timeout_s + until_start_s(errand.order, watch.now_ns())
+        end = asyncio.ensure_future(goal.end())
+        halted = asyncio.ensure_future(errand.halted.wait())
+        try:
+            await watch.end(goal, end, halted, limit_s)
+            if end.done():
+                return end.result()
+        except NoAnswer as fault:
+            raise RobotUnreachable(
+                said("{shown} cannot be reached any more.", shown=errand.side.shown)
+            ) from fault
+        finally:
+            if not end.done():
+                errand.loose = Loose(goal, link.ready)
+            end.cancel()
+            halted.cancel()
+        if errand.halted.is_set():
+            _confirmed(errand)
+        return None
+
+    async def _broken_off(
+        self, errand: BindingCall, watch: GoalWatch, broken: Break, end: GoalEnd | None
+    ) -> Outcome:
+        """Say what is known of a goal that did not get to its end; nobody begins it again."""
+        side, result, metres = errand.side, None if end is None else end.result, watch.way.metres
+        words = "" if result is None else self._answer.words(result)
+        what = joined("; ", filter(None, (words, moved(metres), over(broken))))
+        if watch.resting is not None and not watch.resting.confirmed:
+            raise in_doubt(side.shown, what, watch.resting)
+        if watch.resting is None and end is None:
+            raise RobotUnreachable(joined(": ", (side.shown, what)))
+        facts = {} if metres is None else {"distance_m": metres}
+        facts |= {} if result is None else self._answer.facts(result)
+        return Outcome(Ending.FAILED, what, facts, code=broken.code)
+
+    async def _outcome(self, errand: BindingCall, end: GoalEnd | None) -> Outcome:
+        if end is None:
+            return Outcome(Ending.CANCELLED)
+        result = end.result
+        doubt = NotAtRest() if end.status == "unknown" else await after_the_end(errand)
+        words = joined("; ", filter(None, (self._answer.words(result), doubt.words)))
+        facts = self._answer.facts(result)
+        if end.status == "unknown":
+            raise RobotUnreachable(
+                said("{shown} has not said how it ended.", shown=errand.side.shown)
+            )
+        if end.status == "succeeded" and self._answer.succeeded(result):
+            return Outcome(Ending.DONE, words, facts, code=doubt.code)
+        if not errand.allowed():
+            return Outcome(Ending.CANCELLED, words, facts)
+        if end.status == "cancelled":  # by its own side, or by somebody beside us
+            return Outcome(Ending.CANCELLED, words, facts, code=INTERRUPTED)
+        return Outcome(Ending.FAILED, words, facts, code=doubt.code)
+
+
+def _served_by(link: ActionLink) -> Missed:
+    """Return what says why those who offer the action now do so no more; None: they do."""
+    first = link.servers()
+
+    def missed(*, quiet: bool) -> Cause | None:
+        nonlocal first
+        now = link.servers()
+        first = named_since(first, now)
+        replaced = quiet and bool(first) and not now.keys() <= first.keys()
+        if replaced or born_anew(first, now):
+            return Cause.REBORN
+        return None if link.ready() else Cause.UNSERVED
+
+    return missed
+
+
+def _confirmed(errand: BindingCall) -> None:
+    """Make sure that a stop was measured to have worked.
+
+    Raises:
+        RobotUnreachable: It was not.
+    """
+    if errand.rest is None or not errand.rest.confirmed:
+        raise RobotUnreachable(said("{shown} has not confirmed the stop.", shown=errand.side.shown))
+
+
+def _declined(errand: BindingCall, reason: str) -> str:
+    if not reason:
+        return said("{shown} declined.", shown=errand.side.shown)
+    return said("{reason}. Nothing was done.", reason=reason)

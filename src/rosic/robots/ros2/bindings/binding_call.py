@@ -1,0 +1,260 @@
+"""One order on its way through one binding, and what every binding has in common."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from rosic.core.i18n import said
+from rosic.core.order import Stage, StageReport
+from rosic.core.synchronised_start import TOO_LATE_NS, begins_ns, misses_start
+from rosic.errors import RobotOffline
+from rosic.robots.ros2.client.services import wait_until
+from rosic.robots.ros2.errors import BadName, NotSent
+from rosic.robots.ros2.interrupting import over
+from rosic.robots.ros2.messages.decode import FieldReader, compile_path
+from rosic.robots.ros2.messages.text import clean_text
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import Tell
+    from rosic.core.deadman import Break
+    from rosic.core.order import Order, Outcome
+    from rosic.core.order_gate import OrderGate
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.loose_goals import Loose
+    from rosic.robots.ros2.stopping import Resting, StopController
+    from rosic.robots.ros2.telemetry import Measurements
+
+_log = logging.getLogger(__name__)
+
+NOTE_BYTES = 240
+DECLINED = "robot-declined"
+_MOST_FACTS = 64
+JUST_AFTER_S = 0.001
+_NS = 1_000_000_000
+# What robots' own words are called: by most, by Nav2, by ros2_control.
+MESSAGES = ("message", "error_msg", "error_string")
+
+
+class RobotSide(NamedTuple):
+    """One robot's side, as far as a binding needs it.
+
+    Attributes:
+        watchdog_s: A gap of ours that is longer breaks off what moves.
+    """
+
+    shown: str
+    gate: OrderGate
+    clock: Clock
+    brakes: StopController
+    measured: Measurements
+    namespace: str
+    rest_timeout_s: float
+    watchdog_s: float
+
+
+class Binding(Protocol):
+    """Carries orders of one skill through its binding."""
+
+    def types(self) -> set[str]:
+        """Return the types that the binding names."""
+        ...
+
+    async def open(self, runtime: RosRuntime) -> None:
+        """Open what it needs, so that nothing has to be found when an order comes.
+
+        Raises:
+            BadName: A name, a type or a field does not exist.
+        """
+        ...
+
+    async def close(self) -> None:
+        """Close it."""
+        ...
+
+    async def carry(self, errand: BindingCall) -> Outcome:
+        """Carry one order. See ``contracts.robot.Robot.execute``."""
+        ...
+
+
+class BindingCall:
+    """One order under way.
+
+    Attributes:
+        left: It has passed the gate: from here on the robot may move.
+        cut_off: It is being ended without a stop, as ROSIC closes: the robot is brought to rest and
+            may say that its goal came to nothing before anybody has cancelled that.
+        halted: Set when a stop has done what it could; ``rest`` then says what came of it.
+        loose: Its goal, given up without a word of how it ended: it may go on.
+        unsettled: It was broken off and the robot not seen at rest since: once it is heard again
+            it is brought to rest first.
+    """
+
+    def __init__(self, order: Order, tell: Tell, side: RobotSide, patience_s: float) -> None:
+        self.order = order
+        self.side = side
+        self.left = False
+        self.cut_off = False
+        self.unsettled = False
+        self.loose: Loose | None = None
+        self.halted = asyncio.Event()
+        self.rest: Resting | None = None
+        self._tell = tell
+        self._patience_s = patience_s
+        self._received = False
+        self._fraction: float | None = None
+
+    async def there(self, ready: Callable[[], bool], what: str, *, together: bool = False) -> None:
+        """Make sure that somebody is there.
+
+        Args:
+            ready: Whether somebody is.
+            what: Who is meant.
+            together: Whether the order keeps its common start: it is not waited for longer than
+                it may be late, as the others move meanwhile.
+
+        Raises:
+            OrderVoid: Nobody is, and the order's time is over.
+            RobotOffline: Nobody is, though discovery had its time.
+        """
+        if ready():
+            return
+        try:
+            await wait_until(ready, what, self._patient_s(together=together))
+        except NotSent as fault:
+            now_ns, wall_ns = self.side.clock.monotonic_ns(), self.side.clock.wall_ns()
+            missed = together and misses_start(self.order, now_ns, wall_ns)
+            if missed or self.order.is_late(now_ns, wall_ns):  # being late is why, not discovery
+                self.side.gate.pass_order(self.order, now_ns, wall_ns, together=together)
+            raise self.offline() from fault
+
+    def _patient_s(self, *, together: bool) -> float:
+        now_ns = self.side.clock.monotonic_ns()
+        start_ns = begins_ns(self.order, now_ns) if together else None
+        if start_ns is None:
+            return self._patience_s
+        return max(
+            0.0, min(self._patience_s, (start_ns + TOO_LATE_NS - now_ns) / _NS + JUST_AFTER_S)
+        )
+
+    def offline(self) -> RobotOffline:
+        """Return the refusal of a robot that is not there."""
+        return RobotOffline(said("{shown} is not there. Nothing was sent.", shown=self.side.shown))
+
+    def leave(self, *, together: bool = False) -> None:
+        """Pass the gate and say that it is sent. The message must leave without suspension.
+
+        Args:
+            together: Whether the message carries the common start, if there is one.
+
+        Raises:
+            OrderVoid: The gate declined.
+        """
+        clock = self.side.clock
+        self.side.gate.pass_order(
+            self.order, clock.monotonic_ns(), clock.wall_ns(), together=together
+        )
+        self.left = True
+        _log.debug("%s: order %d is sent", self.order.robot, self.order.n)
+        self._tell(StageReport(Stage.SENT))
+
+    def allowed(self) -> bool:
+        """Tell whether it may go on: no stop has come, and nobody is cutting it off."""
+        return not self.cut_off and self.side.gate.still_allows(self.order)
+
+    def interrupted(self, broken: Break) -> None:
+        """It is broken off. That is said at once: coming to rest may take its time."""
+        self.unsettled = True
+        self.side.measured.cut()
+        _log.warning("%s: order %d is broken off: %s", self.order.robot, self.order.n, broken)
+        self.running(None, over(broken))
+
+    def received(self) -> None:
+        """The robot's side has it."""
+        if not self._received:
+            self._received = True
+            self._tell(StageReport(Stage.RECEIVED))
+
+    def running(self, fraction: float | None, note: str = "") -> None:
+        """The robot's side says how far it is; what falls back or comes too early is not told."""
+        if not self._received:
+            return
+        if fraction is not None and 0.0 <= fraction <= 1.0:
+            self._fraction = max(fraction, self._fraction or 0.0)
+        self._tell(StageReport(Stage.RUNNING, self._fraction, note))
+
+
+def filled(values: Mapping[str, float | int | str | bool], order: Order) -> dict[str, object]:
+    """Return the fields of a message with ``$name`` replaced by the order's arguments (SI).
+
+    Text from a chat is cleaned; everything is checked against the message's type afterwards.
+    """
+    found: dict[str, object] = {}
+    for field, value in values.items():
+        given = order.skill.filled(value, order.arguments)
+        found[field] = clean_text(given) if isinstance(given, str) else given
+    return found
+
+
+def check_fields(cls: RosObject, fields: Mapping[str, object]) -> None:
+    """Make sure that a message has the fields that a profile names.
+
+    Raises:
+        BadName: It has not.
+    """
+    for field in fields:
+        compile_path(cls, field)
+
+
+class BindingAnswer:
+    """What a result or a response says of success, and in which words, if it has such fields."""
+
+    def __init__(self, cls: RosObject, success: str = "", message: str = "") -> None:
+        self._success = _reader(cls, success, "success")
+        self._message = _reader(cls, message, *MESSAGES)
+        self._facts = _reader(cls, "", "fact_names"), _reader(cls, "", "fact_values")
+
+    def succeeded(self, answer: RosObject) -> bool:
+        """Tell whether it says success; one that does not speak of it means it."""
+        return self._success is None or self._success(answer) is True
+
+    def words(self, answer: RosObject) -> str:
+        """Return the robot's words; inert, may be empty."""
+        return "" if self._message is None else note(self._message(answer))
+
+    def facts(self, answer: RosObject) -> dict[str, float]:
+        """Return what was measured, by name."""
+        names, values = self._facts
+        if names is None or values is None:
+            return {}
+        pairs = zip(_listed(names(answer)), _listed(values(answer)), strict=False)
+        return {
+            note(name): float(value)
+            for name, value in list(pairs)[:_MOST_FACTS]
+            if isinstance(value, (int, float))
+        }
+
+
+def note(words: object) -> str:
+    """Return a robot's words as a person may read them, on one line."""
+    return " ".join(clean_text(str(words), max_bytes=NOTE_BYTES).split())
+
+
+def _listed(value: object) -> list[object]:
+    return value if isinstance(value, list) else []
+
+
+def _reader(cls: RosObject, path: str, *usual: str) -> FieldReader | None:
+    """Return the reader of a field; None when the profile does not insist and it is not there."""
+    for wanted in (path,) if path not in {"", *usual} else usual:
+        try:
+            return compile_path(cls, wanted)
+        except BadName:
+            if wanted not in usual:
+                raise
+    return None

@@ -1,0 +1,162 @@
+"""Skills that are topics: one message, or a bounded stream that ends in zeros."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.i18n import joined, said
+from rosic.core.order import Ending, Outcome
+from rosic.core.units import measured
+from rosic.robots.ros2.bindings.binding_call import check_fields, filled
+from rosic.robots.ros2.errors import NotSent
+from rosic.robots.ros2.interrupting import in_doubt, over
+from rosic.robots.ros2.velocity_stream import StreamPace, VelocityStream
+
+if TYPE_CHECKING:
+    from rosic.core.deadman import Break
+    from rosic.core.robot.skill import TopicBinding
+    from rosic.robots.ros2.bindings.binding_call import BindingCall
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.client.topics import Publisher
+    from rosic.robots.ros2.stopping import Resting
+
+DURATION = "duration"
+# A zero that is lost on the way is followed by others; the robot's watchdog is behind them.
+ZEROS = 3
+
+
+class TopicSkill:
+    """Publishes to one topic. Nothing acknowledges: what is known of the end is measured."""
+
+    def __init__(self, binding: TopicBinding) -> None:
+        self._binding = binding
+        self._publisher: Publisher | None = None
+        self._cls: RosObject = None
+
+    def types(self) -> set[str]:
+        """Return the topic's type."""
+        return {self._binding.type}
+
+    async def open(self, runtime: RosRuntime) -> None:
+        """Open the publisher and check the fields of the message."""
+        self._cls = runtime.types.message(self._binding.type)
+        check_fields(self._cls, self._binding.message)
+        if self._binding.stream_hz == 0:
+            self._publisher = await runtime.publisher(self._binding.name, self._binding.type)
+
+    async def close(self) -> None:
+        """Leave the topic."""
+        publisher, self._publisher = self._publisher, None
+        if publisher is not None:
+            await publisher.close()
+
+    async def carry(self, errand: BindingCall) -> Outcome:
+        """Publish once, or stream."""
+        if self._binding.stream_hz > 0:
+            return await self._drive(errand, await self._stream(errand))
+        publisher = await self._listened_to(errand)
+        message = publisher.made(filled(self._binding.message, errand.order))
+        errand.leave()
+        try:
+            publisher.send(message)
+        except NotSent as fault:
+            raise errand.offline() from fault
+        return Outcome(Ending.SENT)
+
+    async def fall_silent(self, errand: BindingCall) -> Resting:
+        """Stream, cease without a zero, and wait for measured rest; for measuring a watchdog."""
+        stream = await self._stream(errand)
+        if await stream.run() is not None:
+            return await errand.side.brakes.apply()
+        side = errand.side
+        return await side.brakes.measure(side.clock.monotonic_ns(), side.rest_timeout_s)
+
+    async def _listened_to(self, errand: BindingCall) -> Publisher:
+        # A stream shares its publisher with the zeros that end it: two publishers of one topic may
+        # overtake each other, and a velocity that comes after the zero would count.
+        publisher = self._publisher or errand.side.brakes.zeros.get(self._binding.name)
+        if publisher is None:
+            raise errand.offline()
+        await errand.there(lambda: publisher.listeners > 0, publisher.topic)
+        return publisher
+
+    async def _stream(self, errand: BindingCall) -> VelocityStream:
+        publisher = await self._listened_to(errand)
+        # Matched before it is on the graph: who it is has to be known before it is driven.
+        await errand.there(lambda: bool(publisher.takers()), publisher.topic)
+        values = filled(self._binding.message, errand.order)
+        pace = StreamPace(1.0 / self._binding.stream_hz, _duration_s(errand))
+        return VelocityStream(errand, publisher, values, pace)
+
+    async def _drive(self, errand: BindingCall, stream: VelocityStream) -> Outcome:
+        broken = await stream.run()
+        if not errand.allowed():
+            return Outcome(Ending.CANCELLED)
+        if broken is not None:
+            return await self._broken_off(errand, stream, broken)
+        side = errand.side
+        ended_ns = side.clock.monotonic_ns()
+        period_s = 1.0 / self._binding.stream_hz
+        for _ in range(ZEROS):
+            side.brakes.zero()
+            await side.clock.sleep(period_s)
+        resting = await side.brakes.measure(ended_ns, side.rest_timeout_s)
+        if not side.measured.measures_rest or (resting.confirmed and not stream.moved):
+            return Outcome(Ending.SENT)
+        if resting.confirmed:
+            return Outcome(
+                Ending.DONE, said("drove for {duration_s:g} s", duration_s=_duration_s(errand))
+            )
+        return await self._does_not_obey(errand)
+
+    async def _broken_off(
+        self, errand: BindingCall, stream: VelocityStream, broken: Break
+    ) -> Outcome:
+        """Bring it to rest, and say what was measured."""
+        errand.interrupted(broken)
+        resting = await errand.side.brakes.apply()
+        stream.way.look()
+        what = joined("; ", (_driven(stream), over(broken)))
+        if not errand.allowed():  # a stop came meanwhile, and says more about rest
+            return Outcome(Ending.CANCELLED, what)
+        if not resting.confirmed:
+            raise in_doubt(errand.side.shown, what, resting)
+        facts = {"driven_s": stream.seconds}
+        if stream.way.metres is not None:
+            facts["distance_m"] = stream.way.metres
+        return Outcome(Ending.FAILED, what, facts, code=broken.code)
+
+    async def _does_not_obey(self, errand: BindingCall) -> Outcome:
+        """Zero did not bring it to rest, or that was not seen: apply everything else."""
+        resting = await errand.side.brakes.apply()
+        if not resting.confirmed:
+            errand.unsettled = True
+            raise in_doubt(errand.side.shown, "", resting)
+        if errand.side.brakes.own is None or resting.declined or resting.unanswered:
+            return Outcome(Ending.FAILED, said("it came to rest late, and not by its own stop"))
+        return Outcome(Ending.FAILED, said("it came to rest only when its own stop was called"))
+
+
+def _driven(stream: VelocityStream) -> str:
+    """Return for how long, and how far, as far as anybody knows."""
+    seconds, metres = stream.seconds, stream.way.metres
+    if stream.moved and stream.way.jumped:
+        return said(
+            "drove for {seconds:.1f} s; its odometry jumped, so how far could not be measured",
+            seconds=seconds,
+        )
+    if not stream.moved:
+        return said("sent velocities for {seconds:.1f} s", seconds=stream.sent_s)
+    if metres is None:
+        return said("drove for {seconds:.1f} s; how far was not measured", seconds=seconds)
+    return said(
+        "drove for {seconds:.1f} s, {way} by its odometry",
+        seconds=seconds,
+        way=measured(f"{metres:.2f} m", metres, "m"),
+    )
+
+
+def _duration_s(errand: BindingCall) -> float:
+    given = errand.order.arguments.get(DURATION, 0.0)
+    return float(given) if isinstance(given, (int, float)) else 0.0

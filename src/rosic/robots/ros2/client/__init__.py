@@ -1,0 +1,3 @@
+"""What ROSIC asks of rclpy: one node, its thread, topics, services, actions."""
+
+from __future__ import annotations

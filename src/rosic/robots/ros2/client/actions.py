@@ -1,0 +1,274 @@
+"""Actions: goals that take a while, tell how they go, and can be called off."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+
+from rosic.robots.ros2.client.services import wait_until
+from rosic.robots.ros2.errors import BadValue, NoAnswer, NotSent
+from rosic.robots.ros2.messages.encode import to_message
+from rosic.robots.ros2.rebirths import ends_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.messages.encode import Values
+    from rosic.robots.ros2.rebirths import Ends
+
+End: TypeAlias = Literal["succeeded", "cancelled", "aborted", "unknown"]
+Stage: TypeAlias = Literal["accepted", "executing", "cancelling", "ended", "unknown"]
+CancelAnswer: TypeAlias = Literal["cancelling", "refused", "unknown", "ended"]
+
+MAX_GOALS = 64
+GOAL_ID_BYTES = 16
+
+# action_msgs/msg/GoalStatus
+_ENDS: dict[int, End] = {4: "succeeded", 5: "cancelled", 6: "aborted"}
+_STAGES: dict[int, Stage] = {
+    1: "accepted",
+    2: "executing",
+    3: "cancelling",
+    4: "ended",
+    5: "ended",
+    6: "ended",
+}
+# action_msgs/srv/CancelGoal
+_CANCEL_ANSWERS: dict[int, CancelAnswer] = {1: "refused", 2: "unknown", 3: "ended"}
+
+
+class GoalEnd(NamedTuple):
+    """How a goal ended, in the robot's own words.
+
+    Attributes:
+        status: What the action server says became of it.
+        result: Its result message, to be read with `reading.compile_path`.
+    """
+
+    status: End
+    result: RosObject
+
+
+class ActionLink:
+    """A client of one action, kept open: finding it again would take longer than asking.
+
+    Attributes:
+        name: Absolute name.
+        rejected: How many goals the server did not accept.
+    """
+
+    def __init__(self, runtime: RosRuntime, name: str, cls: RosObject, handle: RosObject) -> None:
+        self.name = name
+        self.rejected = 0
+        self._runtime = runtime
+        self._cls = cls
+        self._handle = handle
+        self._goals = 0
+
+    def ready(self) -> bool:
+        """Tell whether somebody offers the action now."""
+        return self._runtime.alive and bool(self._handle.server_is_ready())
+
+    def servers(self) -> Ends:
+        """Return who offers the action now: one that begins anew is another."""
+        if not self._runtime.alive:
+            return {}
+        node = self._runtime.thread.node
+        return ends_of(node.get_publishers_info_by_topic(f"{self.name}/_action/feedback"))
+
+    async def send(
+        self,
+        values: Values,
+        *,
+        timeout_s: float,
+        found_within_s: float = 0.0,
+        goal_id: bytes | None = None,
+        on_feedback: Callable[[RosObject], None] | None = None,
+    ) -> Goal | None:
+        """Send a goal and wait until the server has accepted it.
+
+        Args:
+            values: Fields of the goal.
+            timeout_s: For the acceptance.
+            found_within_s: How long to look for a server.
+            goal_id: 16 bytes, so that the robot's log and ours speak of the same; a server turns
+                an id away that it has seen before. By default rclpy draws one.
+            on_feedback: Called on the event loop with the newest feedback message.
+
+        Returns:
+            The goal under way, or None: the server did not accept it, and nothing moves.
+
+        Raises:
+            BadValue: A value does not fit; nothing was sent.
+            NotSent: No server, too many goals, or the link is closed.
+            NoAnswer: Sent, and no word of acceptance in time. If it still comes, the goal is
+                cancelled at once; the same when this call is cancelled.
+        """
+        message = to_message(self._cls.Goal, values)
+        if not self.ready():
+            await wait_until(self.ready, self.name, found_within_s)
+        if self._goals >= MAX_GOALS:
+            raise NotSent(f"Too many goals are under way; nothing was sent to {self.name}.")
+        feedback = None if on_feedback is None else _Newest(self._runtime, on_feedback)
+        uuid = None if goal_id is None else self._uuid(goal_id)
+        self._goals += 1
+        try:
+            handle = await self._runtime.thread.ask(
+                lambda: self._begin(message, uuid, feedback),
+                self.name,
+                timeout_s=timeout_s,
+                late=self._call_off,
+            )
+        except BaseException:
+            self._goals -= 1
+            raise
+        if not handle.accepted:
+            self._goals -= 1
+            self.rejected += 1
+            return None
+        return Goal(self._runtime, self.name, handle, self._ended)
+
+    async def close(self) -> None:
+        """Leave the action. Goals under way stay with the robot: cancel them first."""
+        await self._runtime.discard(lambda _node: self._handle.destroy())
+
+    def _begin(self, message: RosObject, uuid: RosObject, feedback: _Newest | None) -> RosObject:
+        """Send the goal, and leave nothing behind that rclpy would keep; on the ROS thread."""
+        client = self._handle
+        before = {id(future) for future in getattr(client, "_futures", ())}
+        future = client.send_goal_async(
+            message,
+            feedback_callback=None if feedback is None else feedback.arrived,
+            goal_uuid=uuid,
+        )
+        for other in list(getattr(client, "_futures", ())):
+            if other is not future and id(other) not in before:
+                client.remove_future(other)  # rclpy 9.1 registers two and forgets this one
+        if feedback is not None:
+            future.add_done_callback(partial(_drop_feedback, client, feedback))
+        return future
+
+    def _call_off(self, handle: RosObject) -> None:
+        """Cancel a goal whose acceptance nobody waits for any more."""
+        if handle.accepted and self._runtime.alive:
+            self._runtime.thread.post(handle.cancel_goal_async)
+
+    def _uuid(self, goal_id: bytes) -> RosObject:
+        if len(goal_id) != GOAL_ID_BYTES:
+            raise BadValue(f"A goal's id has {GOAL_ID_BYTES} bytes, not {len(goal_id)}.")
+        return self._runtime.ros.ids.UUID(uuid=list(goal_id))
+
+    def _ended(self) -> None:
+        self._goals -= 1
+
+
+class Goal:
+    """A goal that a server has accepted.
+
+    Attributes:
+        name: Of the action.
+        id: 16 bytes, as the robot's side knows it.
+    """
+
+    def __init__(
+        self, runtime: RosRuntime, name: str, handle: RosObject, ended: Callable[[], None]
+    ) -> None:
+        self.name = name
+        self.id = bytes(handle.goal_id.uuid)
+        self._runtime = runtime
+        self._handle = handle
+        # Asked for at once: a server forgets the result of a goal a few seconds after its end.
+        self._result = asyncio.ensure_future(self._watch())
+        self._result.add_done_callback(lambda _result: ended())
+        self._result.add_done_callback(_look)
+
+    @property
+    def over(self) -> bool:
+        """Whether it is known how it ended."""
+        return self._result.done() and not self._result.cancelled()
+
+    @property
+    def stage(self) -> Stage:
+        """Where the server says the goal is; it lags a little behind `end` and the feedback."""
+        return _STAGES.get(int(self._handle.status), "unknown")
+
+    async def end(self, *, timeout_s: float | None = None) -> GoalEnd:
+        """Wait for the end. Cancelling this call leaves the goal as it is.
+
+        Raises:
+            NoAnswer: The server has not said in time how it ended. The robot may still move.
+        """
+        try:
+            async with asyncio.timeout(timeout_s):
+                return await asyncio.shield(self._result)
+        except TimeoutError:
+            raise NoAnswer(f"{self.name} has not come to an end within {timeout_s:g} s.") from None
+
+    async def cancel(self, *, timeout_s: float) -> CancelAnswer:
+        """Ask the server to call the goal off. What then happens, `end` tells.
+
+        Returns:
+            ``cancelling``; or ``refused``; ``ended`` when there is nothing left to cancel;
+            ``unknown`` when the server does not know the goal, as after its restart.
+
+        Raises:
+            NotSent: The link is closed.
+            NoAnswer: The server did not answer in time. It may or may not be cancelling.
+        """
+        answer = await self._runtime.thread.ask(
+            self._handle.cancel_goal_async, self.name, timeout_s=timeout_s
+        )
+        if answer.return_code == 0 and answer.goals_canceling:
+            return "cancelling"
+        return _CANCEL_ANSWERS.get(answer.return_code, "refused")
+
+    def forget(self) -> None:
+        """Wait for the end no longer. The robot does not hear of it."""
+        self._result.cancel()
+
+    async def _watch(self) -> GoalEnd:
+        answer = await self._runtime.thread.ask(
+            self._handle.get_result_async, self.name, timeout_s=None
+        )
+        return GoalEnd(_ENDS.get(answer.status, "unknown"), answer.result)
+
+
+class _Newest:
+    """Feedback on its way to the event loop: only the newest is worth telling."""
+
+    def __init__(self, runtime: RosRuntime, tell: Callable[[RosObject], None]) -> None:
+        self._runtime = runtime
+        self._tell = tell
+        self._newest: RosObject = None
+        self._offered = False
+
+    def arrived(self, message: RosObject) -> None:
+        """Take a feedback message; on the ROS thread."""
+        self._newest = message.feedback
+        if not self._offered:
+            self._offered = True
+            if not self._runtime.thread.hand_over(self._deliver):
+                self._offered = False
+
+    def _deliver(self) -> None:
+        self._offered = False
+        self._tell(self._newest)
+
+
+def _drop_feedback(client: RosObject, feedback: _Newest, future: RosObject) -> None:
+    """Forget whom to tell about a goal that was not accepted; rclpy would remember for ever."""
+    handle = None if future.cancelled() or future.exception() else future.result()
+    if handle is not None and handle.accepted:
+        return
+    callbacks = getattr(client, "_feedback_callbacks", {})
+    for key in [key for key, callback in callbacks.items() if callback == feedback.arrived]:
+        del callbacks[key]
+
+
+def _look(result: asyncio.Future[GoalEnd]) -> None:
+    """Look at a failure that nobody may ever ask for, so that asyncio does not complain of it."""
+    if not result.cancelled():
+        result.exception()

@@ -1,0 +1,226 @@
+"""The gateway's one place on a ROS 2 graph, and everything it opens there."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Self, TypeVar
+
+from rosic.robots.ros2.client.actions import ActionLink
+from rosic.robots.ros2.client.executor_thread import RosThread
+from rosic.robots.ros2.client.qos import publisher_events, subscription_events
+from rosic.robots.ros2.client.rate_limited_topic import RateLimitedTopic
+from rosic.robots.ros2.client.services import ServiceLink
+from rosic.robots.ros2.client.topics import LatestMessage, MessageStream, Publisher, TopicQos
+from rosic.robots.ros2.errors import BadName, NotSent
+from rosic.robots.ros2.messages.names import check_graph_name, check_node_name
+from rosic.robots.ros2.senders import Informed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+
+    from rosic.robots.ros2.client.rclpy_import import RclpyModules, RosObject
+    from rosic.robots.ros2.messages.types import TypeRegistry
+
+T = TypeVar("T")
+
+NODE_NAME = "chat_interface"
+TEXT = "std_msgs/msg/String"
+MAX_DOMAIN_ID = 232
+MAX_ENDPOINTS = 1024
+
+_RELIABLE = TopicQos()
+_NEWEST = TopicQos(reliable=False, depth=1)
+
+
+class RosRuntime:
+    """One node for one process. Made by `RosRuntime.open`, used on the event loop that opened it.
+
+    Attributes:
+        types: The types that may be used.
+        node_name: As seen on the graph.
+        now_ns: The monotonic clock on which telemetry is dated.
+        thread: The ROS thread, for the modules beside this one.
+    """
+
+    def __init__(
+        self,
+        types: TypeRegistry,
+        thread: RosThread,
+        *,
+        node_name: str,
+        now_ns: Callable[[], int],
+    ) -> None:
+        self.types = types
+        self.thread = thread
+        self.node_name = node_name
+        self.now_ns = now_ns
+        self._endpoints = 0
+
+    @classmethod
+    async def open(
+        cls,
+        types: TypeRegistry,
+        *,
+        node_name: str = NODE_NAME,
+        domain_id: int | None = None,
+        now_ns: Callable[[], int] = time.monotonic_ns,
+    ) -> RosRuntime:
+        """Join the graph.
+
+        Args:
+            types: The types that profiles name.
+            node_name: How others see this process.
+            domain_id: The ROS domain; None for the one the environment names.
+            now_ns: The monotonic clock on which telemetry is dated.
+
+        Raises:
+            RosMissing: There is no ROS 2 here.
+            BadName: The node or the domain cannot be called that.
+            NotSent: ROS 2 is here and would not start.
+        """
+        if domain_id is not None and not 0 <= domain_id <= MAX_DOMAIN_ID:
+            raise BadName(f"A ROS domain is a number from 0 to {MAX_DOMAIN_ID}, not {domain_id}.")
+        thread = RosThread(check_node_name(node_name), domain_id)
+        await thread.start()
+        return cls(types, thread, node_name=node_name, now_ns=now_ns)
+
+    async def close(self) -> None:
+        """Leave the graph. Whoever still waits for an answer gets `NoAnswer`. May be repeated."""
+        await self.thread.close()
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        await self.close()
+
+    @property
+    def alive(self) -> bool:
+        """Whether anything can be sent. It ends with `close`, or when ROS shuts itself down."""
+        return self.thread.alive
+
+    @property
+    def ros(self) -> RclpyModules:
+        """ROS 2 itself, for the modules beside this one."""
+        return self.thread.ros
+
+    async def publisher(
+        self, topic: str, type_name: str, quality: TopicQos = _RELIABLE
+    ) -> Publisher:
+        """Open a publisher.
+
+        Raises:
+            BadName: The topic or the type is not known.
+            NotSent: The link is closed, or there are too many endpoints.
+        """
+        cls, name = self.types.message(type_name), check_graph_name(topic)
+        profile, node = quality.profile(self.ros), self.thread.node
+        events = publisher_events()
+        handle = await self._open(
+            lambda: node.create_publisher(cls, name, profile, event_callbacks=events)
+        )
+        return Publisher(self, name, cls, handle)
+
+    async def latest(
+        self,
+        topic: str,
+        type_name: str,
+        quality: TopicQos = _NEWEST,
+        on_new: Callable[[LatestMessage], None] | None = None,
+    ) -> LatestMessage:
+        """Subscribe to a topic of which only the newest message matters.
+
+        Args:
+            topic: Where.
+            type_name: What.
+            quality: By default best effort, which meets every publisher.
+            on_new: Called on the event loop when something new is there; not for every message.
+
+        Raises as `publisher` does.
+        """
+        cls, name = self.types.message(type_name), check_graph_name(topic)
+        latest = LatestMessage(self, name, cls, on_new)
+        latest.handle = await self._subscribe(cls, name, Informed(latest.arrived), quality)
+        return latest
+
+    async def stream(
+        self,
+        topic: str,
+        type_name: str,
+        on_message: Callable[[RosObject], None],
+        quality: TopicQos = _RELIABLE,
+    ) -> MessageStream:
+        """Subscribe to a topic of which every message matters, such as what a robot says.
+
+        The oldest are dropped and counted when more than the quality's depth wait for the loop.
+        Raises as `publisher` does.
+        """
+        cls, name = self.types.message(type_name), check_graph_name(topic)
+        stream = MessageStream(self, name, cls, on_message, quality.depth)
+        stream.handle = await self._subscribe(cls, name, stream.arrived, quality)
+        return stream
+
+    async def paced_words(
+        self,
+        topic: str,
+        on_words: Callable[[bytes, int], None],
+        at_most: int,
+        quality: TopicQos = _RELIABLE,
+    ) -> RateLimitedTopic:
+        """Subscribe to texts that may come at any rate and length; see `RateLimitedTopic`.
+
+        Raises as `publisher` does.
+        """
+        cls, name = self.types.message(TEXT), check_graph_name(topic)
+        words = RateLimitedTopic(self, name, cls, on_words, at_most)
+        words.handle = await self._subscribe(cls, name, words.arrived, quality)
+        return words
+
+    async def service(self, name: str, type_name: str) -> ServiceLink:
+        """Open a client of a service. Raises as `publisher` does."""
+        cls, name = self.types.service(type_name), check_graph_name(name)
+        handle = await self._open(lambda: self.thread.node.create_client(cls, name))
+        return ServiceLink(self, name, cls, handle)
+
+    async def action(self, name: str, type_name: str) -> ActionLink:
+        """Open a client of an action. Raises as `publisher` does."""
+        cls, name = self.types.action(type_name), check_graph_name(name)
+        node = self.thread.node
+        handle = await self._open(lambda: self.ros.action.ActionClient(node, cls, name))
+        return ActionLink(self, name, cls, handle)
+
+    async def discard(self, destroy: Callable[[RosObject], object]) -> None:
+        """Close one endpoint; for the endpoints themselves."""
+        if self.alive:
+            await self.thread.run(lambda: destroy(self.thread.node))
+            self._endpoints -= 1
+
+    async def _subscribe(
+        self,
+        cls: RosObject,
+        topic: str,
+        arrived: Callable[[bytes], None] | Informed,
+        quality: TopicQos,
+    ) -> RosObject:
+        profile, node, events = quality.profile(self.ros), self.thread.node, subscription_events()
+        return await self._open(
+            lambda: node.create_subscription(
+                cls, topic, arrived, profile, event_callbacks=events, raw=True
+            )
+        )
+
+    async def _open(self, make: Callable[[], T]) -> T:
+        if self._endpoints >= MAX_ENDPOINTS:
+            raise NotSent(f"More than {MAX_ENDPOINTS} ROS topics, services and actions are in use.")
+        self._endpoints += 1
+        try:
+            return await self.thread.run(make)
+        except BaseException:
+            self._endpoints -= 1
+            raise

@@ -1,0 +1,297 @@
+"""Bringing a robot to rest: everything that could help, together, until rest is measured."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import TYPE_CHECKING, NamedTuple
+
+from rosic.core.i18n import said
+from rosic.errors import RosicError
+from rosic.robots.ros2.bindings.binding_call import BindingAnswer, check_fields
+from rosic.robots.ros2.client.topics import TopicQos
+from rosic.robots.ros2.errors import BadName, NotSent
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
+    from rosic.contracts.clock import Clock
+    from rosic.core.robot.profile import Profile, StopBinding
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic.robots.ros2.client.runtime import RosRuntime
+    from rosic.robots.ros2.client.services import ServiceLink
+    from rosic.robots.ros2.client.topics import Publisher
+    from rosic.robots.ros2.messages.encode import Values
+    from rosic.robots.ros2.telemetry import Measurements
+
+_log = logging.getLogger(__name__)
+
+AGAIN_EVERY_S = 0.2
+LOOK_EVERY_S = 0.05
+# What has not answered by then does not keep a measured rest from being believed.
+ANSWER_WITHIN_S = 1.0
+CANCEL_GOALS = "action_msgs/srv/CancelGoal"
+_NS = 1_000_000_000
+
+
+class Resting(NamedTuple):
+    """How it went: whether rest was measured, and after how many seconds, or giving up.
+
+    Attributes:
+        moves: It was measured to move at the end; False when nothing was measured, too.
+        declined: What its own stop answered, if that was no success.
+        unanswered: It has a stop of its own, which has not answered, or is not there.
+    """
+
+    confirmed: bool
+    seconds: float
+    moves: bool = False
+    declined: str = ""
+    unanswered: bool = False
+
+
+class StopController:
+    """Everything that stops one robot: the cancelling of goals, zero velocities, its own stop.
+
+    All goals of its actions are cancelled, also those that another gateway, or this one before a
+    crash, has sent: a robot that is told to stop stops.
+
+    Attributes:
+        zeros: Publishers of velocities, by topic as the profile names it.
+        calls: Services: the robot's own stop, and the cancelling of each of its actions.
+    """
+
+    def __init__(self, profile: Profile, measurements: Measurements, clock: Clock) -> None:
+        self.measured = measurements
+        self.clock = clock
+        self.calls: list[ServiceLink] = []
+        self._requests: dict[ServiceLink, Values] = {}
+        self._answers: dict[ServiceLink, BindingAnswer] = {}
+        self._profile = profile
+        self.zeros: dict[str, Publisher] = {}
+
+    def types(self) -> set[str]:
+        """Return the types of message that stopping takes."""
+        found = set(_zeros(self._profile).values())
+        stop = self._profile.stop
+        if stop is not None and stop.service:
+            found.add(stop.type)
+        return found | ({CANCEL_GOALS} if _actions(self._profile) else set())
+
+    async def open(self, runtime: RosRuntime) -> None:
+        """Open the ways to stop the robot, before anything can move it.
+
+        Raises:
+            BadName: A name or a type is wrong.
+        """
+        for topic, type_name in _zeros(self._profile).items():
+            # Of velocities only the newest counts: none from before a break is sent again after it.
+            self.zeros[topic] = await runtime.publisher(topic, type_name, TopicQos(depth=1))
+        stop = self._profile.stop
+        if stop is not None and stop.service:
+            cls = runtime.types.service(stop.type)
+            check_stop(cls.Request, stop)
+            link = await runtime.service(stop.service, stop.type)
+            self.calls.append(link)
+            self._requests[link] = stop.request
+            self._answers[link] = BindingAnswer(cls.Response)
+        for action in _actions(self._profile):
+            name = f"{action}/_action/cancel_goal"
+            self.calls.append(await runtime.service(name, CANCEL_GOALS))
+
+    async def close(self) -> None:
+        """Close them."""
+        ends: list[Publisher | ServiceLink] = [*self.zeros.values(), *self.calls]
+        self.zeros.clear()
+        self.calls.clear()
+        self._requests.clear()
+        self._answers.clear()
+        for end in ends:
+            await end.close()
+
+    @property
+    def own(self) -> ServiceLink | None:
+        """The robot's own stop, if it has one."""
+        return next(iter(self._requests), None)
+
+    def request(self, link: ServiceLink) -> Values:
+        """Return what one of the services is called with."""
+        return self._requests.get(link, {})
+
+    def declined(self, link: ServiceLink, response: RosObject) -> str | None:
+        """Return what its own stop says against success, "" if nothing; None: it is another."""
+        answer = self._answers.get(link)
+        if answer is None:
+            return None
+        if answer.succeeded(response):
+            return ""
+        return answer.words(response) or said("it did not say why")
+
+    def zero(self) -> None:
+        """Send zero wherever velocities are sent. It waits for nobody and never raises."""
+        for publisher in self.zeros.values():
+            try:
+                publisher.publish({})
+            except RosicError as fault:
+                _log.warning("zero was not sent to %s: %s", self._profile.id, fault)
+
+    async def apply(
+        self, quiet: Callable[[], bool] = lambda: True, *, limit_s: float | None = None
+    ) -> Resting:
+        """Apply everything, again and again, until rest is measured or the time is over.
+
+        Rest counts when it was measured after the robot's side has answered, or has had
+        `ANSWER_WITHIN_S` to answer: before that, it may not have begun to move yet. A robot whose
+        rest cannot be measured is told once that it answers, and not confirmed. Never raises.
+
+        Args:
+            quiet: Whether the order under way has come to its end; waited for likewise.
+            limit_s: Instead of the profile's ``rest_timeout_s``.
+        """
+        limit_s = self._profile.rest_timeout_s if limit_s is None else limit_s
+        attempt = _Attempt(self, quiet)
+        try:
+            return await attempt.run(limit_s)
+        finally:
+            attempt.end()
+
+    async def measure(self, since_ns: int, limit_s: float) -> Resting:
+        """Only wait until rest is measured; seconds count from ``since_ns``."""
+        while True:
+            past_s = (self.clock.monotonic_ns() - since_ns) / _NS
+            if self.measured.at_rest(since_ns):
+                return Resting(confirmed=True, seconds=past_s)
+            if past_s >= limit_s or not self.measured.measures_rest:
+                return Resting(confirmed=False, seconds=past_s)
+            await self.measured.next_word(AGAIN_EVERY_S)
+
+
+class _Attempt:
+    """One attempt to bring a robot to rest."""
+
+    def __init__(self, brakes: StopController, quiet: Callable[[], bool]) -> None:
+        self._brakes = brakes
+        self._quiet = quiet
+        self._asking: dict[ServiceLink, asyncio.Task[bool]] = {}
+        self._answered: set[ServiceLink] = set()
+        self._declined = ""
+        self._settled_ns: int | None = None
+        self._round_ns: int | None = None
+
+    async def run(self, limit_s: float) -> Resting:
+        """Go round until rest is measured, or the time is over."""
+        resting = await self._run(limit_s)
+        own = self._brakes.own
+        unanswered = own is not None and own not in self._answered
+        return resting._replace(declined=self._declined, unanswered=unanswered)
+
+    async def _run(self, limit_s: float) -> Resting:
+        measured, clock = self._brakes.measured, self._brakes.clock
+        begun_ns = clock.monotonic_ns()
+        while True:
+            now_ns = clock.monotonic_ns()
+            past_s = (now_ns - begun_ns) / _NS
+            if self._round_ns is None or now_ns - self._round_ns >= AGAIN_EVERY_S * _NS:
+                self._round_ns = now_ns
+                self._brakes.zero()
+                self._ask()
+            if self._settled_ns is None and (past_s >= ANSWER_WITHIN_S or self._heard_out()):
+                self._settled_ns = now_ns
+            if self._settled_ns is not None:
+                if measured.at_rest(self._settled_ns):
+                    return Resting(confirmed=True, seconds=past_s)
+                if not measured.measures_rest:
+                    return Resting(confirmed=False, seconds=past_s)
+            if past_s >= limit_s:
+                moves = measured.at_rest(max(begun_ns, measured.stale_ns())) is False
+                return Resting(confirmed=False, seconds=past_s, moves=moves)
+            await self._wait()
+
+    def end(self) -> None:
+        """Leave nothing running."""
+        for task in self._asking.values():
+            task.cancel()
+
+    def _heard_out(self) -> bool:
+        """Tell whether everything that is there has answered, and the order has ended."""
+        calls = self._brakes.calls
+        there = {call for call in calls if call.ready()}
+        somebody = bool(self._answered) or not calls
+        return somebody and there <= self._answered and self._quiet()
+
+    def _ask(self) -> None:
+        """Call what is not being called already."""
+        for link in self._brakes.calls:
+            task = self._asking.get(link)
+            if task is None or task.done():
+                self._asking[link] = asyncio.create_task(self._call(link))
+
+    async def _call(self, link: ServiceLink) -> bool:
+        try:
+            response = await link.call(
+                self._brakes.request(link), timeout_s=ANSWER_WITHIN_S, urgent=True
+            )
+        except NotSent:
+            return False  # nobody is there: what can be done about it is done again and again
+        except RosicError as fault:
+            _log.warning("while stopping: %s", fault)
+            return False
+        self._hear(link, response)
+        self._answered.add(link)
+        return True
+
+    def _hear(self, link: ServiceLink, response: RosObject) -> None:
+        """Take in what a service answers; what speaks against it is logged once."""
+        declined = self._brakes.declined(link, response)
+        if declined and declined != self._declined:
+            _log.warning("while stopping: %s answered that it failed: %s", link.name, declined)
+        if declined is not None:
+            self._declined = declined
+
+    async def _wait(self) -> None:
+        """Wait for an answer or for the next measurement, a moment at most."""
+        word = asyncio.create_task(self._brakes.measured.next_word(LOOK_EVERY_S))
+        calls = [task for task in self._asking.values() if not task.done()]
+        events: list[asyncio.Task[Any]] = [word, *(calls if self._settled_ns is None else ())]
+        try:
+            await asyncio.wait(events, timeout=LOOK_EVERY_S, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            word.cancel()
+
+
+def check_stop(cls: RosObject, stop: StopBinding) -> None:
+    """Make sure that everything a stop says to its service is said by the profile.
+
+    Args:
+        cls: Of the request.
+        stop: As the profile has it.
+
+    Raises:
+        BadName: A field is not there, or is left to what it says by itself.
+    """
+    check_fields(cls, stop.request)
+    said = {field.partition(".")[0] for field in stop.request}
+    for field in cls.get_fields_and_field_types():
+        if field not in said:
+            raise BadName(
+                f"The stop {stop.service} of the type {stop.type} asks for {field!r}, and nothing "
+                "says what it is: by itself it may release a brake.",
+                hint=f"Write what stops the robot: stop: {{ request: {{ {field}: ... }} }}.",
+            )
+
+
+def _zeros(profile: Profile) -> dict[str, str]:
+    """Return the topics that take a zero velocity, and their types."""
+    found: dict[str, str] = {}
+    if profile.stop is not None and profile.stop.zero:
+        found[profile.stop.zero] = profile.stop.zero_type
+    for skill in profile.skills.values():
+        if skill.topic is not None and skill.topic.stream_hz > 0:
+            found[skill.topic.name] = skill.topic.type
+    return found
+
+
+def _actions(profile: Profile) -> list[str]:
+    found = (skill.action.name for skill in profile.skills.values() if skill.action is not None)
+    return list(dict.fromkeys(found))

@@ -1,0 +1,63 @@
+"""From what a profile's binding sends to what a machine takes. One translation for both links."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rosic.core.i18n import said
+from rosic_sim.robots.machines.activity import CannotDo
+from rosic_sim.robots.machines.mecanum import Velocity
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from rosic.core.robot.skill import Argument, Skill
+    from rosic_sim.robots.machines.arguments import Value
+
+# The actions of rosic_interfaces serve several machines; a field that a machine has no use for
+# is left out, one that it knows by another name is renamed.
+UNUSED = {
+    ("omni", "goto"): {"z_m"},
+    ("watcher", "goto"): {"z_m"},
+    ("rover", "goto"): {"z_m"},
+    ("crazyflie", "goto"): {"yaw_rad"},
+}
+RENAMED = {("omni", "arm"): {"name": "pose"}}
+# Of a Twist, and below STAMPED of a TwistStamped; a machine that drives on a floor has no others.
+PLANAR = ("linear.x", "linear.y", "angular.z")
+STAMPED = "twist."
+
+
+def machine_arguments(model: str, skill: str, goal: Mapping[str, Value]) -> dict[str, Value]:
+    """Return the machine's arguments for a goal's fields."""
+    unused = UNUSED.get((model, skill), set())
+    renamed = RENAMED.get((model, skill), {})
+    return {renamed.get(name, name): v for name, v in goal.items() if name not in unused}
+
+
+def goal_of(skill: Skill, arguments: Mapping[str, Argument]) -> dict[str, Value]:
+    """Return the goal that the skill's action would carry, placeholders filled (SI)."""
+    if skill.action is None:
+        return dict(arguments)
+    filled = {field: skill.filled(value, arguments) for field, value in skill.action.goal.items()}
+    # A machine takes no rows of numbers: as a text, one is refused by its name.
+    return {field: str(v) if isinstance(v, tuple) else v for field, v in filled.items()}
+
+
+def velocity_of(robot: str, skill: Skill, arguments: Mapping[str, Argument]) -> Velocity:
+    """Return the velocity that the skill's topic would carry: m/s forward and to the left, rad/s.
+
+    Raises:
+        CannotDo: It carries none of them.
+    """
+    message = {} if skill.topic is None else skill.topic.message
+    given = {field.removeprefix(STAMPED): value for field, value in message.items()}
+    if given.keys().isdisjoint(PLANAR):
+        fields = ", ".join(PLANAR)
+        sentence = said("is driven by {fields}, and this skill sends none of them", fields=fields)
+        raise CannotDo(robot, sentence)
+    values = [skill.filled(given.get(field, 0.0), arguments) for field in PLANAR]
+    numbers = [float(v) for v in values if isinstance(v, int | float)]
+    if len(numbers) < len(values):
+        raise CannotDo(robot, said("a velocity is not a finite number"))
+    return Velocity(*numbers)

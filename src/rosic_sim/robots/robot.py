@@ -1,0 +1,289 @@
+"""A simulated robot in this process: the same machine that also runs as a ROS 2 node."""
+
+from __future__ import annotations
+
+import asyncio
+from math import inf
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rosic.core.deadman import INTERRUPTED, STOOD_STILL, DeadMan
+from rosic.core.i18n import joined, said
+from rosic.core.order import Ending, Order, Outcome, Rest, Stage, StageReport, Stop
+from rosic.core.robot.profile import Presence, Profile
+from rosic.core.robot.view import Pose, Sight, View
+from rosic.core.synchronised_start import begins_ns
+from rosic.errors import ConfigurationError, NothingToSee
+from rosic_sim.robots.fellow import answer
+from rosic_sim.robots.goals import goal_of, machine_arguments, velocity_of
+from rosic_sim.robots.machines.activity import Activity, ActivityState, CannotDo
+from rosic_sim.robots.machines.crazyflie import Crazyflie
+from rosic_sim.robots.machines.omni import Omni
+from rosic_sim.robots.scenery.plan import plan_of, pose_of
+from rosic_sim.robots.scenery.scene import robot_scene
+from rosic_sim.robots.theatre import theatre_of
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncGenerator, Mapping
+
+    from rosic.contracts.among import Speak
+    from rosic.contracts.clock import Clock
+    from rosic.contracts.robot import Say, Tell
+    from rosic.core.deadman import Break
+    from rosic.core.order_gate import OrderGate
+    from rosic.core.robot.view import Content
+    from rosic_sim.robots.machines.mecanum import Velocity
+
+REST_EVERY_S = 0.02
+WAITING = "waiting"  # what a machine says until its first step; news only for a common start
+SETPOINT_EVERY_S = 0.1
+LOOK_EVERY_S = 0.05
+ENDING = {
+    ActivityState.DONE: Ending.DONE,
+    ActivityState.FAILED: Ending.FAILED,
+    ActivityState.CANCELLED: Ending.CANCELLED,
+}
+
+
+class SimulatedRobot:
+    """Carries orders to a machine and its answers back. See ``contracts.robot.Robot``.
+
+    Attributes:
+        begun: How many orders passed the gate.
+        speak: Says something to other robots, as its own node would.
+    """
+
+    stops_itself = True
+
+    def __init__(self, profile: Profile, gate: OrderGate, clock: Clock) -> None:
+        self.profile = profile
+        self.gate = gate
+        self._clock = clock
+        self._theatre = theatre_of(clock)
+        machine = self._theatre.world.machines.get(profile.id)
+        if machine is None:
+            known = ", ".join(self._theatre.world.machines)
+            raise ConfigurationError(
+                f"There is no simulated machine called {profile.id!r}.", hint=f"There are: {known}."
+            )
+        self._machine = machine
+        self.begun = 0
+        self._doing = ""
+        self._say: Say = _unheard
+        self.speak: Speak = _unspoken
+        self._noted = machine.note
+
+    async def open(self, say: Say) -> None:
+        """Take part in the world."""
+        self._say = say
+        self._theatre.watch(self._listen)
+
+    async def close(self) -> None:
+        """Bring the machine to rest and leave the world."""
+        if not self._machine.at_rest():
+            await self._rest()
+        self._theatre.forget(self._listen)
+
+    def meet(self, speak: Speak) -> None:
+        """Take what it answers by."""
+        self.speak = speak
+
+    def hear(self, words: bytes) -> bool:
+        """Take on a strategy; the rest of what robots say is nothing to a machine."""
+        said_back = answer(self._machine, words)
+        if said_back is not None:
+            self.speak(said_back, 0)
+        return True
+
+    def _listen(self) -> None:
+        """Pass on what the machine did of its own accord: landed because a peer was lost."""
+        if self._machine.note != self._noted:
+            self._noted = self._machine.note
+            if self._noted:
+                self._say(self._noted)
+
+    async def execute(self, order: Order, tell: Tell) -> Outcome:
+        """Carry out one order."""
+        together = order.skill.topic is None  # a stream of velocities has no place for a start
+        clock = self._clock
+        self.gate.pass_order(order, clock.monotonic_ns(), clock.wall_ns(), together=together)
+        tell(StageReport(Stage.SENT))
+        self._doing = order.skill.id
+        self.begun += 1
+        try:
+            if order.skill.topic is not None:
+                return await self._drive(order, tell)
+            return await self._perform(order, tell)
+        except CannotDo as cannot:
+            sentence = said("{reason}. Nothing was done.", reason=cannot.reason)
+            return Outcome(Ending.REFUSED, sentence, code="robot-declined")
+        except asyncio.CancelledError:
+            await self._rest()
+            raise
+        finally:
+            self._doing = ""
+
+    async def _perform(self, order: Order, tell: Tell) -> Outcome:
+        goal = goal_of(order.skill, order.arguments)
+        start_ns = begins_ns(order, self._clock.monotonic_ns())
+        start_s = None if start_ns is None else start_ns / 1e9
+        activity = self._machine.begin(
+            order.skill.id,
+            machine_arguments(self.profile.link.model, order.skill.id, goal),
+            self._theatre.now_s(),
+            start_s,
+        )
+        tell(StageReport(Stage.RECEIVED))
+        self._theatre.wake()
+        looked_ns, late = self._clock.monotonic_ns(), False
+        lost_ns = self._theatre.link_lost_s * 1e9
+        while activity.running:
+            if start_s is not None or activity.stage != WAITING:
+                tell(StageReport(Stage.RUNNING, activity.fraction, activity.stage))
+            await self._clock.sleep(REST_EVERY_S)
+            now_ns = self._clock.monotonic_ns()
+            late, looked_ns = late or now_ns - looked_ns > lost_ns, now_ns
+        return self._outcome(order, activity, late=late)
+
+    def _outcome(self, order: Order, activity: Activity, *, late: bool) -> Outcome:
+        code = ""
+        if activity.state is ActivityState.CANCELLED and self.gate.still_allows(order):
+            code = STOOD_STILL if late else INTERRUPTED  # by itself: nobody here ended it
+        return Outcome(ENDING[activity.state], activity.detail, dict(activity.facts), code)
+
+    async def _drive(self, order: Order, tell: Tell) -> Outcome:
+        """Send a bounded stream of velocities that ends in zero."""
+        machine = self._machine
+        if not isinstance(machine, Omni):
+            raise CannotDo(self.profile.id, said("cannot be driven by a velocity"))
+        velocity = velocity_of(self.profile.id, order.skill, order.arguments)
+        machine.set_velocity(*velocity, self._theatre.now_s())
+        tell(StageReport(Stage.RECEIVED))
+        self._theatre.wake()
+        try:
+            return await self._stream(order, tell, machine, velocity)
+        except CannotDo as cannot:
+            await self._rest()
+            return Outcome(Ending.FAILED, cannot.reason)
+
+    async def _stream(self, order: Order, tell: Tell, machine: Omni, velocity: Velocity) -> Outcome:
+        """Go on with a drive that has begun."""
+        duration_s = float(order.arguments.get("duration", 0.0))
+        watchdog_s = self.profile.watchdog_s or machine.watchdog_s
+        begun_ns = self._clock.monotonic_ns()
+        dead_man, moved = DeadMan(begun_ns, watchdog_s=watchdog_s, heard_within_s=inf), False
+        while self.gate.still_allows(order):
+            now_ns = self._clock.monotonic_ns()
+            broken, past_s = dead_man.look(now_ns, 0.0), (now_ns - begun_ns) / 1e9
+            if broken is not None:
+                return await self._broken_off(broken, (dead_man.last_ns - begun_ns) / 1e9)
+            moved = moved or not machine.at_rest()
+            if past_s >= duration_s:
+                await self._rest()
+                if not moved:
+                    return Outcome(Ending.SENT)  # as over ROS: of no motion nothing is said
+                return Outcome(
+                    Ending.DONE, said("drove for {duration_s:g} s", duration_s=duration_s)
+                )
+            machine.set_velocity(*velocity, now_ns / 1e9)
+            tell(StageReport(Stage.RUNNING, past_s / duration_s))
+            await self._clock.sleep(min(SETPOINT_EVERY_S, duration_s - past_s))
+        return Outcome(Ending.CANCELLED)
+
+    async def _broken_off(self, broken: Break, driven_s: float) -> Outcome:
+        """Bring it to rest, and say so: nobody begins it again."""
+        await self._rest()
+        what = (
+            said("drove for {seconds:.1f} s", seconds=driven_s),
+            said(
+                "then ROSIC itself stood still for {seconds:.1f} s: ended", seconds=broken.seconds
+            ),
+        )
+        return Outcome(Ending.FAILED, joined("; ", what), {"driven_s": driven_s}, code=broken.code)
+
+    async def stop(self, stop: Stop) -> Rest:
+        """Latch, halt, and wait until rest is measured."""
+        self.gate.apply_stop(stop)
+        seconds, confirmed = await self._rest()
+        landed = said("on the ground") if self.profile.link.model == "crazyflie" else ""
+        return Rest(stop.robot, confirmed, seconds, landed)
+
+    async def _rest(self) -> tuple[float, bool]:
+        """Halt until rest is measured or the time is over; return the seconds and whether."""
+        begun_ns = self._clock.monotonic_ns()
+        limit_ns = int(self.profile.rest_timeout_s * 1e9)
+        while True:
+            self._machine.halt(self._theatre.now_s())
+            past_ns = self._clock.monotonic_ns() - begun_ns
+            if self._machine.at_rest() or past_ns > limit_ns:
+                return past_ns / 1e9, self._machine.at_rest()
+            self._theatre.wake()
+            await self._clock.sleep(REST_EVERY_S)
+
+    async def resume(self, generation: int) -> None:
+        """Undo the latch."""
+        self.gate.resume(generation)
+
+    def presence(self) -> Presence:
+        """Return the machine's measurements, in the profile's units where it names one."""
+        machine = self._machine
+        if not machine.moving:
+            machine.step(self._theatre.now_s())
+        return Presence(
+            online=True,
+            age_s=0.0,
+            doing=self._doing,
+            at_rest=machine.at_rest(),
+            holds=machine.holding,
+            values=_described(machine.telemetry(), self.profile),
+            pose=self._pose() if self.profile.pose is not None else None,
+        )
+
+    def _pose(self) -> Pose | None:
+        """Return where a machine is that goes somewhere."""
+        machine = self._machine
+        if isinstance(machine, Omni):
+            return pose_of(machine)
+        if isinstance(machine, Crazyflie):
+            flight = machine.flight
+            return Pose(flight.x_m, flight.y_m, flight.height.position, frame="map")
+        return None
+
+    async def look(self, sight: Sight) -> AsyncGenerator[View, None]:
+        """Show the machine as it stands, or the room it drives in."""
+        while True:
+            if not self._machine.moving:
+                self._machine.step(self._theatre.now_s())
+            content = self._shown(sight) if self.profile.offers(sight) else None
+            if content is None:
+                raise NothingToSee(said("{robot} shows no such thing.", robot=self.profile.shown))
+            yield View(content, self._clock.monotonic_ns())
+            await self._clock.sleep(LOOK_EVERY_S)
+
+    def _shown(self, sight: Sight) -> Content | None:
+        if sight is Sight.PICTURE:
+            return robot_scene(self._theatre.world, self.profile.id)
+        if not isinstance(self._machine, Omni):
+            return None
+        return replace(plan_of(self._machine), pose_ns=self._clock.monotonic_ns())
+
+
+def _described(measured: Mapping[str, float | str], profile: Profile) -> dict[str, float | str]:
+    """Return what the profile names, in its units: ``x`` for what the machine calls ``x_m``."""
+    values: dict[str, float | str] = {}
+    for name, described in profile.telemetry.items():
+        for key, value in measured.items():
+            if key == name or key.startswith(f"{name}_"):
+                percent = described.unit == "%" and not isinstance(value, str)
+                values[name] = value * 100 if percent else value
+                break
+    return values
+
+
+def _unspoken(_words: bytes, _dropped: int) -> None:
+    """Nobody was met."""
+
+
+def _unheard(_text: str) -> None:
+    """Nobody listens before ``open``."""

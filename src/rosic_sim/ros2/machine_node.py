@@ -1,0 +1,210 @@
+"""One simulated robot as one ROS 2 node."""
+
+from __future__ import annotations
+
+import time
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from rosic.robots.ros2.client.rclpy_import import load_ros
+from rosic_sim.robots.fellow import answer
+from rosic_sim.robots.machines.activity import CannotDo
+from rosic_sim.robots.machines.crazyflie import Crazyflie
+from rosic_sim.robots.machines.omni import Omni
+from rosic_sim.ros2.actuations import Actuations
+from rosic_sim.ros2.ends import publisher, subscribe
+from rosic_sim.ros2.faults import RobotFaults
+from rosic_sim.ros2.goals import Goals
+from rosic_sim.ros2.offers import model_of
+from rosic_sim.ros2.reports import Reports
+from rosic_sim.ros2.swarm_topic import SwarmTopic
+from rosic_sim.ros2.views import DrawJpeg, SceneCamera, publish_map
+from rosic_sim.ros2.waiting_clock import NS, WaitingClock
+from rosic_sim.ros2.watch import LinkWatch
+
+if TYPE_CHECKING:
+    from rosic.robots.ros2.client.rclpy_import import RosObject
+    from rosic_sim.robots.machines.world import SimulatedWorld
+
+NODE_NAME = "machine"
+STEP_S = 0.02
+AT_REST_STEP_S = 0.1
+
+
+class MachineNode:
+    """A machine, and what it offers under ``/<robot>``: actions, a stop, topics, faults.
+
+    The node has no will of its own: every rule, from limits to landing when a peer is lost, is
+    the machine's. All of it runs on one thread, so nothing here is locked.
+
+    Attributes:
+        starts: Takes down when it begins to move.
+        watch: Whether anybody is still there who could stop it.
+        linked: False while its radio is cut on purpose: it hears nothing and says nothing.
+    """
+
+    def __init__(
+        self,
+        ros_node: RosObject,
+        robot: str,
+        world: SimulatedWorld,
+        clock: WaitingClock,
+        log: Actuations,
+    ) -> None:
+        self.id = robot
+        self.node = ros_node
+        self.model = model_of(robot)
+        self.machine = world.machines[robot]
+        self.linked = True
+        self.starts = Actuations(None)
+        self._clock = clock
+        self._log = log
+        self._count = 0
+        self._due_s = 0.0
+        self._waits = False
+        self._stepped: tuple[float, RosObject] | None = None
+        self._noted = ""
+        self.watch = LinkWatch()
+        self._goals = Goals(self)
+        self._reports = Reports(ros_node, self.machine)
+        self._faults = RobotFaults(self, world)
+        drone = self.machine if isinstance(self.machine, Crazyflie) else None
+        self._swarm = None if drone is None else SwarmTopic(self, drone)
+        self._trigger = import_module("std_srvs.srv").Trigger
+        ros_node.create_service(self._trigger, "stop", self._stop)
+        header = import_module("std_msgs.msg").Header
+        subscribe(ros_node, header, "link", self._heard)
+        self._map: RosObject = None
+        self._camera: SceneCamera | None = None
+        if isinstance(self.machine, Omni):
+            self._offer(self.machine)
+
+    def _offer(self, omni: Omni) -> None:
+        """Open what an omni offers besides."""
+        text = import_module("std_msgs.msg").String
+        self._voice = publisher(self.node, text, "among/say")
+        subscribe(self.node, text, "among/hear", self._told)
+        self._map = publish_map(self.node, omni, load_ros().qos)
+        twist = import_module("geometry_msgs.msg").Twist
+        subscribe(self.node, twist, "cmd_vel", self._velocity)
+
+    def show(self, world: SimulatedWorld, draw: DrawJpeg) -> None:
+        """Let others look at it from now on."""
+        self._camera = SceneCamera(self.node, self.id, world, draw)
+
+    def close(self) -> None:
+        """Leave the graph."""
+        if self._camera is not None:
+            self._camera.close()
+        self.node.destroy_node()
+
+    # ---- time ----
+
+    def now_s(self) -> float:
+        """Return the present on the machine's clock."""
+        return self._clock.now_s()
+
+    def when_s(self, stamp: RosObject) -> float:
+        """Return when something stamped was said, on the machine's clock."""
+        return self._clock.past_s(_ns(stamp))
+
+    def start_s(self, stamp: RosObject) -> float | None:
+        """Return a common start on the machine's clock; None when none was given."""
+        return self._clock.coming_s(_ns(stamp)) if _ns(stamp) else None
+
+    @property
+    def due_s(self) -> float:
+        """When it wants its next turn, on the machine's clock."""
+        return self._due_s
+
+    def step(self) -> None:
+        """Step the machine, if it is time; what there is to tell is told at its next `turn`.
+
+        Telling takes longer than stepping. Robots of one process that begin together are all
+        stepped before any of them speaks.
+        """
+        now_s = self.now_s()
+        if now_s < self._due_s or self._stepped is not None:
+            return
+        at_work = self.machine.moving and now_s >= self.machine.start_s
+        self._due_s = now_s + (STEP_S if at_work else AT_REST_STEP_S)
+        if now_s < self.machine.start_s < self._due_s:
+            self._due_s = self.machine.start_s  # a common start is for all at once
+        self.machine.step(now_s)
+        if self._waits and now_s >= self.machine.start_s:
+            self._waits = False
+            self.starts.moved(self.id, time.time_ns())
+        self._stepped = now_s, self.node.get_clock().now()
+
+    def turn(self) -> None:
+        """Step the machine if it is time, and tell what there is to tell."""
+        self.step()
+        if self._stepped is None:
+            return
+        (now_s, stepped), self._stepped = self._stepped, None
+        stamp = stepped.to_msg()
+        if self.machine.moving and self.watch.lost(now_s):
+            self.machine.link_lost(now_s)
+        self._tell_note()
+        if not self.linked:
+            return
+        self._goals.turn(now_s)
+        if self._swarm is not None:
+            self._swarm.turn(now_s, stamp)
+        if self._reports.due(now_s):
+            self._reports.publish(now_s, stamp)
+        if self._camera is not None:
+            self._camera.turn(now_s, stamp)
+
+    def began(self, skill: str, goal: str) -> None:
+        """Take down that the machine begins to act."""
+        self._count += 1
+        self._waits = True
+        self.watch.begin(self.now_s())
+        self._log.add(self.id, skill, goal, self._count)
+        self._due_s = 0.0
+
+    def _tell_note(self) -> None:
+        """Log what the machine did of its own accord: landed because a peer was lost."""
+        note = self.machine.note
+        if note != self._noted:
+            self._noted = note
+            if note:
+                self.node.get_logger().warning(note)
+
+    # ---- what rclpy calls ----
+
+    def _heard(self, header: RosObject) -> None:
+        if self.linked:
+            self.watch.heard(self.when_s(header.stamp))
+
+    def _told(self, words: RosObject) -> None:
+        """Take on a strategy, and say so: what the robot's own node does among other robots."""
+        said = answer(self.machine, words.data.encode()) if self.linked else None
+        if said is not None:
+            self._voice.publish(type(words)(data=said.decode()))
+
+    def _stop(self, _request: RosObject, response: RosObject) -> RosObject:
+        response.success = self.linked
+        response.message = "coming to rest" if self.linked else "no link"
+        if self.linked:
+            self.machine.halt(self.now_s())
+            self._due_s = 0.0
+        return response
+
+    def _velocity(self, twist: RosObject) -> None:
+        if not self.linked or not isinstance(self.machine, Omni):
+            return
+        moved = self.machine.moving
+        velocity = twist.linear.x, twist.linear.y, twist.angular.z
+        try:
+            self.machine.set_velocity(*velocity, self.now_s())
+        except CannotDo as cannot:
+            self.node.get_logger().warning(cannot.reason, throttle_duration_sec=1.0)
+            return
+        if not moved and self.machine.moving:
+            self.began("drive", "-")
+
+
+def _ns(stamp: RosObject) -> int:
+    return int(stamp.sec) * NS + int(stamp.nanosec)

@@ -1,0 +1,45 @@
+"""A world that waits for its computer."""
+
+from __future__ import annotations
+
+import time
+
+from rosic.robots.ros2.client.two_clocks import ahead_ns
+
+LONGEST_GAP_S = 0.2
+NS = 1_000_000_000
+
+
+class WaitingClock:
+    """Monotonic seconds that stand still while this process was not given the processor.
+
+    Robots do not freeze in mid-air because a computer was busy, and neither do these: without it,
+    a drone that was not stepped for a second would take its peers for lost.
+    """
+
+    def __init__(self) -> None:
+        self._last_s = time.monotonic()
+        self._slip_s = 0.0
+        self._stalled_s, self._slip_before_s = self._last_s, 0.0
+
+    def now_s(self) -> float:
+        """Return the present of the world."""
+        real_s = time.monotonic()
+        gap_s = real_s - self._last_s
+        if gap_s > LONGEST_GAP_S:
+            self._stalled_s, self._slip_before_s = self._last_s, self._slip_s
+            self._slip_s += gap_s - LONGEST_GAP_S
+        self._last_s = real_s
+        return real_s - self._slip_s
+
+    def past_s(self, wall_ns: int) -> float:
+        """Return when something that carries a wall clock stamp was; never in the future."""
+        now_s = self.now_s()
+        real_s = self._last_s - max(0, time.time_ns() - wall_ns) / NS
+        before_s = min(real_s, self._stalled_s) - self._slip_before_s
+        return min(now_s, max(real_s - self._slip_s, before_s))
+
+    def coming_s(self, wall_ns: int) -> float:
+        """Return when something that is to be at a wall clock time will be."""
+        self.now_s()  # brings the slip up to date
+        return (wall_ns - ahead_ns(time.time_ns, time.monotonic_ns)) / NS - self._slip_s

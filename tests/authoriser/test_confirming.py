@@ -1,0 +1,196 @@
+"""An admin's tap: by somebody else, in time, once, with the same words on both sides."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import pytest
+
+from rosic.authoriser import messages as words
+from rosic.authoriser.admission import ApplicantWaits, CodeRedeemed, TurnedAway
+from rosic.core.records import Fact
+from rosic.errors import Expired, NotPermitted
+from tests.authoriser.office import CY, DI, Office, account
+
+if TYPE_CHECKING:
+    from rosic.core.identity import Address
+
+
+@pytest.fixture
+async def office() -> Office:
+    return await Office().with_admins()
+
+
+async def waiting(
+    office: Office, address: Address = CY, role: str = "senior", name: str = "Cy"
+) -> ApplicantWaits:
+    code, _ = await office.invite(role, confirm=True)
+    answer = await office.redeem(code, address, name=name)
+    assert isinstance(answer, ApplicantWaits), answer
+    return answer
+
+
+async def test_a_senior_waits_and_both_sides_see_the_same_words(office: Office) -> None:
+    code, made = await office.invite("senior", lasts_s=7200.0)
+    assert made.needs_confirmation
+    answer = await office.redeem(code)
+    assert isinstance(answer, ApplicantWaits)
+    applicant = answer.applicant
+    assert applicant.words in answer.sentence
+    assert applicant.question == (
+        "Cy wants to come in as senior for 2 hours. "
+        f"Let them in only if they see these words: {applicant.words}."
+    )
+    assert office.directory.at(CY) is None
+
+    await office.clock.advance(1000.0)
+    done = await office.confirm(applicant.pending.id, "bo")
+    assert done.person.id == applicant.pending.principal
+    assert office.directory.at(CY) == (done.person, done.key)
+    # The right lasts from the tap, not from the code.
+    assert done.grants[0].expires_ns == office.clock.wall_ns() + 7_200_000_000_000
+
+
+async def test_an_ordinary_role_does_not_wait(office: Office) -> None:
+    _, made = await office.invite("operator")
+    assert not made.needs_confirmation
+
+
+async def test_no_two_open_questions_show_the_same_words(office: Office) -> None:
+    shown = [(await waiting(office, account(n))).applicant.words for n in range(600)]
+    assert len(set(shown)) == 600  # by chance, two of 600 would share theirs nine times in ten
+
+
+async def test_whoever_has_no_right_cannot_let_anybody_in(office: Office) -> None:
+    pending = (await waiting(office)).applicant.pending.id
+    with pytest.raises(NotPermitted, match="Only an admin lets people in"):
+        await office.confirm(pending, "di", may_admit=False)
+    with pytest.raises(NotPermitted, match="Only an admin"):
+        office.enrolment.decline(pending, "di", may_admit=False)
+    assert office.tally["confirm-no-right"] == 2
+    assert isinstance(await office.confirm(pending, "ada"), CodeRedeemed)
+
+
+async def test_nobody_confirms_their_own(office: Office) -> None:
+    # An admin who redeems another admin's code for more: still not by their own tap.
+    await office.knows("di", "Di", DI, roles=("admin",))
+    pending = (await waiting(office, DI)).applicant.pending
+    assert pending.principal == "di"
+    for may_admit in (True, False):
+        with pytest.raises(NotPermitted, match="Another admin has to let you in"):
+            await office.confirm(pending.id, "di", may_admit=may_admit)
+    assert office.tally["confirm-own"] == 2
+    assert (await office.confirm(pending.id, "ada")).person.roles == ("admin", "senior")
+
+
+async def test_a_double_tap_lets_in_once(office: Office) -> None:
+    pending = (await waiting(office)).applicant.pending.id
+    await office.confirm(pending, "ada")
+    for by in ("ada", "bo"):
+        with pytest.raises(Expired, match="settled before"):
+            await office.confirm(pending, by)
+    with pytest.raises(Expired, match="settled before"):
+        office.enrolment.decline(pending, "bo", may_admit=True)
+    assert office.tally["confirm-late"] == 3
+
+
+async def test_whoever_is_declined_is_out_and_the_code_is_gone(office: Office) -> None:
+    code, _ = await office.invite("senior")
+    answer = await office.redeem(code)
+    assert isinstance(answer, ApplicantWaits)
+    pending = answer.applicant.pending
+    declined = office.enrolment.decline(pending.id, "bo", may_admit=True)
+    assert (declined.address, declined.newcomer) == (CY, True)
+    assert office.tally["declined"] == 1
+    await office.write(declined.records)
+    with pytest.raises(Expired):
+        await office.confirm(pending.id, "ada")
+    again = await office.redeem(code, DI)
+    assert isinstance(again, TurnedAway)
+    assert again.kind == "code-used"
+
+
+async def test_the_first_admin_is_still_to_come_until_somebody_is_one(office: Office) -> None:
+    admins = [p for p in office.directory.people() if "admin" in p.roles]
+    assert office.enrolment.nobody_is_admin() is (not admins)
+    await office.knows("zoe", "Zoe", DI, roles=("admin",))
+    assert office.enrolment.nobody_is_admin() is False
+
+
+async def test_an_applicant_may_go_away(office: Office) -> None:
+    pending = (await waiting(office)).applicant.pending
+    declined = office.enrolment.decline(pending.id, pending.principal, may_admit=False)
+    await office.write(declined.records)
+    assert office.enrolment.applicants.all() == ()
+
+
+async def test_a_question_ends_after_a_day(office: Office) -> None:
+    pending = (await waiting(office)).applicant.pending
+    await office.clock.advance(86_399.0)
+    assert office.enrolment.lapsed() == ()
+    await office.clock.advance(1.0)
+    with pytest.raises(Expired, match="waited too long"):
+        await office.confirm(pending.id, "ada")
+    lapsed = office.enrolment.lapsed()
+    assert [end.sentence for end in lapsed] == [words.lapsed()]
+    await office.write(lapsed[0].records)
+    assert office.enrolment.lapsed() == ()
+    # A clock set back does not open it again.
+    office.clock.jump_wall(-86_400.0)
+    with pytest.raises(Expired):
+        await office.confirm(pending.id, "ada")
+
+
+async def test_who_waits_cannot_use_a_second_code_up(office: Office) -> None:
+    first = await waiting(office)
+    code, _ = await office.invite("senior")
+    again = await office.redeem(code)
+    assert isinstance(again, TurnedAway)
+    assert first.applicant.words in again.sentence
+    assert again.sentence.endswith("I wait for 24 hours.")
+    await office.clock.advance(7_200.0)
+    code, _ = await office.invite("senior")
+    third = await office.redeem(code)
+    assert isinstance(third, TurnedAway)
+    assert third.sentence.endswith("I wait for 22 hours.")
+    assert isinstance(await office.redeem(code, DI), ApplicantWaits)
+
+
+async def test_nobody_comes_in_while_locked(office: Office) -> None:
+    await office.knows("cy", "Cy", CY, roles=("viewer",))
+    pending = (await waiting(office)).applicant.pending.id
+    await office.write(office.locks.lock("cy", "bo"))
+    with pytest.raises(NotPermitted, match="Cy is locked"):
+        await office.confirm(pending, "ada")
+    await office.write(office.locks.unlock("cy", "ada", "Cy"))
+    assert isinstance(await office.confirm(pending, "ada"), CodeRedeemed)
+
+
+async def test_a_question_outlives_a_restart_with_its_words(office: Office) -> None:
+    before = (await waiting(office)).applicant
+    again = await office.restarted()
+    assert again.enrolment.applicants.at(CY) == before
+    assert again.enrolment.applicants.all()[0].words == before.words
+    done = await again.confirm(before.pending.id, "ada")
+    assert again.directory.at(CY) == (done.person, done.key)
+
+
+async def test_a_damaged_question_is_none(office: Office) -> None:
+    pending = (await waiting(office)).applicant.pending.id
+    good = (await office.store.open()).facts["pending"][0]
+    for fact in (
+        Fact(kind="pending", key=pending, body=b"\xc1"),
+        Fact(kind="pending", key=pending, body=good.body),  # its letter was shredded
+        Fact(kind="pending", key="w-other", body=good.body, letter=good.letter),
+    ):
+        office.enrolment.apply(fact)
+    assert office.enrolment.applicants.get("w-other") is None
+    with pytest.raises(Expired):
+        await office.confirm(pending, "ada")
+
+
+async def test_who_became_known_meanwhile_is_not_doubled(office: Office) -> None:
+    pending = (await waiting(office)).applicant.pending.id
+    await office.knows("cy", "Cy", CY, roles=("viewer",))
+    with pytest.raises(Expired):
+        await office.confirm(pending, "ada")

@@ -1,0 +1,43 @@
+"""What decides is there from the first moment: until whoever knows is made, it refuses (I18)."""
+
+from __future__ import annotations
+
+import pytest
+
+from rosic.app.access import AccessFeature, authoriser_of
+from rosic.app.policy import PolicyService
+from rosic.authoriser.invitation import InvitedRights
+from rosic.authoriser.monotonic_clock import MonotonicWallClock
+from rosic.config.profiles import known_units
+from rosic.core.deferred import Deferred
+from rosic.core.policy.roles import DEFAULT_ROLES, RoleRules
+from rosic.core.stop_registry import StopRegistry, not_known_yet
+from rosic.errors import RobotStopped
+from rosic.stores.memory import MemoryStore
+from rosic.testing.clock import ManualClock, SeededEntropy
+
+
+def test_until_it_is_bound_it_refuses_and_it_is_bound_once() -> None:
+    decides: Deferred[[str], bool] = Deferred(lambda _who: False)
+    assert not decides("Ada")
+    decides.bind(lambda who: who == "Ada")
+    assert decides("Ada")
+    with pytest.raises(RuntimeError):
+        decides.bind(lambda _who: True)
+    assert not decides("Bo")
+
+
+def test_nothing_is_resumed_before_it_is_known_what_may_be() -> None:
+    board = StopRegistry(["omni"], {}, not_known_yet())
+    assert isinstance(board.barred("omni"), RobotStopped)
+    board.barred.bind(lambda _robot: None)
+    assert board.barred("omni") is None
+
+
+def test_nobody_is_let_in_before_it_is_known_who_may_let_them() -> None:
+    clock, entropy = ManualClock(), SeededEntropy()
+    authoriser = authoriser_of(MonotonicWallClock(clock), clock, entropy)
+    rulebook = RoleRules(roles=DEFAULT_ROLES)
+    authority = PolicyService(rulebook, (), known_units(), clock, lambda _who: ())
+    access = AccessFeature(authoriser, authority, MemoryStore(), entropy, "lab")
+    assert not access.enrolment.may_invite("p-1", InvitedRights(roles=("viewer",)))

@@ -1,0 +1,243 @@
+"""I10, L2: a record or a stop file that neither writes nor fails hides no stop (I1, I7, I9)."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+import pytest
+from msgspec.structs import replace
+
+from rosic.container.patience import WITHIN_S
+from rosic.core.history import RESUMED, HistoryQuery
+from rosic.core.message import Chat
+from rosic.core.records import Claimed, Concluded, Refused, Resumed, Told
+from rosic.errors import RecordUnavailable, StoreFault
+from rosic.gateway.stop import LATCH_WITHIN_S
+from rosic.stores.memory import MemoryStore
+from rosic.stores.stop_latch import MemoryLatch
+from rosic.testing.clock import settle
+from tests.gateway.place import BO as BO_THERE
+from tests.gateway.place import Place, SlowStore
+from tests.gateway.received import ADA, BO, STRANGER, Receiving, receiving
+from tests.pace import pace
+
+if TYPE_CHECKING:
+    from rosic.core.records import Record
+
+STOPPED_WITHIN_S = 5.0
+
+
+class HangingStore(MemoryStore):
+    """Writes nothing, and does not fail either, until it goes on."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.goes_on = asyncio.Event()
+        self.goes_on.set()
+        self.written: list[Record] = []
+
+    async def write(self, *records: Record) -> None:
+        """Wait for the disk."""
+        await self.goes_on.wait()
+        await super().write(*records)
+        self.written += records
+
+
+class HangingLatch(MemoryLatch):
+    """Likewise; never goes on."""
+
+    hangs = False
+
+    async def write(self, robot: str, generation: int, *, latched: bool) -> None:
+        """Wait for the disk."""
+        if self.hangs:
+            await asyncio.Event().wait()
+        await super().write(robot, generation, latched=latched)
+
+
+async def stopped(place: Receiving, robot: str) -> None:
+    async with asyncio.timeout(STOPPED_WITHIN_S * pace()):
+        while not place.gateway.rooms.board[robot].latched:  # noqa: ASYNC110 - nobody is told
+            await asyncio.sleep(0.01)
+
+
+@pytest.mark.parametrize(
+    "before",
+    [[(BO, "omni fly")], [(BO, "omni move 0.1 m")] * 100, [(ADA, "/invite operator omni for 2h")]],
+    ids=["a refusal", "a hundred orders", "an invitation"],
+)
+async def test_a_record_that_hangs_hides_no_stop(before: list[tuple[int, str]]) -> None:
+    store = HangingStore()
+    async with receiving(store) as place:
+        place.give(place.message(ADA, "status"))
+        await place.drained()
+        store.goes_on.clear()
+        place.give(*(place.message(who, text) for who, text in before))
+        place.give(*(place.message(STRANGER + n, "hi") for n in range(100)))
+        place.give(place.message(ADA, "stop"))
+        try:
+            await stopped(place, "omni")
+        finally:
+            store.goes_on.set()
+        await place.drained()
+        robot = place.gateway.robots["omni"]
+        assert not getattr(robot, "acted", None), "what was written too late moves nothing"
+
+
+async def test_a_stop_file_that_hangs_hides_no_stop_of_another_robot() -> None:
+    latch = HangingLatch()
+    async with receiving(latch=latch) as place:
+        latch.hangs = True
+        place.give(*(place.message(BO, "stop omni") for _ in range(100)))
+        await stopped(place, "omni")
+        place.give(place.message(ADA, "stop kuka1"))
+        await stopped(place, "kuka1")
+        assert place._line.waiting, "the newest of each robot is not confirmed"
+
+
+async def test_only_the_newest_stop_of_a_robot_waits_for_the_stop_file() -> None:
+    latch = HangingLatch()
+    latch.hangs = True
+    async with Place(latch=latch).open() as place:
+        pipeline, chat = place.gateway.pipeline, place.chat
+        said = [chat._inbound("1", Chat("memory", "1"), f"m{n}", None) for n in range(5)]
+        texts = ("stop omni", "stop omni kuka1", "stop kuka1", "stop omni", "stop omni")
+        taken = [
+            asyncio.create_task(pipeline.receive(chat, replace(each, text=text)))
+            for each, text in zip(said, texts, strict=True)
+        ]
+        await settle()
+        assert [task.done() for task in taken] == [True, True, False, True, False]
+        await place.clock.advance(LATCH_WITHIN_S)
+        assert all(task.done() for task in taken)
+        assert not place.gateway.stop_lane._holding._newest
+
+
+async def late_order(place: Place, store: SlowStore) -> str:
+    """Have an order claimed too late; return what its author was told."""
+    before = len(place.chat.told)
+    place.chat.say("omni move 1 m", account=BO_THERE, chat="2", message="late")
+    await place.quiet()
+    await place.clock.advance(WITHIN_S)
+    await place.quiet()
+    told = place.chat.told[before].outbound.text
+    store.ready.set()
+    await place.quiet()
+    return told
+
+
+async def test_what_is_claimed_too_late_is_disowned_and_never_done() -> None:
+    store = SlowStore(Claimed)
+    async with Place(store).open() as place:
+        told = await late_order(place, store)
+        assert told.startswith("I cannot write down what is decided, so nothing may move.")
+        assert place.acted() == 0
+        await place.say("omni move 1 m", account=BO_THERE, chat="2", message="late")
+        assert place.acted() == 0, "its identity is that of a refusal"
+        await place.say("omni move 1 m", account=BO_THERE, chat="2", message="again")
+        assert place.acted() == 1, "the record answers again"
+    assert not (await store.open()).unfinished, "settled and told"
+    async with Place(store).open() as place:
+        await place.say("omni move 1 m", account=BO_THERE, chat="2", message="late")
+        assert place.acted() == 0
+        assert not place.robot("omni").gate.latched, "nobody is in doubt about it"
+
+
+async def test_what_was_claimed_too_late_and_not_disowned_is_unknown_after_a_restart() -> None:
+    class Dies(SlowStore):
+        def note(self, *records: Record) -> None:
+            super().note(*(r for r in records if not isinstance(r, Concluded | Told)))
+
+    store = Dies(Claimed)
+    async with Place(store).open() as place:
+        await late_order(place, store)
+    assert len((await store.open()).unfinished) == 1
+    async with Place(store).open() as place:
+        await place.quiet()
+        assert place.robot("omni").gate.latched
+        assert "may or may not have been carried out" in place.chat.told[-1].outbound.text
+        await place.say("omni move 1 m", account=BO_THERE, chat="2", message="late")
+        assert place.acted() == 0
+
+
+async def test_while_something_is_late_nothing_else_waits() -> None:
+    store = SlowStore(Claimed)
+    async with Place(store).open() as place:
+        place.chat.say("omni move 1 m")
+        await place.quiet()
+        await place.clock.advance(WITHIN_S)
+        told = await place.say("kuka1 move 1 m")
+        assert told.startswith("I cannot write down what is decided, so nothing may move.")
+        store.ready.set()
+        await place.quiet()
+        assert place.acted() == place.acted("kuka1") == 0
+
+
+async def test_a_claim_in_time_is_carried_out() -> None:
+    store = SlowStore(Claimed)
+    async with Place(store).open() as place:
+        place.chat.say("omni move 1 m")
+        await place.quiet()
+        await place.clock.advance(WITHIN_S * 0.9)
+        store.ready.set()
+        await place.quiet()
+        assert place.acted() == 1
+
+
+@pytest.mark.parametrize(("slow", "said"), [(Refused, "omni fly"), (Resumed, "resume omni")])
+async def test_what_moves_nothing_does_not_wait_longer_either(slow: type, said: str) -> None:
+    store = SlowStore(slow)
+    async with Place(store).open() as place:
+        await place.say("stop omni")
+        await place.clock.advance(1.0)
+        before = len(place.chat.told)
+        place.chat.say(said)
+        await place.quiet()
+        assert len(place.chat.told) == before
+        await place.clock.advance(WITHIN_S)
+        await place.quiet()
+        assert len(place.chat.told) > before
+        store.ready.set()
+        await place.quiet()
+        assert place.robot("omni").gate.latched, "it was said to stay stopped"
+
+
+async def test_a_resume_that_is_written_too_late_is_told_to_have_had_no_effect() -> None:
+    store = SlowStore(Resumed)
+    async with Place(store).open() as place:
+        await place.say("stop omni")
+        await place.clock.advance(1.0)
+        place.chat.say("resume omni")
+        await place.quiet()
+        await place.clock.advance(WITHIN_S)
+        await place.quiet()
+        assert place.chat.told[-1].outbound.text.endswith("omni stays stopped.")
+        store.ready.set()
+        await place.quiet()
+        assert place.robot("omni").gate.latched
+        told = await place.say("/history omni")
+        [resumed] = [line for line in told.splitlines() if "resume omni" in line]
+        assert resumed.endswith("stayed stopped"), told
+        await place.say("resume omni")
+        told = await place.say("/history omni")
+        assert "ready again" in told, "one that had its effect is said to"
+
+
+async def test_a_resume_whose_stop_file_fails_is_told_to_have_had_no_effect() -> None:
+    class Fails(MemoryLatch):
+        async def write(self, robot: str, generation: int, *, latched: bool) -> None:
+            if not latched:
+                raise StoreFault("The stop holds, but could not be kept on disk.")
+            await super().write(robot, generation, latched=latched)
+
+    store = MemoryStore()
+    async with Place(store, Fails()).open() as place:
+        await place.say("stop omni")
+        assert (await place.say("resume omni")).startswith("omni stays stopped: ")
+        assert place.robot("omni").gate.latched
+        assert "ready again" not in await place.say("/history omni")
+        with pytest.raises(RecordUnavailable):
+            await place.gateway.pipeline.resuming.by_operator(["omni"], place.clock.wall_ns())
+        entries = await store.history(HistoryQuery(robot="omni"))
+        assert [e.outcome for e in entries if e.kind == RESUMED] == ["refused", "refused"]

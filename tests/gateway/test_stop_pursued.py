@@ -1,0 +1,61 @@
+"""What people read of a stop that was confirmed later than its answer."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rosic.linker.pursuit import EVERY_S
+from rosic.robots.memory import MemoryRobot
+from tests.gateway.place import Place
+
+if TYPE_CHECKING:
+    from rosic.core.order import Rest, Stop
+    from rosic.core.robot.profile import Presence
+
+
+class Coasting(MemoryRobot):
+    """It goes on moving until it was told to stop for the second time."""
+
+    tries = 0
+    moving = False
+
+    async def stop(self, stop: Stop) -> Rest:
+        rest = await super().stop(stop)
+        self.tries += 1
+        self.moving = self.tries == 1
+        return replace(rest, confirmed=not self.moving)
+
+    def presence(self) -> Presence:
+        found = super().presence()
+        return replace(found, at_rest=False) if self.moving else found
+
+
+class Slope(Place):
+    kind = Coasting
+
+
+async def test_it_is_said_to_move_not_resumed_and_then_to_be_at_rest() -> None:
+    async with Slope().open() as here:
+        told = await here.say("stop omni")
+        assert "omni has not confirmed the stop. Use its own stop button." in told
+        status = await here.say("status omni")
+        assert "stopped by Ada · STOP not confirmed: it moves" in status
+        refused = await here.say("resume omni")
+        assert "omni stays stopped: omni still moves: its stop is not confirmed yet" in refused
+        await here.clock.advance(EVERY_S)
+        await here.quiet()
+        assert here.last()[1].text == "omni is at rest now."
+        assert "not confirmed" not in await here.say("status omni")
+        assert "omni is ready again." in await here.say("resume omni")
+
+
+async def test_whoever_resumes_or_stops_again_is_told_nothing_of_the_stop_before() -> None:
+    async with Slope().open() as here:
+        await here.say("stop omni")
+        again = await here.say("stop omni")
+        assert "omni at rest" in again
+        await here.clock.advance(60)
+        await here.quiet()
+        assert "omni is at rest now." not in [told.outbound.text for told in here.chat.told]
